@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CASE_H
+#define LACUNA_CASE_H
+
+#include "lacuna/run.h"
+
+/// One thing that is wrong with a case.
+typedef struct lac_case_issue {
+    char *file, *key, *value, *message; ///< message: what is allowed; value "" where none
+    size_t line;                        ///< 1-based; 0 where it comes from --set
+    bool warning;                       ///< said by `check`, but the case runs
+} lac_case_issue;
+
+/// All that is wrong with a case, in the order of the file.
+typedef struct lac_case_report {
+    size_t count, errors;
+    lac_case_issue *issue;
+} lac_case_report;
+
+void lac_case_report_clear(lac_case_report *report);
+
+/// Writes `FILE:LINE: KEY: "VALUE" MESSAGE` (parts that are empty left out).
+const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size);
+
+typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
+
+typedef struct lac_interface_def {
+    double size;    ///< side [m]
+    int64_t levels; ///< 2^levels cells a side
+    int shape;      ///< lac_shape
+    int boundary;   ///< 0: periodic (free boundaries come with the free contact solver)
+} lac_interface_def;
+
+typedef struct lac_material_def {
+    double shear_modulus; ///< [Pa]; NaN: no material
+    double poisson;       ///< [1]
+    double shear_speed;   ///< [m/s]; NaN: from the density, or no damping
+    double density;       ///< [kg/m3]; NaN
+} lac_material_def;
+
+/// A distribution over cells: value_i = nominal * factor or nominal + shift.
+typedef enum lac_spread_kind {
+    LAC_SPREAD_LOGNORMAL = 0,
+    LAC_SPREAD_NORMAL,
+    LAC_SPREAD_UNIFORM
+} lac_spread_kind;
+
+typedef struct lac_spread {
+    char *key; ///< the parameter that varies
+    int kind;
+    double
+        width; ///< sigma of ln (lognormal), relative sigma (normal), relative half width (uniform)
+    int64_t seed;
+    size_t line;
+} lac_spread;
+
+typedef struct lac_spread_list {
+    size_t count;
+    lac_spread *item;
+} lac_spread_list;
+
+typedef struct lac_slot_list {
+    size_t count;
+    lac_slot *item;
+} lac_slot_list;
+
+typedef struct lac_compare_def {
+    char *path;                             ///< already relative to the working folder
+    char *time;                             ///< column
+    char *displacement, *displacement_unit; ///< NULL: none
+    char *velocity, *velocity_unit;
+    char *label; ///< what to call it; NULL
+} lac_compare_def;
+
+/// A case: text turned into one def per stage. Everything is SI and checked.
+typedef struct lac_case {
+    char *path;
+    char *title, *references, *institution; ///< NULL where absent
+    lac_interface_def interface;
+    lac_slot surface, domain; ///< at most one is set
+    lac_material_def material;
+    lac_slot normal;
+    lac_slot_list shear, pore;
+    lac_slot friction;
+    lac_spread_list friction_spread;
+    lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
+    lac_spread_list initial_spread; ///< keys slip_rate and state
+    lac_slot transfer;
+    bool dated;
+    double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
+    lac_run_def run;
+    int64_t fft_planning;
+    char *output_file; ///< NULL: named after the case
+    unsigned fields;   ///< LAC_FIELD_* of store.h
+    int64_t compression;
+    size_t compare_count;
+    lac_compare_def *compare;
+} lac_case;
+
+/// One `--set key.path=value`.
+typedef struct lac_override {
+    const char *key;   ///< dotted, list items by index
+    const char *value; ///< YAML
+} lac_override;
+
+/// Reads a case file, applies the overrides, checks everything.
+/// @param path       the file; "-" is not special
+/// @param overrides  [count] applied in order
+/// @param out        the case; NULL where it has errors
+/// @param report     all errors and warnings; the caller clears it, whatever the status
+/// @return LAC_OK; LAC_EINPUT (see report); LAC_EIO (cannot be read); LAC_ENOMEM
+lac_status lac_case_read(const char *path, const lac_override *overrides, size_t count,
+                         lac_case **out, lac_case_report *report, lac_error *err);
+
+/// As lac_case_read, from memory (the fuzzer's way in).
+/// @param name  stands for the path in messages and for relative paths
+lac_status lac_case_read_text(const char *name, const char *text, size_t size,
+                              const lac_override *overrides, size_t count, lac_case **out,
+                              lac_case_report *report, lac_error *err);
+
+/// Frees a case; NULL is fine.
+void lac_case_free(lac_case *c);
+
+/// The resolved case as YAML that reads back to the same case: every value in SI with its unit,
+/// defaults filled in.
+/// @return text the caller frees; NULL where memory is short
+char *lac_case_text(const lac_case *c);
+
+/// A kind of model that a case can choose: for `describe` and for slots.
+typedef struct lac_kind {
+    const char *name;    ///< "friction", "transfer", "surface" ...
+    const char *section; ///< where in a case it stands: "friction", "load.shear"
+    const char *summary;
+    const lac_descriptor *(*at)(size_t index); ///< NULL past the end
+} lac_kind;
+
+/// The index-th kind, NULL past the end.
+const lac_kind *lac_kind_at(size_t index);
+
+/// A section of plain parameters (interface, material, time, solver ...): for `describe`.
+typedef struct lac_section {
+    const char *name;
+    const char *summary;
+    const lac_param *params;
+    size_t param_count;
+} lac_section;
+
+/// The index-th section, NULL past the end.
+const lac_section *lac_section_at(size_t index);
+
+#endif

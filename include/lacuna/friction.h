@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FRICTION_H
+#define LACUNA_FRICTION_H
+
+#include "lacuna/param.h"
+
+/// Kernels work on blocks of at most this many cells, so that scratch stays in the L1 cache.
+enum { LAC_FRICTION_BLOCK = 256 };
+
+/// Every law's parameter struct starts with these, in this order.
+typedef struct lac_friction_params {
+    double f0; ///< friction coefficient at v0 in steady state [1]
+    double a;  ///< direct effect [1]
+    double b;  ///< evolution effect [1]
+    double dc; ///< slip to renew the contacts [m]
+    double v0; ///< reference slip rate [m/s]
+    int form;  ///< lac_friction_form
+} lac_friction_params;
+
+/// How the friction coefficient depends on u = ln v and w = ln theta.
+typedef enum lac_friction_form {
+    LAC_FORM_PLAIN = 0,   ///< f = f0 + a ln(v/v0) + b ln(v0 theta/dc)
+    LAC_FORM_REGULARISED, ///< f = a asinh(v/(2 v0) exp((f0 + b ln(v0 theta/dc))/a))
+} lac_friction_form;
+
+/// Friction coefficient and state evolution over a block of cells.
+typedef struct lac_friction_values {
+    double *f;   ///< friction coefficient [1]
+    double *f_u; ///< df/du
+    double *f_w; ///< df/dw
+    double *g;   ///< dw/dt [1/s]
+} lac_friction_values;
+
+/// Derivatives that only a Newton matrix needs.
+typedef struct lac_friction_slopes {
+    double *f_uu, *f_uw, *f_ww;
+    double *g_u, *g_w; ///< [1/s]
+} lac_friction_slopes;
+
+/// The cells' parameters. Transparent to laws; others go through the functions below.
+typedef struct lac_friction {
+    const struct lac_friction_law *law;
+    int form;
+    size_t n;         ///< cells
+    size_t columns;   ///< cell-wise parameters of the law, in the order of its table
+    double **column;  ///< [columns][n] SI
+    double *constant; ///< [n] f0 + (b - a) ln v0 - b ln dc: f = constant + a u + b w
+    double *ln_dc;    ///< [n]
+    double *inv_dc;   ///< [n] [1/m]
+} lac_friction;
+
+/// Columns that every law has.
+enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_COMMON_COLUMNS };
+
+/// A friction law: how the state evolves. The strength is one of the forms.
+typedef struct lac_friction_law {
+    lac_descriptor about;
+    /// Over cells first ... first + n - 1:  g = dw/dt, and its derivatives.
+    /// @param u, w, v  [n] ln v, ln theta, v of these cells
+    /// @param g        [n]
+    /// @param g_u, g_w [n], or NULL where not wanted (both)
+    void (*evolve)(const lac_friction *friction, size_t first, size_t n, const double *u,
+                   const double *w, const double *v, double *g, double *g_u, double *g_w);
+    /// ln theta at which a cell sliding at ln v = u is steady.
+    double (*steady_state)(const lac_friction *friction, size_t cell, double u);
+} lac_friction_law;
+
+/// The index-th law in the registry, NULL past the end.
+const lac_friction_law *lac_friction_law_at(size_t index);
+
+/// Cells that all have the parameters of the slot.
+/// @param slot  a friction law and its parameters
+/// @param n     cells
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **out, lac_error *err);
+
+/// Frees a friction; NULL is fine.
+void lac_friction_free(lac_friction *friction);
+
+/// Gives the cells values of their own for one parameter, checked against its range.
+/// @param key     a LAC_CELLWISE parameter of the law
+/// @param values  [n] SI
+/// @return LAC_OK; LAC_EINPUT (no such parameter, a value out of range: says which cell)
+lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
+                            lac_error *err);
+
+/// Evaluates strength and evolution over cells first ... first + n - 1 (n <= LAC_FRICTION_BLOCK).
+/// @param u, w, v  [n] ln v, ln theta, v of these cells; v = exp(u)
+/// @param values   [n] arrays; overwritten
+/// @param slopes   [n] arrays; overwritten; NULL where not wanted
+/// @return nothing; cannot fail, but the results may be infinite where u or w are
+void lac_friction_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
+                           const double *w, const double *v, const lac_friction_values *values,
+                           const lac_friction_slopes *slopes);
+
+/// Friction coefficient of one cell.
+double lac_friction_coefficient(const lac_friction *friction, size_t cell, double u, double w);
+
+/// ln theta in steady state at ln v = u.
+double lac_friction_steady_state(const lac_friction *friction, size_t cell, double u);
+
+/// ln theta at which the cell has coefficient f at ln v = u.
+/// @return NaN where there is none (b = 0)
+double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f);
+
+/// ln v at which the cell in state w carries traction tau: p f(u, w) + eta e^u = tau.
+/// @param tau, pressure, eta  [Pa], [Pa], [Pa s/m]
+/// @return NaN where there is none (a = 0 and eta = 0, tau <= 0 regularised)
+double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
+                             double pressure, double eta);
+
+#endif

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_GRID_H
+#define LACUNA_GRID_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// A regular grid of cells: cell (ix, iy) has index iy * nx + ix and its centre at
+/// ((ix + 1/2) dx, (iy + 1/2) dy). Slip is along x. A line is a grid with ny = 1.
+typedef struct lac_grid {
+    size_t nx, ny; ///< cells along x and y; nx = ny = 1 is a single block
+    double dx, dy; ///< side of a cell [m]
+    bool periodic; ///< the interface repeats in x and y
+} lac_grid;
+
+/// Number of cells.
+static inline size_t lac_grid_cells(const lac_grid *grid) { return grid->nx * grid->ny; }
+
+/// Area of one cell [m2].
+static inline double lac_grid_cell_area(const lac_grid *grid) { return grid->dx * grid->dy; }
+
+/// Nominal area of the interface [m2].
+static inline double lac_grid_area(const lac_grid *grid)
+{
+    return (double)grid->nx * grid->dx * (double)grid->ny * grid->dy;
+}
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LACUNA_H
+#define LACUNA_LACUNA_H
+
+/// Lacuna: creep, acceleration and failure of rough rock joints. All public headers.
+#include "lacuna/case.h"
+#include "lacuna/contact.h"
+#include "lacuna/error.h"
+#include "lacuna/fractal.h"
+#include "lacuna/friction.h"
+#include "lacuna/grid.h"
+#include "lacuna/hierarchy.h"
+#include "lacuna/load.h"
+#include "lacuna/param.h"
+#include "lacuna/problem.h"
+#include "lacuna/run.h"
+#include "lacuna/scene.h"
+#include "lacuna/series.h"
+#include "lacuna/store.h"
+#include "lacuna/surface.h"
+#include "lacuna/transfer.h"
+#include "lacuna/version.h"
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LOAD_H
+#define LACUNA_LOAD_H
+
+#include "lacuna/param.h"
+
+#define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
+
+/// The load on the interface at one time, all shear and pore-pressure loads summed.
+typedef struct lac_load_state {
+    double ratio, ratio_rate;   ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
+    double stress, stress_rate; ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
+    double spring_stiffness;    ///< of the mean slip, over the nominal area [Pa/m]
+    double spring_stress;       ///< sum of stiffness * travel of the far ends [Pa]
+    double spring_rate;         ///< its rate [Pa/s]
+    double pore, pore_rate;     ///< pore pressure [Pa], [Pa/s]
+} lac_load_state;
+
+/// Normal load: the total mean pressure on the interface, constant in time.
+typedef struct lac_normal_load {
+    lac_descriptor about;
+    bool needs_density;
+    /// @param density  of the rock [kg/m3]; NaN where the case names none
+    /// @return mean normal stress over the nominal area [Pa]
+    double (*pressure)(const void *params, double density);
+} lac_normal_load;
+
+/// A shear load or a pore-pressure load: adds its part to the sum.
+typedef struct lac_load_kind {
+    lac_descriptor about;
+    bool fixes_shear; ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    /// Adds its values at time t [s since the start of the run].
+    void (*add)(const void *params, double t, lac_load_state *sum);
+    /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
+    double (*next_break)(const void *params, double t);
+} lac_load_kind;
+
+/// The loads of a scene. The slots must outlive it.
+typedef struct lac_load_set {
+    const lac_slot *shear; ///< [shear_count] of lac_load_kind
+    size_t shear_count;
+    const lac_slot *pore; ///< [pore_count]
+    size_t pore_count;
+} lac_load_set;
+
+/// The index-th row of each registry, NULL past the end.
+const lac_normal_load *lac_normal_load_at(size_t index);
+const lac_load_kind *lac_shear_load_at(size_t index);
+const lac_load_kind *lac_pore_load_at(size_t index);
+
+/// All loads at time t.
+void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
+
+/// The first time after t at which any load or its rate jumps; INFINITY if none.
+double lac_load_next_break(const lac_load_set *set, double t);
+
+#endif

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_PROBLEM_H
+#define LACUNA_PROBLEM_H
+
+#include "lacuna/friction.h"
+#include "lacuna/load.h"
+#include "lacuna/transfer.h"
+
+/// What a creep problem is made from; everything pointed at must outlive the problem, except the
+/// initial arrays, which are copied.
+typedef struct lac_problem_def {
+    const lac_domain *domain;
+    const lac_friction *friction; ///< of domain->n cells
+    const lac_transfer *transfer;
+    lac_load_set loads;
+    double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none
+    const double *log_rate;  ///< [n] ln v at the start
+    const double *log_state; ///< [n] ln theta at the start
+} lac_problem_def;
+
+/// Rate-and-state creep of the contact cells, unknowns y = (ln v, ln theta): docs/theory/creep.md.
+/// Immutable.
+typedef struct lac_problem lac_problem;
+
+/// What is seen of a state.
+typedef struct lac_observation {
+    double mean_rate, max_rate; ///< over contact cells [m/s]
+    double mean_slip;           ///< [m]
+    double shear_force;         ///< Q [N]
+    double normal_force;        ///< P, total [N]
+    double effective_force;     ///< P - u L^2 [N]
+    double balance_residual;    ///< max |q - K slip - p f - eta v| / (f0 p) [1]
+    size_t fastest;             ///< cell with the largest rate
+} lac_observation;
+
+/// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive);
+///         LAC_ENOMEM
+lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
+
+/// Frees a problem; NULL is fine.
+void lac_problem_free(lac_problem *problem);
+
+/// Contact cells n; y has 2n components: ln v of every cell, then ln theta.
+size_t lac_problem_cells(const lac_problem *problem);
+
+/// Doubles of scratch that the functions below need.
+size_t lac_problem_work(const lac_problem *problem);
+
+/// y at the start. @param y  [2n]
+void lac_problem_initial(const lac_problem *problem, double *y);
+
+/// dy/dt.
+/// @param t     time since the start [s]
+/// @param y     [2n]
+/// @param ydot  [2n]; overwritten
+/// @param work  [lac_problem_work]
+/// @return true; false where a rate is not finite or the effective pressure not positive
+bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
+                            double *work);
+
+/// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), exactly in
+/// O(n) where the transfer's solve is.
+/// @param b  [2n]; overwritten by x
+/// @return false where the matrix is not positive definite: the step is too long
+bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
+                        double *b, double *work);
+
+/// Takes y across a jump of the loads at time t: the traction jumps, the state does not.
+/// @return true; false where no rate balances the traction
+bool lac_problem_jump(const lac_problem *problem, double t, double *y);
+
+/// Slip rate of every cell. @param v  [n] [m/s]
+void lac_problem_rates(const lac_problem *problem, const double *y, double *v);
+
+/// Traction of every cell from the balance's elastic side, q - K slip.
+/// @param slip      [n] since the start [m]
+/// @param traction  [n] [Pa]
+void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
+                          double *traction, double *work);
+
+/// Means, extremes, forces and the balance residual.
+void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
+                         lac_observation *seen, double *work);
+
+/// The first time after t at which a load jumps or bends; INFINITY if none.
+double lac_problem_next_break(const lac_problem *problem, double t);
+
+/// A step that resolves the fastest change at (t, y) well [s].
+double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
+
+/// What is asked of the initial rate and state (a case's section `initial`).
+typedef enum lac_initial_state {
+    LAC_STATE_FROM_LOAD, ///< theta balances the load at the given rate
+    LAC_STATE_STEADY,    ///< theta steady at the given rate, or rate and state steady under load
+    LAC_STATE_TIME,      ///< theta given [s]
+    LAC_STATE_RATIO,     ///< theta = x theta_ss at the load that follows
+} lac_initial_state;
+
+typedef struct lac_initial_def {
+    double slip_rate; ///< [m/s]; NaN: follows from the load
+    lac_initial_state state;
+    double state_value;   ///< theta [s] or x [1]
+    const double *rates;  ///< [n] slip rate of each cell instead of slip_rate; NULL
+    const double *states; ///< [n] theta or x of each cell instead of state_value; NULL
+} lac_initial_def;
+
+/// Initial ln v and ln theta of every cell, from what is given and the loads at t = 0.
+/// @param log_rate, log_state  [n]; overwritten
+/// @return LAC_OK; LAC_EINPUT where the load and the values given do not determine them, with
+///         the first cell that fails
+lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
+                             const lac_friction *friction, const lac_load_set *loads,
+                             double damping, double *log_rate, double *log_state, lac_error *err);
+
+#endif

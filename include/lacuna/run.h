@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RUN_H
+#define LACUNA_RUN_H
+
+#include "lacuna/problem.h"
+
+typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
+
+/// How often something is recorded; the tightest of what is given counts.
+typedef struct lac_cadence {
+    double time;       ///< [s]; NaN: not by time
+    int64_t steps;     ///< 0: not by steps
+    double per_decade; ///< records per decade of the mean slip rate; NaN: not by rate
+} lac_cadence;
+
+/// One line of the time series.
+typedef struct lac_record {
+    double time_origin, time_local; ///< t = origin + local since the start [s]
+    lac_observation seen;
+    double step_size; ///< of the step that ended here [s]; NaN at the start
+    int64_t order;    ///< of that step; 0 at the start
+    int64_t rhs_evaluations;
+} lac_record;
+
+/// Fields of every cell at one time.
+typedef struct lac_snapshot {
+    double time;             ///< [s]
+    const double *slip;      ///< [n] [m]
+    const double *slip_rate; ///< [n] [m/s]
+    const double *state;     ///< [n] [s]
+    const double *traction;  ///< [n] [Pa]
+} lac_snapshot;
+
+/// Where a run's results go.
+typedef struct lac_sink {
+    void *context;
+    lac_status (*record)(void *context, const lac_record *record, lac_error *err);
+    lac_status (*snapshot)(void *context, const lac_snapshot *snapshot, lac_error *err);
+} lac_sink;
+
+/// How far a run has come.
+typedef struct lac_progress {
+    double time, end;    ///< [s]
+    double mean_rate;    ///< [m/s]
+    double failure_rate; ///< [m/s]
+    int64_t steps;
+} lac_progress;
+
+typedef struct lac_run_def {
+    lac_method method;
+    double rtol;         ///< on ln v and ln theta: relative on v and theta
+    int64_t max_order;   ///< 0: the method's own
+    double first_step;   ///< [s]; NaN: from the problem's time scales
+    int64_t max_steps;   ///< of the whole run
+    double end;          ///< [s]
+    double failure_rate; ///< mean slip rate that is failure [m/s]
+    double stop_slip;    ///< end the run at this mean slip [m]; NaN: no
+    double stop_rate;    ///< end the run at this largest slip rate of a cell [m/s]; NaN: no
+    lac_cadence record;
+    bool snapshots;
+    lac_cadence snapshot;
+    bool (*interrupted)(void *context); ///< asked after every step; NULL: never
+    void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
+    void *context;
+} lac_run_def;
+
+/// Why a run ended.
+typedef enum lac_end { LAC_END_TIME = 0, LAC_END_FAILURE, LAC_END_STOP, LAC_END_INTERRUPT } lac_end;
+
+typedef struct lac_run_result {
+    lac_end end;
+    bool failed;                          ///< the mean rate crossed failure_rate
+    double failure_origin, failure_local; ///< time of failure [s], NaN if none
+    double time;                          ///< reached [s]
+    int64_t steps, rhs_evaluations, newton_iterations, linear_solves;
+    int64_t error_test_fails, nonlinear_fails, restarts;
+    double max_slip_rate;    ///< of any cell at any record [m/s]
+    double mean_slip;        ///< at the end [m]
+    double balance_residual; ///< worst over the records
+} lac_run_result;
+
+/// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
+lac_run_def lac_run_default(void);
+
+/// Integrates a problem in time.
+/// @param sink    gets the records, the first at t = 0; NULL drops them
+/// @param result  filled as far as the run came, whatever the status
+/// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
+///         step, order and worst cell; what the sink returns; LAC_ENOMEM
+lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
+                   lac_run_result *result, lac_error *err);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SERIES_H
+#define LACUNA_SERIES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+struct lac_units;
+
+/// How a monitoring file is read. Texts are borrowed.
+typedef struct lac_series_def {
+    const char *path;
+    const char *time;              ///< name of the time column
+    const char *displacement;      ///< column name; NULL: none
+    const char *displacement_unit; ///< as UDUNITS reads it; NULL: m
+    const char *velocity;          ///< column name; NULL: none
+    const char *velocity_unit;     ///< NULL: m/s
+} lac_series_def;
+
+/// A monitoring series, in the order of time.
+typedef struct lac_series {
+    size_t n;
+    bool dated;           ///< times are seconds since 1970 UTC; else seconds as written
+    double *time;         ///< [n] strictly increasing [s]
+    double *displacement; ///< [n] [m], NaN where not given; NULL where no column was asked for
+    double *velocity;     ///< [n] [m/s], same
+    size_t *line;         ///< [n] line of the file
+    char *attribution;    ///< the file's leading comment lines, joined; may be ""
+    size_t missing;       ///< readings that were NA
+    size_t duplicates;    ///< readings dropped because their time had been seen
+} lac_series;
+
+/// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
+/// `#` comments, quoted fields, NA / NaN / empty / - for a missing value. Times are ISO 8601
+/// (without zone: UTC) or seconds.
+/// @param units  the units database, for the columns' units
+/// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
+///         LAC_ENOMEM
+lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
+                           lac_series **out, lac_error *err);
+
+/// Frees a series; NULL is fine.
+void lac_series_free(lac_series *series);
+
+/// A modelled history to lay beside a series.
+typedef struct lac_history {
+    size_t n;
+    const double *time; ///< [n] seconds on the series' clock, never decreasing
+    const double *slip; ///< [n] [m]
+    const double *rate; ///< [n] [m/s]
+} lac_history;
+
+/// How well the two agree over the readings that lie within the modelled history.
+typedef struct lac_misfit {
+    size_t displacement_count, velocity_count, outside; ///< readings used, and outside the history
+    double displacement_rms;                            ///< after the best constant offset [m]
+    double displacement_offset;                         ///< observed minus modelled, mean [m]
+    double log_rate_rms; ///< rms of log10(observed/modelled) velocity [1]
+} lac_misfit;
+
+/// Modelled slip and rate at time t: slip linear, rate linear in its logarithm.
+/// @return false outside the history
+bool lac_history_at(const lac_history *history, double t, double *slip, double *rate);
+
+/// Misfit of a history to a series.
+void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit);
+
+#endif

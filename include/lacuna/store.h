@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_H
+#define LACUNA_STORE_H
+
+#include "lacuna/fractal.h"
+#include "lacuna/run.h"
+
+/// Per-cell fields that a run may keep.
+enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
+
+/// Who made a file, from what. Texts may be NULL: the attribute is then left out.
+typedef struct lac_provenance {
+    const char *title, *institution, *references;
+    const char *case_text;    ///< the whole resolved case
+    const char *command_line; ///< for `history`
+    const char *libraries;    ///< names and versions
+    int64_t seed;             ///< of the surface or domain; INT64_MIN: none
+    double now;               ///< seconds since 1970, UTC: the library reads no clock
+} lac_provenance;
+
+typedef struct lac_store_def {
+    const char *path;
+    bool force; ///< replace an existing file
+    lac_provenance provenance;
+    bool dated;        ///< the run starts at a date
+    double start_date; ///< seconds since 1970 of t = 0
+    const lac_domain *domain;
+    const lac_hierarchy *hierarchy;
+    unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
+    int64_t compression; ///< deflate level of the snapshots, 0 to 9
+    int64_t sync_every;  ///< records between syncs
+} lac_store_def;
+
+/// A netCDF-4 file being written; docs/format.md.
+typedef struct lac_store lac_store;
+
+/// Creates the file with its metadata and status `running`.
+/// @return LAC_OK; LAC_EINPUT where the file exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err);
+
+/// The sink that writes into the store; valid until the store is finished or freed.
+lac_sink lac_store_sink(lac_store *store);
+
+/// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
+/// the wall time, and closes the file. The store still has to be freed.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
+                            double wall_time, lac_error *err);
+
+/// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
+void lac_store_free(lac_store *store);
+
+/// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.
+/// @param heights, gap, pressure  [ny * nx]; heights and gap may be NULL (a domain without surface)
+/// @param report, boxes           may be NULL
+/// @return as lac_store_create
+lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_grid *grid, const double *heights, const double *gap,
+                             const double *pressure, const lac_contact_report *report,
+                             const lac_box_count *boxes, lac_error *err);
+
+/// Reads one variable over `time` from a run's file, bounded by the file's own dimension.
+/// @param values  [n] allocated here, the caller frees
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, no such variable, damaged); LAC_ENOMEM
+lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
+                          lac_error *err);
+
+/// Reads a global text attribute.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
+                                    lac_error *err);
+
+#endif

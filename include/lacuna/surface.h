@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SURFACE_H
+#define LACUNA_SURFACE_H
+
+#include "lacuna/grid.h"
+#include "lacuna/param.h"
+
+/// Where the composite heights of an interface come from (peaks up, zero mean).
+typedef struct lac_surface_source {
+    lac_descriptor about;
+    /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
+    /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where the parameters do not fit the grid
+    lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
+                           lac_error *err);
+} lac_surface_source;
+
+/// Parameters of `self-affine`.
+typedef struct lac_self_affine {
+    double hurst;      ///< Hurst exponent [1]
+    double rms_height; ///< of the full band, rolloff to shortest [m]
+    double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
+    double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
+    int64_t seed;
+} lac_self_affine;
+
+/// The index-th source in the registry, NULL past the end.
+const lac_surface_source *lac_surface_source_at(size_t index);
+
+/// Heights of the chosen source on a grid.
+/// @param slot     a surface source and its parameters
+/// @param heights  [ny * nx] [m]; overwritten
+/// @return what the source returns
+lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
+                                lac_error *err);
+
+#endif

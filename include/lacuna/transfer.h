@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TRANSFER_H
+#define LACUNA_TRANSFER_H
+
+#include "lacuna/hierarchy.h"
+
+/// What a stress transfer is made from. The domain and hierarchy must outlive the transfer.
+typedef struct lac_transfer_scene {
+    const lac_domain *domain;
+    const lac_hierarchy *hierarchy;
+    double shear_modulus; ///< G [Pa]; NaN where the case names no material
+    double poisson;       ///< nu [1]
+} lac_transfer_scene;
+
+/// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite,
+/// zero for uniform slip.
+typedef struct lac_transfer_kind {
+    lac_descriptor about;
+    lac_status (*create)(const void *params, const lac_transfer_scene *scene, void **state,
+                         lac_error *err);
+    void (*free)(void *state);
+    size_t (*work)(const void *state); ///< doubles of scratch that apply and solve need
+    /// force = K slip; [n] each [m] -> [Pa]
+    void (*apply)(const void *state, const double *slip, double *force, double *work);
+    /// (D + K + k_mean P_m) x = y; x may be y; false where it is not positive definite
+    bool (*solve)(const void *state, double k_mean, const double *diagonal, const double *y,
+                  double *x, double *work);
+    /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
+    double (*stiffness)(const void *state, size_t level);
+} lac_transfer_kind;
+
+/// A transfer kind made for one domain. Immutable.
+typedef struct lac_transfer {
+    const lac_transfer_kind *kind;
+    void *state;
+} lac_transfer;
+
+/// Parameters of `hierarchy`: stiffness calibrated from the elastic half-space on this domain,
+/// or given as k_l = k0 * ratio^l.
+typedef struct lac_transfer_hierarchy {
+    int stiffness; ///< 0: elastic; -1 (absent) where k0 is given
+    double k0;     ///< stiffness of the finest level [Pa/m]; NaN where elastic
+    double ratio;  ///< k_{l+1}/k_l [1]
+    int64_t seed;  ///< of the calibration's random probes
+} lac_transfer_hierarchy;
+
+/// The index-th kind in the registry, NULL past the end.
+const lac_transfer_kind *lac_transfer_kind_at(size_t index);
+
+/// Makes the chosen transfer for a domain.
+/// @param slot  a transfer kind and its parameters; an empty slot means `none`
+/// @return LAC_OK; LAC_EINPUT (elastic without a material ...); LAC_ENUMERIC (calibration);
+///         LAC_ENOMEM
+lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
+                               lac_transfer *transfer, lac_error *err);
+
+/// Frees what a transfer owns.
+void lac_transfer_clear(lac_transfer *transfer);
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/error.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+lac_status lac_fail(lac_error *err, lac_status status, const char *format, ...)
+{
+    if (err != NULL) {
+        va_list args;
+        va_start(args, format);
+        (void)vsnprintf(err->message, sizeof err->message, format, args);
+        va_end(args);
+    }
+    return status;
+}
+
+lac_status lac_fail_within(lac_error *err, lac_status status, const char *format, ...)
+{
+    if (err == NULL) {
+        return status;
+    }
+    char where[sizeof err->message];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(where, sizeof where, format, args);
+    va_end(args);
+
+    // Whatever does not fit falls off the end of the older text, never the newer.
+    size_t used = strlen(where);
+    if (used + 2 < sizeof where) {
+        (void)snprintf(where + used, sizeof where - used, ": %s", err->message);
+    }
+    memcpy(err->message, where, sizeof where);
+    return status;
+}
+
+lac_status lac_fail_memory(lac_error *err) { return lac_fail(err, LAC_ENOMEM, "out of memory"); }

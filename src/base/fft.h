@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_FFT_H
+#define LACUNA_BASE_FFT_H
+
+#include <complex.h>
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+/// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE).
+typedef struct lac_fft {
+    size_t nx, ny, nkx;        ///< nkx = nx/2 + 1 wavenumbers along x
+    double *real;              ///< [ny * nx]
+    double _Complex *spectrum; ///< [ny * nkx]; destroyed by the inverse
+    void *forward, *inverse;
+} lac_fft;
+
+/// Plans transforms of an ny x nx grid (x fastest).
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err);
+
+/// Frees plans and buffers; NULL is fine.
+void lac_fft_free(lac_fft *fft);
+
+/// real -> spectrum, unnormalised.
+void lac_fft_forward(lac_fft *fft);
+
+/// spectrum -> real, unnormalised (the pair multiplies by nx * ny).
+void lac_fft_inverse(lac_fft *fft);
+
+/// Signed index of wavenumber j of n: 0, 1 ... n/2, -(n/2 - 1) ... -1.
+static inline double lac_fft_frequency(size_t j, size_t n)
+{
+    return 2 * j <= n ? (double)j : (double)j - (double)n;
+}
+
+#endif

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/param.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void *field(const lac_param *param, void *params) { return (char *)params + param->offset; }
+
+static bool owns_text(const lac_param *param)
+{
+    return param->type == LAC_TEXT || param->type == LAC_PATH;
+}
+
+static void set_default(const lac_param *param, void *params)
+{
+    void *at = field(param, params);
+    bool absent = isnan(param->fallback);
+    switch (param->type) {
+    case LAC_REAL:
+        memcpy(at, &param->fallback, sizeof(double));
+        break;
+    case LAC_INTEGER:
+        memcpy(at, &(int64_t){absent ? INT64_MIN : (int64_t)param->fallback}, sizeof(int64_t));
+        break;
+    case LAC_CHOICE:
+        memcpy(at, &(int){absent ? -1 : (int)param->fallback}, sizeof(int));
+        break;
+    case LAC_TEXT:
+    case LAC_PATH:
+        memcpy(at, &(char *){NULL}, sizeof(char *));
+        break;
+    }
+}
+
+lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err)
+{
+    (void)err;
+    memset(params, 0, about->params_size);
+    for (size_t i = 0; i < about->param_count; i++) {
+        set_default(&about->params[i], params);
+    }
+    return LAC_OK;
+}
+
+bool lac_param_allows(const lac_param *param, double value, char *why, size_t size)
+{
+    const char *unit = strcmp(param->unit, "1") == 0 ? "" : param->unit;
+    const char *gap = unit[0] == '\0' ? "" : " ";
+    bool open = (param->flags & LAC_ABOVE_MIN) != 0;
+    if (!isfinite(value)) {
+        (void)snprintf(why, size, "must be a finite number");
+        return false;
+    }
+    if (value < param->min || (open && value <= param->min)) {
+        (void)snprintf(why, size, "must be %s %g%s%s", open ? ">" : ">=", param->min, gap, unit);
+        return false;
+    }
+    if (value > param->max) {
+        (void)snprintf(why, size, "must be <= %g%s%s", param->max, gap, unit);
+        return false;
+    }
+    return true;
+}
+
+bool lac_param_given(const lac_param *param, const void *params)
+{
+    const char *at = (const char *)params + param->offset;
+    switch (param->type) {
+    case LAC_REAL: {
+        double value;
+        memcpy(&value, at, sizeof value);
+        return !isnan(value);
+    }
+    case LAC_INTEGER: {
+        int64_t value;
+        memcpy(&value, at, sizeof value);
+        return value != INT64_MIN;
+    }
+    case LAC_CHOICE: {
+        int value;
+        memcpy(&value, at, sizeof value);
+        return value >= 0;
+    }
+    case LAC_TEXT:
+    case LAC_PATH:
+        break;
+    }
+    char *text;
+    memcpy(&text, at, sizeof text);
+    return text != NULL;
+}
+
+lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err)
+{
+    slot->about = about;
+    slot->params = calloc(1, about->params_size > 0 ? about->params_size : 1);
+    if (slot->params == NULL) {
+        slot->about = NULL;
+        return lac_fail_memory(err);
+    }
+    return lac_params_default(about, slot->params, err);
+}
+
+void lac_slot_clear(lac_slot *slot)
+{
+    if (slot->about != NULL && slot->params != NULL) {
+        for (size_t i = 0; i < slot->about->param_count; i++) {
+            const lac_param *param = &slot->about->params[i];
+            if (owns_text(param)) {
+                char *text;
+                memcpy(&text, field(param, slot->params), sizeof text);
+                free(text);
+            }
+        }
+    }
+    free(slot->params);
+    *slot = (lac_slot){0};
+}

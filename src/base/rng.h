@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_RNG_H
+#define LACUNA_BASE_RNG_H
+
+#include <stdint.h>
+
+/// What a stream of random numbers is for: numbers of different streams are independent.
+typedef enum lac_stream {
+    LAC_STREAM_SURFACE = 1,
+    LAC_STREAM_DOMAIN,
+    LAC_STREAM_SPREAD,
+    LAC_STREAM_PROBE,
+    LAC_STREAM_BOX_ORIGIN,
+    LAC_STREAM_TEST,
+} lac_stream;
+
+/// Counter-based random numbers (Philox4x64-10; Salmon et al. 2011, doi 10.1145/2063384.2063405):
+/// the same key and counter give the same numbers, in any order and on any thread.
+/// @param seed, stream  key
+/// @param c0, c1        counter (a wavenumber, a cell ...)
+/// @param out           four independent 64-bit numbers
+void lac_random(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, uint64_t out[4]);
+
+/// Uniform in (0, 1), never 0 or 1.
+double lac_random_uniform(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1);
+
+/// Two independent standard normal numbers (Box-Muller).
+void lac_random_normal(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, double out[2]);
+
+#endif

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_UNITS_H
+#define LACUNA_BASE_UNITS_H
+
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+/// The UDUNITS-2 database, read once. Parsing is not thread-safe: parse at the start.
+typedef struct lac_units lac_units;
+
+/// Reads the database.
+/// @return LAC_OK; LAC_EIO where it is not installed; LAC_ENOMEM
+lac_status lac_units_create(lac_units **out, lac_error *err);
+
+/// Frees the database; NULL is fine.
+void lac_units_free(lac_units *units);
+
+/// Reads "0.1 mm" (or a bare number, which is SI) as a quantity of the dimension of `unit`.
+/// Refuses: anything unread at the end, another dimension, fractional exponents, months, `a`
+/// (are), "dday" and the like.
+/// @param text   as the user wrote it
+/// @param unit   SI unit of the result; "1" where dimensionless
+/// @param value  the quantity in `unit`; set only on success
+/// @return LAC_OK; LAC_EINPUT, with in `err` what is allowed ("must be a length, such as \"1 m\"")
+lac_status lac_units_parse(const lac_units *units, const char *text, const char *unit,
+                           double *value, lac_error *err);
+
+/// Factor and offset that take a number in unit `from` to unit `to`: y = scale x + offset.
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
+                             double *scale, double *offset, lac_error *err);
+
+/// Writes a value with the unit that reads best ("3 MPa", "1 cm/week", "12.5 day").
+/// @param unit  SI unit of the value
+/// @return text, which also stands in `text`
+const char *lac_units_format(double value, const char *unit, char *text, size_t size);
+
+#endif

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_VMATH_H
+#define LACUNA_BASE_VMATH_H
+
+#include <stddef.h>
+
+// Elementwise exp, log and asinh over arrays: vectorised, at most 1.5 ulp, the same bits on every
+// instruction set. IEEE special values behave as in libm. x and y may be the same array.
+
+/// y_i = exp(x_i)
+void lac_vexp(size_t n, const double *x, double *y);
+/// y_i = ln(x_i)
+void lac_vlog(size_t n, const double *x, double *y);
+/// y_i = asinh(x_i)
+void lac_vasinh(size_t n, const double *x, double *y);
+
+#endif
