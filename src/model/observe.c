@@ -12,6 +12,17 @@ static double mean_of(size_t n, const double *x)
     return total / (double)n;
 }
 
+void lac_problem_speed(const lac_problem *problem, const double *y, double *mean, double *max,
+                       double *work)
+{
+    size_t n = problem->n;
+    *mean = lac_problem_exp_sum(n, y, work) / (double)n;
+    *max = work[0];
+    for (size_t i = 1; i < n; i++) {
+        *max = work[i] > *max ? work[i] : *max;
+    }
+}
+
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
