@@ -48,6 +48,7 @@ static bool locate(probe *p, double low, double *high)
     if (!look(p, low, &at_low) || !look(p, *high, &at_high)) {
         return false;
     }
+    int side = 0;
     for (int i = 0; i < 100 && at_low < 0.0 && at_high > 0.0; i++) {
         double middle = *high - at_high * (*high - low) / (at_high - at_low);
         if (!(middle > low && middle < *high)) {
@@ -60,11 +61,13 @@ static bool locate(probe *p, double low, double *high)
         if (at_middle >= 0.0) {
             *high = middle;
             at_high = at_middle;
-            at_low *= i > 0 ? 0.5 : 1.0;
+            at_low *= side == 1 ? 0.5 : 1.0;
+            side = 1;
         } else {
             low = middle;
             at_low = at_middle;
-            at_high *= i > 0 ? 0.5 : 1.0;
+            at_high *= side == -1 ? 0.5 : 1.0;
+            side = -1;
         }
         if (fabs(at_middle) < 1e-14) {
             break;
@@ -90,7 +93,7 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
     return false;
 }
 
-static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_crossing *crossing,
+static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
                             lac_error *err)
 {
     size_t n = engine->n;
@@ -99,7 +102,7 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
         return lac_fail_memory(err);
     }
     double local = engine->local;
-    probe p = {engine, def, crossing->kind, found, found + 2 * n};
+    probe p = {engine, def, kind, found, found + 2 * n};
     bool good = locate(&p, engine->local - engine->step, &local);
     if (good) {
         engine->step -= engine->local - local;
@@ -116,15 +119,15 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
 }
 
 lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double mean_before,
-                             lac_crossing *crossing, lac_error *err)
+                             lac_crossing_kind *found, lac_error *err)
 {
     lac_status status = LAC_OK;
-    crossing->kind = LAC_CROSSING_NONE;
+    *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
     for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_SLIP; kind++) {
         if (crossed(engine, def, kind, mean_before)) {
-            crossing->kind = kind;
-            LAC_TRY(take_back(engine, def, crossing, err));
+            *found = kind;
+            LAC_TRY(take_back(engine, def, kind, err));
         }
     }
 out:

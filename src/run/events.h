@@ -11,14 +11,10 @@ typedef enum lac_crossing_kind {
     LAC_CROSSING_SLIP,    // mean slip
 } lac_crossing_kind;
 
-typedef struct lac_crossing {
-    lac_crossing_kind kind;
-} lac_crossing;
-
 // Looks for the first limit crossed upwards within the step just made; where one was, the
 // engine's time, state and slip are taken back to the crossing.
 // @param mean_before  mean slip rate at the start of the step
 lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double mean_before,
-                             lac_crossing *crossing, lac_error *err);
+                             lac_crossing_kind *found, lac_error *err);
 
 #endif

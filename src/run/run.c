@@ -180,12 +180,12 @@ static lac_status step(run *r, lac_error *err)
     LAC_TRY(engine->kind->advance(engine, stop - engine->origin, err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
 
-    lac_crossing crossing;
+    lac_crossing_kind crossing;
     LAC_TRY(lac_crossing_find(engine, def, mean_before, &crossing, err));
-    if (crossing.kind != LAC_CROSSING_NONE) {
+    if (crossing != LAC_CROSSING_NONE) {
         lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
         r->done = true;
-        r->end = crossing.kind == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
+        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
     } else if (engine->local >= def->end - engine->origin) {
         r->done = true;
         r->end = LAC_END_TIME;
