@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "lacuna/fractal.h"
+#include "support/benchmark_surface.h"
 #include "support/sets.h"
 
 enum { CELLS = 1024 * 1024 };
@@ -141,6 +142,36 @@ static void random_cascades(void **state)
     }
 }
 
+// Contact of the joint-like benchmark surface J07_1024 at 1e-2 E*: 1.481 over sides 2 ... 32 by
+// another code (and other origins).
+static void rough_contact(void **state)
+{
+    uint8_t *occupied = *state;
+    double *h = malloc(2 * CELLS * sizeof *h);
+    assert_non_null(h);
+    double *p = h + CELLS;
+    lac_error err = {""};
+    lac_contact_report report;
+    lac_contact_def def = lac_contact_default();
+    assert_int_equal(joint_surface(1024, h), 0);
+    def.grid = (lac_grid){1024, 1024, 1.0 / 1024.0, 1.0 / 1024.0, true};
+    def.heights = h;
+    def.e_star = 1.0;
+    def.mean_pressure = 1e-2;
+    assert_int_equal(lac_contact_solve(&def, p, NULL, &report, &err), LAC_OK);
+    for (size_t i = 0; i < CELLS; i++) {
+        occupied[i] = p[i] > 0.0;
+    }
+    free(h);
+    lac_box_count r = dimension_of(
+        def.grid, occupied, (lac_box_def){.smallest = 2, .largest = 32, .origins = 16, .seed = 1});
+    print_message("J07 1024^2: contact fraction %.6f (0.046990), D_box %.4f +- %.4f (1.481)\n",
+                  (double)report.n_cells / CELLS, r.dimension, r.error);
+    assert_true(fabs((double)report.n_cells / CELLS - 0.046990) < 2e-6);
+    assert_true(fabs(r.dimension - 1.481) < 0.01);
+    assert_true(fabs(r.dimension - 1.481) < r.error);
+}
+
 static void range_and_seed_are_obeyed(void **state)
 {
     uint8_t *occupied = *state;
@@ -221,6 +252,7 @@ int main(void)
         TEST(single_cell_has_dimension_zero),
         TEST(carpet),
         TEST(random_cascades),
+        TEST(rough_contact),
         TEST(range_and_seed_are_obeyed),
         TEST(counts_of_the_whole_grid_wrap),
         TEST(what_cannot_be_measured_is_refused),
