@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "lacuna/contact.h"
+
+static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *occupied,
+                            lac_error *err)
+{
+    (void)params;
+    (void)err;
+    memset(occupied, 1, lac_grid_cells(grid));
+    return LAC_OK;
+}
+
+static const lac_domain_source full = {
+    .about = {.name = "full", .summary = "every cell is in contact", .reference = ""},
+    .fill = fill_full,
+};
+
+typedef struct cascade {
+    const lac_grid *grid;
+    uint64_t seed;
+    double keep; // probability that a child is kept by its own number
+    uint8_t *occupied;
+} cascade;
+
+// The probability q with which each of `children` is kept, so that with "at least one" the mean
+// number kept is 2^D: children q + (1 - q)^children = 2^D.
+static double keep_probability(double dimension, int children)
+{
+    double wanted = exp2(dimension);
+    double low = 0, high = 1;
+    for (int i = 0; i < 60; i++) {
+        double q = (low + high) / 2;
+        if (children * q + pow(1 - q, children) < wanted) {
+            low = q;
+        } else {
+            high = q;
+        }
+    }
+    return high;
+}
+
+// Four numbers in [0, 1), one per child of a block; blocks are numbered from the root, so that
+// finer grids only add to the coarse blocks. Children outside the grid get 2: never kept.
+static void draw(const cascade *c, unsigned depth, size_t x, size_t y, size_t side, double u[4])
+{
+    uint64_t bits[4];
+    lac_random(c->seed, LAC_STREAM_DOMAIN, depth, (uint64_t)(y / side) << 32 | x / side, bits);
+    for (size_t j = 0; j < 4; j++) {
+        bool inside =
+            x + (j & 1) * (side / 2) < c->grid->nx && y + (j >> 1) * (side / 2) < c->grid->ny;
+        u[j] = inside ? (double)(bits[j] >> 11) * 0x1p-53 : 2;
+    }
+}
+
+// Marks what the block of `side` cells at (x, y) keeps. The child with the smallest number is
+// always kept: given that all numbers are >= q, it is any of them with equal probability.
+static void descend(const cascade *c, unsigned depth, size_t x, size_t y, size_t side)
+{
+    if (side == 1) {
+        c->occupied[y * c->grid->nx + x] = 1;
+        return;
+    }
+    double u[4];
+    draw(c, depth, x, y, side, u);
+    size_t smallest = 0;
+    for (size_t j = 1; j < 4; j++) {
+        smallest = u[j] < u[smallest] ? j : smallest;
+    }
+    for (size_t j = 0; j < 4; j++) {
+        if (u[j] < c->keep || j == smallest) {
+            descend(c, depth + 1, x + (j & 1) * (side / 2), y + (j >> 1) * (side / 2), side / 2);
+        }
+    }
+}
+
+static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t *occupied,
+                               lac_error *err)
+{
+    const lac_cascade *p = params;
+    bool line = grid->nx == 1 || grid->ny == 1;
+    double highest = line ? 1 : 2;
+    if (!(p->dimension > 0 && p->dimension <= highest)) {
+        return lac_fail(err, LAC_EINPUT, "dimension %g: must be > 0 and <= %g on a %s",
+                        p->dimension, highest, line ? "line" : "plane");
+    }
+    cascade c = {.grid = grid,
+                 .seed = (uint64_t)p->seed,
+                 .keep = keep_probability(p->dimension, line ? 2 : 4),
+                 .occupied = occupied};
+    memset(occupied, 0, lac_grid_cells(grid));
+    size_t side = 1;
+    while (side < grid->nx || side < grid->ny) {
+        side *= 2;
+    }
+    descend(&c, 0, 0, 0, side);
+    return LAC_OK;
+}
+
+static const lac_param cascade_params[] = {
+    {.key = "dimension",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 2,
+     .offset = offsetof(lac_cascade, dimension),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"},
+    {.key = "seed",
+     .unit = "1",
+     .fallback = 1,
+     .min = 0,
+     .max = 0x1p53,
+     .offset = offsetof(lac_cascade, seed),
+     .type = LAC_INTEGER,
+     .doc = "of the random numbers; the same seed gives the same coarse blocks at every level"},
+};
+
+static const lac_domain_source random_cascade = {
+    .about = {.name = "cascade",
+              .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
+                         "least one",
+              .reference = "",
+              .params = cascade_params,
+              .param_count = sizeof cascade_params / sizeof *cascade_params,
+              .params_size = sizeof(lac_cascade)},
+    .fill = fill_cascade,
+};
+
+static const lac_domain_source *const registry[] = {
+    &full,
+    &random_cascade,
+};
+
+const lac_domain_source *lac_domain_source_at(size_t index)
+{
+    return index < sizeof registry / sizeof *registry ? registry[index] : NULL;
+}
+
+// The load is held: every contact cell carries N/n times the mean pressure.
+static void spread_load(size_t cells, const uint8_t *occupied, double mean_pressure,
+                        double *pressure)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < cells; i++) {
+        n += occupied[i] != 0;
+    }
+    double share = n > 0 ? mean_pressure * (double)cells / (double)n : 0;
+    for (size_t i = 0; i < cells; i++) {
+        pressure[i] = occupied[i] != 0 ? share : 0;
+    }
+}
+
+lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
+                                  lac_domain **domain, lac_error *err)
+{
+    *domain = NULL;
+    lac_status status = LAC_OK;
+    uint8_t *occupied = NULL;
+    double *pressure = NULL;
+    if (slot->about == NULL) {
+        return lac_fail(err, LAC_EINPUT, "no contact domain is chosen");
+    }
+    if (!(isfinite(mean_pressure) && mean_pressure > 0)) {
+        return lac_fail(err, LAC_EINPUT, "the mean pressure is %g Pa: must be finite and > 0",
+                        mean_pressure);
+    }
+    if (grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny) {
+        return lac_fail(err, LAC_EINPUT, "a domain of %zu x %zu cells is not possible", grid->nx,
+                        grid->ny);
+    }
+    // The descriptor is the first member of the source's row.
+    const lac_domain_source *source = (const void *)slot->about;
+    size_t cells = lac_grid_cells(grid);
+    occupied = calloc(cells, sizeof *occupied);
+    pressure = malloc(cells * sizeof *pressure);
+    if (occupied == NULL || pressure == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    LAC_TRY(source->fill(slot->params, grid, occupied, err));
+    spread_load(cells, occupied, mean_pressure, pressure);
+    LAC_TRY(lac_domain_create(grid, pressure, domain, err));
+out:
+    free(occupied);
+    free(pressure);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "domain %s", slot->about->name);
+    }
+    return LAC_OK;
+}

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/hierarchy.h"
+
+#include <stdlib.h>
+
+#include "hierarchy/blocks.h"
+
+const double lac_is_child[5][4] = {
+    {0, 0, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}, {1, 1, 1, 1},
+};
+
+static uint64_t code_of(const lac_domain *domain, size_t cell)
+{
+    size_t i = domain->index[cell];
+    return lac_morton((uint32_t)(i % domain->grid.nx), (uint32_t)(i / domain->grid.nx));
+}
+
+// merge[i]: the level at which cell i comes into the block of cell i - 1. In Morton order the
+// blocks of level l are the runs of cells with merge <= l.
+static void find_merges(const lac_domain *domain, uint8_t *merge)
+{
+    uint64_t last = code_of(domain, 0);
+    for (size_t i = 1; i < domain->n; i++) {
+        uint64_t code = code_of(domain, i);
+        merge[i] = (uint8_t)((63 - __builtin_clzll(code ^ last)) / 2 + 1);
+        last = code;
+    }
+}
+
+static size_t covering_levels(const lac_grid *grid)
+{
+    size_t m = 0;
+    while (((size_t)1 << m) < grid->nx || ((size_t)1 << m) < grid->ny) {
+        m++;
+    }
+    return m;
+}
+
+// Counts the blocks of every level and gives equal levels one partition.
+static void number_partitions(lac_hierarchy *h, const uint8_t *merge)
+{
+    size_t merges[LAC_MAX_LEVELS + 1] = {0};
+    for (size_t i = 1; i < h->cells; i++) {
+        merges[merge[i]]++;
+    }
+    h->partitions = 1;
+    h->part[0].count = (uint32_t)h->cells;
+    for (size_t level = 1; level <= h->levels; level++) {
+        if (merges[level] > 0) {
+            uint32_t finer = h->part[h->partitions - 1].count;
+            h->part[h->partitions].count = finer - (uint32_t)merges[level];
+            h->blocks += h->part[h->partitions].count;
+            h->partitions++;
+        }
+        h->of_level[level] = (uint8_t)(h->partitions - 1);
+        h->part[h->partitions - 1].level = level;
+    }
+}
+
+// Lists the first cells of a partition: those that merge above its level.
+static void find_first(const lac_hierarchy *h, size_t j, const uint8_t *merge, uint32_t *first)
+{
+    size_t block = 0;
+    first[block++] = 0;
+    for (size_t i = 1; i < h->cells; i++) {
+        if (merge[i] > h->part[j].level) {
+            first[block++] = (uint32_t)i;
+        }
+    }
+    first[block] = (uint32_t)h->cells;
+}
+
+// Links partition j to the next: parents, children, and which blocks have a single child.
+static void link_partitions(lac_partition *fine, const lac_partition *coarse, uint32_t *parent,
+                            uint32_t *child, uint32_t *single)
+{
+    uint32_t b = 0;
+    for (uint32_t c = 0; c < fine->count; c++) {
+        if (c > 0 && fine->first[c] == coarse->first[b + 1]) {
+            b++;
+        }
+        if (fine->first[c] == coarse->first[b]) {
+            child[b] = c;
+        }
+        parent[c] = b;
+    }
+    child[coarse->count] = fine->count;
+    for (b = 0; b < coarse->count; b++) {
+        if (child[b + 1] - child[b] == 1) {
+            single[fine->singles++] = b;
+        }
+        fine->whole += (uint64_t)child[b] + 4 <= fine->count;
+    }
+    fine->parent = parent;
+    fine->child = child;
+    fine->single = single;
+}
+
+static lac_status fill_partitions(lac_hierarchy *h, const uint8_t *merge, lac_error *err)
+{
+    // first (count + 1) and parent (count) of all partitions, child (count + 1) and single (at
+    // most count) of all but the cells.
+    size_t total = 2 * h->cells + 4 * h->blocks + 2 * h->partitions;
+    uint32_t *next = h->memory = malloc(total * sizeof *h->memory);
+    if (next == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t j = 0; j < h->partitions; j++) {
+        find_first(h, j, merge, next);
+        h->part[j].first = next;
+        next += h->part[j].count + 1;
+    }
+    for (size_t j = 0; j + 1 < h->partitions; j++) {
+        uint32_t *parent = next;
+        uint32_t *child = parent + h->part[j].count;
+        uint32_t *single = child + h->part[j + 1].count + 1;
+        link_partitions(&h->part[j], &h->part[j + 1], parent, child, single);
+        next = single + h->part[j].singles;
+    }
+    return LAC_OK;
+}
+
+lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err)
+{
+    *out = NULL;
+    lac_status status = LAC_OK;
+    uint8_t *merge = calloc(domain->n, sizeof *merge);
+    lac_hierarchy *h = calloc(1, sizeof *h);
+    if (merge == NULL || h == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    h->cells = domain->n;
+    h->levels = covering_levels(&domain->grid);
+    find_merges(domain, merge);
+    number_partitions(h, merge);
+    LAC_TRY(fill_partitions(h, merge, err));
+    *out = h;
+    h = NULL;
+out:
+    free(merge);
+    lac_hierarchy_free(h);
+    return status;
+}
+
+void lac_hierarchy_free(lac_hierarchy *h)
+{
+    if (h != NULL) {
+        free(h->memory);
+        free(h);
+    }
+}
+
+size_t lac_hierarchy_cells(const lac_hierarchy *h) { return h->cells; }
+
+size_t lac_hierarchy_levels(const lac_hierarchy *h) { return h->levels; }
+
+size_t lac_hierarchy_blocks(const lac_hierarchy *h, size_t level)
+{
+    return h->part[h->of_level[level]].count;
+}
+
+size_t lac_hierarchy_rank(const lac_hierarchy *h, size_t level)
+{
+    return lac_hierarchy_blocks(h, level) - lac_hierarchy_blocks(h, level + 1);
+}
+
+const uint32_t *lac_hierarchy_offsets(const lac_hierarchy *h, size_t level)
+{
+    return h->part[h->of_level[level]].first;
+}
+
+void lac_hierarchy_project(const lac_hierarchy *h, size_t level, const double *x, double *y)
+{
+    const uint32_t *first = lac_hierarchy_offsets(h, level);
+    for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
+        double sum = 0;
+        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
+            sum += x[i];
+        }
+        double mean = sum / (first[b + 1] - first[b]);
+        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
+            y[i] = mean;
+        }
+    }
+}
