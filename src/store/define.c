@@ -172,7 +172,8 @@ static lac_status define_fields(lac_store *s, int cell_dim, int deflate, lac_err
                              .unit = s->time_unit,
                              .long_name = "time of the snapshot since the start of the run",
                              .standard_name = s->dated ? "time" : NULL,
-                             .type = NC_DOUBLE};
+                             .type = NC_DOUBLE,
+                             .appended = true};
     const size_t time_chunk = RECORD_CHUNK;
     const size_t chunk[2] = {1, s->cells < CELL_CHUNK_MAX ? s->cells : CELL_CHUNK_MAX};
     lac_status status = LAC_OK;

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The life of a file: made under a temporary name, published, closed.
+#define _GNU_SOURCE // fallocate
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "store/nc.h"
+
+enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
 
 lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
 {
@@ -53,20 +57,54 @@ static char *part_name(const char *path)
 }
 
 // Takes the temporary name for this process; what a killed one with its number left is removed.
-static lac_status reserve(const lac_nc *file, lac_error *err)
+static lac_status take_part(lac_nc *file, lac_error *err)
 {
     (void)unlink(file->part);
-    int fd = open(file->part, O_WRONLY | O_CREAT | O_EXCL, 0666);
-    if (fd < 0) {
-        return lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
+    file->reserve = open(file->part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return file->reserve >= 0
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
+}
+
+lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
+{
+    struct stat info;
+    struct rlimit limit;
+    off_t more = (off_t)bytes + RESERVE;
+    int reason = 0;
+    if (file->reserve < 0 || fstat(file->reserve, &info) != 0) {
+        return LAC_OK;
     }
-    (void)close(fd);
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+        (rlim_t)(info.st_size + more) > limit.rlim_cur) {
+        reason = EFBIG;
+    } else if (fallocate(file->reserve, FALLOC_FL_KEEP_SIZE, info.st_size, more) != 0) {
+        reason = errno;
+    }
+    if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) {
+        return lac_fail(err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(reason));
+    }
     return LAC_OK;
+}
+
+// Gives back the space that was reserved and not used.
+static void end_reserve(lac_nc *file)
+{
+    struct stat info;
+    if (file->reserve < 0) {
+        return;
+    }
+    if (fstat(file->reserve, &info) == 0) {
+        int wasted = ftruncate(file->reserve, info.st_size);
+        (void)wasted;
+    }
+    (void)close(file->reserve);
+    file->reserve = -1;
 }
 
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err)
 {
-    *file = (lac_nc){.force = force};
+    *file = (lac_nc){.force = force, .reserve = -1};
     bool exists = false;
     lac_status status = lac_nc_path(path, &exists, err);
     if (status != LAC_OK) {
@@ -83,7 +121,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     if (file->part == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
-    LAC_TRY(reserve(file, err));
+    LAC_TRY(take_part(file, err));
     errno = 0;
     int code = nc_create(file->part, NC_NETCDF4 | NC_CLOBBER, &file->id);
     file->open = code == NC_NOERR;
@@ -129,15 +167,17 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err)
 {
     file->open = false;
     errno = 0;
-    return lac_nc_check(file->path, nc_close(file->id), err, "close", "");
+    lac_status status = lac_nc_check(file->path, nc_close(file->id), err, "close", "");
+    end_reserve(file);
+    return status;
 }
 
 void lac_nc_clear(lac_nc *file)
 {
     if (file->open) {
-        (void)nc_close(file->id);
-        file->open = false;
+        (void)lac_nc_close(file, NULL);
     }
+    end_reserve(file);
     if (file->part != NULL && !file->published) {
         (void)unlink(file->part);
     }

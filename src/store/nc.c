@@ -81,8 +81,9 @@ static int define_storage(int file, int id, const lac_nc_var *var, const size_t 
     if (code == NC_NOERR && deflate > 0) {
         code = nc_def_var_deflate(file, id, NC_SHUFFLE, 1, deflate);
     }
-    // A flipped bit in the data becomes an error of the reader instead of a wrong number.
-    if (code == NC_NOERR) {
+    // A flipped bit in the data becomes an error of the reader instead of a wrong number. But a
+    // chunk that is written again and again can be torn by a kill, and would then be lost whole.
+    if (code == NC_NOERR && !var->appended) {
         code = nc_def_var_fletcher32(file, id, NC_FLETCHER32);
     }
     if (code == NC_NOERR && var->fill) {

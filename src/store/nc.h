@@ -12,8 +12,9 @@ typedef struct lac_nc {
     int id;
     bool open, published;
     bool force;
-    char *path; ///< where it will be
-    char *part; ///< where it is built
+    int reserve; ///< descriptor by which space is reserved; -1: none
+    char *path;  ///< where it will be
+    char *part;  ///< where it is built
 } lac_nc;
 
 /// One variable: all that a reader is told of it. NULL leaves an attribute out.
@@ -22,7 +23,8 @@ typedef struct lac_nc_var {
     const char *standard_name; ///< only where CF has one
     const char *comment, *coordinates, *cell_methods;
     nc_type type;
-    bool fill; ///< may be missing: has a _FillValue
+    bool fill;     ///< may be missing: has a _FillValue
+    bool appended; ///< grows by parts of a chunk
 } lac_nc_var;
 
 /// Turns what netCDF returned into an error: `path: cannot WHAT: why`.
@@ -43,6 +45,11 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
 /// Gives the file its name; it may be open.
 /// @return LAC_OK; LAC_EINPUT where a file has appeared there meanwhile; LAC_EIO
 lac_status lac_nc_publish(lac_nc *file, lac_error *err);
+
+/// Reserves disk space for `bytes` more, and some for what HDF5 needs besides: a disk that fills up
+/// under HDF5's hands leaves a file that cannot be opened.
+/// @return LAC_OK, also where the file system cannot reserve; LAC_EIO where there is no space
+lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
 
 /// Closes the file.
 /// @return LAC_OK; LAC_EIO (a full disk shows up here)

@@ -41,6 +41,7 @@ static lac_status sync_file(lac_store *s, lac_error *err)
 {
     errno = 0;
     s->unsynced = 0;
+    s->pending = 0;
     return lac_nc_check(s->file.path, nc_sync(s->file.id), err, "write", "");
 }
 
@@ -102,10 +103,20 @@ static int put_integers(const lac_store *s, size_t column)
     return nc_put_vara_longlong(s->file.id, s->columns[column], &s->written, &s->buffered, values);
 }
 
+static lac_status reserve(lac_store *s, size_t bytes, lac_error *err)
+{
+    s->pending += bytes;
+    return lac_nc_reserve(&s->file, s->pending, err);
+}
+
 static lac_status write_rows(lac_store *s, lac_error *err)
 {
     if (s->buffered == 0) {
         return LAC_OK;
+    }
+    lac_status space = reserve(s, s->buffered * sizeof *s->rows, err);
+    if (space != LAC_OK) {
+        return space;
     }
     for (size_t c = 0; c < LAC_COLUMNS; c++) {
         errno = 0;
@@ -199,6 +210,8 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
     if (s->fields == 0) {
         return LAC_OK;
     }
+    // Incompressible at worst.
+    LAC_TRY(reserve(s, LAC_FIELDS * s->cells * (sizeof(double) + 1), err));
     errno = 0;
     for (size_t f = 0; f < LAC_FIELDS; f++) {
         if ((s->fields & lac_fields[f].flag) != 0) {
@@ -229,11 +242,11 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
     if (first == LAC_OK) {
         first = sync_file(store, err);
     }
-    if (first == LAC_OK) {
-        first = lac_store_put_result(store, status, result, wall_time, err);
-    }
-    lac_status last = lac_nc_close(&store->file, first == LAC_OK ? err : NULL);
-    return first != LAC_OK ? first : last;
+    lac_error *later = first == LAC_OK ? err : NULL;
+    const char *said = first == LAC_OK ? status : "failed";
+    lac_status second = lac_store_put_result(store, said, result, wall_time, later);
+    lac_status third = lac_nc_close(&store->file, second == LAC_OK ? later : NULL);
+    return first != LAC_OK ? first : second != LAC_OK ? second : third;
 }
 
 void lac_store_free(lac_store *store)

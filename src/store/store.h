@@ -15,6 +15,7 @@ struct lac_store {
     lac_row *rows;            ///< [capacity] not yet written
     size_t buffered, written; ///< records in `rows`, in the file
     size_t capacity;
+    size_t pending;                 ///< given to netCDF and not yet synced [bytes]
     size_t snapshots;               ///< in the file
     size_t unsynced, sync_every;    ///< records and snapshots
     double last_origin, last_local; ///< of the newest record

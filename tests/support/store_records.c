@@ -32,7 +32,7 @@ lac_store_def store_def(const char *path)
                                           .seed = -3,
                                           .now = 1e9},
                            .dated = true,
-                           .start_date = -205200000.0,
+                           .start_date = -205286400.0,
                            .compression = 1,
                            .sync_every = 100};
 }
@@ -42,8 +42,8 @@ lac_run_result run_result(void)
     return (lac_run_result){.end = LAC_END_FAILURE,
                             .failed = true,
                             .failure_origin = 8640000.0,
-                            .failure_local = 0.5,
-                            .time = 8640000.5,
+                            .failure_local = 0.75,
+                            .time = 8640000.75,
                             .steps = 1234,
                             .rhs_evaluations = 2000,
                             .max_slip_rate = 3.0,
