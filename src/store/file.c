@@ -66,19 +66,25 @@ static lac_status take_part(lac_nc *file, lac_error *err)
                : lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
 }
 
-lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
+static off_t size_of(int fd)
 {
     struct stat info;
+    return fstat(fd, &info) == 0 ? info.st_size : -1;
+}
+
+lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
+{
     struct rlimit limit;
     off_t more = (off_t)bytes + RESERVE;
+    off_t size = file->reserve >= 0 ? size_of(file->reserve) : -1;
     int reason = 0;
-    if (file->reserve < 0 || fstat(file->reserve, &info) != 0) {
+    if (size < 0) {
         return LAC_OK;
     }
     if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-        (rlim_t)(info.st_size + more) > limit.rlim_cur) {
+        (rlim_t)(size + more) > limit.rlim_cur) {
         reason = EFBIG;
-    } else if (fallocate(file->reserve, FALLOC_FL_KEEP_SIZE, info.st_size, more) != 0) {
+    } else if (fallocate(file->reserve, FALLOC_FL_KEEP_SIZE, size, more) != 0) {
         reason = errno;
     }
     if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) {
@@ -90,14 +96,12 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
 // Gives back the space that was reserved and not used.
 static void end_reserve(lac_nc *file)
 {
-    struct stat info;
     if (file->reserve < 0) {
         return;
     }
-    if (fstat(file->reserve, &info) == 0) {
-        int wasted = ftruncate(file->reserve, info.st_size);
-        (void)wasted;
-    }
+    off_t size = size_of(file->reserve);
+    int wasted = size >= 0 ? ftruncate(file->reserve, size) : 0;
+    (void)wasted;
     (void)close(file->reserve);
     file->reserve = -1;
 }
