@@ -72,6 +72,10 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 /// Slip rate of every cell. @param v  [n] [m/s]
 void lac_problem_rates(const lac_problem *problem, const double *y, double *v);
 
+/// Mean and largest slip rate over the cells [m/s].
+void lac_problem_speed(const lac_problem *problem, const double *y, double *mean, double *max,
+                       double *work);
+
 /// Traction of every cell from the balance's elastic side, q - K slip.
 /// @param slip      [n] since the start [m]
 /// @param traction  [n] [Pa]

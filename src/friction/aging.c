@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/vmath.h"
+#include "friction/law.h"
+
+// dtheta/dt = 1 - v theta/dc, for w = ln theta:  g = exp(-w) - v/dc
+static void evolve(const lac_friction *friction, size_t first, size_t n, const double *u,
+                   const double *w, const double *v, double *g, double *g_u, double *g_w)
+{
+    (void)u;
+    const double *inv_dc = friction->inv_dc + first;
+    for (size_t i = 0; i < n; i++) {
+        g[i] = -w[i];
+    }
+    lac_vexp(n, g, g);
+    if (g_u != NULL) {
+        for (size_t i = 0; i < n; i++) {
+            g_u[i] = -v[i] * inv_dc[i];
+            g_w[i] = -g[i];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        g[i] -= v[i] * inv_dc[i];
+    }
+}
+
+static double steady_state(const lac_friction *friction, size_t cell, double u)
+{
+    return friction->ln_dc[cell] - u;
+}
+
+static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
+
+const lac_friction_law lac_friction_aging = {
+    .about = {.name = "aging",
+              .summary = "state grows with time at rest: dtheta/dt = 1 - v theta/dc",
+              .reference =
+                  "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Ruina "
+                  "(1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: "
+                  "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
+                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
+                  "10.1029/2000JB900250",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(lac_friction_params)},
+    .evolve = evolve,
+    .steady_state = steady_state,
+};

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "friction/law.h"
+
+static const lac_friction_law *const laws[] = {
+    &lac_friction_aging,
+    &lac_friction_slip,
+};
+
+const lac_friction_law *lac_friction_law_at(size_t index)
+{
+    return index < sizeof laws / sizeof laws[0] ? laws[index] : NULL;
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "friction/law.h"
+
+// dtheta/dt = -(v theta/dc) ln(v theta/dc), for w = ln theta:  g = -(v/dc) (u + w - ln dc)
+static void evolve(const lac_friction *friction, size_t first, size_t n, const double *u,
+                   const double *w, const double *v, double *g, double *g_u, double *g_w)
+{
+    const double *inv_dc = friction->inv_dc + first;
+    const double *ln_dc = friction->ln_dc + first;
+    for (size_t i = 0; i < n; i++) {
+        g[i] = -v[i] * inv_dc[i] * (u[i] + w[i] - ln_dc[i]);
+    }
+    if (g_u != NULL) {
+        for (size_t i = 0; i < n; i++) {
+            g_w[i] = -v[i] * inv_dc[i];
+            g_u[i] = g[i] + g_w[i];
+        }
+    }
+}
+
+static double steady_state(const lac_friction *friction, size_t cell, double u)
+{
+    return friction->ln_dc[cell] - u;
+}
+
+static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
+
+const lac_friction_law lac_friction_slip = {
+    .about = {.name = "slip",
+              .summary = "state changes only with slip: dtheta/dt = -(v theta/dc) ln(v theta/dc)",
+              .reference =
+                  "Ruina (1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; "
+                  "regularised: Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
+                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
+                  "10.1029/2000JB900250",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(lac_friction_params)},
+    .evolve = evolve,
+    .steady_state = steady_state,
+};

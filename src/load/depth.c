@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+typedef struct depth_params {
+    double value; // z [m]
+} depth_params;
+
+// p = rho g z
+static double pressure(const void *p, double density)
+{
+    return density * LAC_GRAVITY * ((const depth_params *)p)->value;
+}
+
+static const lac_param params[] = {
+    {.key = "value",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(depth_params, value),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "depth of a level interface under its overburden"},
+};
+
+const lac_normal_load lac_normal_depth = {
+    .about = {.name = "depth",
+              .summary = "weight of the rock above a level interface: rho g z",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(depth_params)},
+    .needs_density = true,
+    .pressure = pressure,
+};

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LOAD_KINDS_H
+#define LACUNA_LOAD_KINDS_H
+
+#include <math.h>
+#include <stddef.h>
+
+#include "lacuna/load.h"
+
+/// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
+#define LAC_STEEPEST 1.57
+
+extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope;
+extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring;
+extern const lac_load_kind lac_pore_constant;
+
+#endif

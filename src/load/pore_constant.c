@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+typedef struct constant_params {
+    double value; // [Pa]
+} constant_params;
+
+static void add(const void *p, double t, lac_load_state *sum)
+{
+    (void)t;
+    sum->pore += ((const constant_params *)p)->value;
+}
+
+static const lac_param params[] = {
+    {.key = "value",
+     .unit = "Pa",
+     .fallback = NAN,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(constant_params, value),
+     .doc = "pore pressure in the interface"},
+};
+
+const lac_load_kind lac_pore_constant = {
+    .about = {.name = "constant",
+              .summary = "pore pressure that does not change",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(constant_params)},
+    .add = add,
+};

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+typedef struct ratio_params {
+    double value; // Q/P [1]
+} ratio_params;
+
+static void add(const void *p, double t, lac_load_state *sum)
+{
+    (void)t;
+    sum->ratio += ((const ratio_params *)p)->value;
+}
+
+static const lac_param params[] = {
+    {.key = "value",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e6,
+     .offset = offsetof(ratio_params, value),
+     .doc = "shear force over total normal force, Q/P"},
+};
+
+const lac_load_kind lac_shear_ratio = {
+    .about = {.name = "ratio",
+              .summary = "constant shear force, as a fraction of the total normal force",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(ratio_params)},
+    .fixes_shear = true,
+    .add = add,
+};

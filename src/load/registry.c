@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+static const lac_normal_load *const normal[] = {
+    &lac_normal_pressure,
+    &lac_normal_depth,
+    &lac_normal_slope,
+};
+
+static const lac_load_kind *const shear[] = {
+    &lac_shear_ratio,
+    &lac_shear_slope,
+    &lac_shear_ramp,
+    &lac_shear_spring,
+};
+
+static const lac_load_kind *const pore[] = {
+    &lac_pore_constant,
+};
+
+const lac_normal_load *lac_normal_load_at(size_t index)
+{
+    return index < COUNT(normal) ? normal[index] : NULL;
+}
+
+const lac_load_kind *lac_shear_load_at(size_t index)
+{
+    return index < COUNT(shear) ? shear[index] : NULL;
+}
+
+const lac_load_kind *lac_pore_load_at(size_t index)
+{
+    return index < COUNT(pore) ? pore[index] : NULL;
+}

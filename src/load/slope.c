@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+typedef struct slope_params {
+    double angle; // of the interface with the horizontal [rad]
+} slope_params;
+
+// Q/P = tan(angle), whatever the thickness
+static void add(const void *p, double t, lac_load_state *sum)
+{
+    (void)t;
+    sum->ratio += tan(((const slope_params *)p)->angle);
+}
+
+static const lac_param params[] = {
+    {.key = "angle",
+     .unit = "rad",
+     .fallback = NAN,
+     .min = 0,
+     .max = LAC_STEEPEST,
+     .offset = offsetof(slope_params, angle),
+     .doc = "dip of the interface"},
+};
+
+const lac_load_kind lac_shear_slope = {
+    .about = {.name = "slope",
+              .summary = "pull of gravity along an infinite slope: Q/P = tan(angle)",
+              .reference = "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(slope_params)},
+    .fixes_shear = true,
+    .add = add,
+};

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "base/vmath.h"
+#include "model/internal.h"
+
+double lac_problem_exp_sum(size_t n, const double *u, double *v)
+{
+    double total = 0.0;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(n, first);
+        lac_vexp(length, u + first, v + first);
+        double part = 0.0;
+        for (size_t i = first; i < first + length; i++) {
+            part += v[i];
+        }
+        total += part;
+    }
+    return total;
+}
+
+void lac_problem_rates(const lac_problem *problem, const double *y, double *v)
+{
+    lac_vexp(problem->n, y, v);
+}
+
+// The rates of one block of cells; kv is K v. Gives back 0 where all are finite, NaN elsewhere.
+static double block_rates(const lac_problem *problem, const lac_drive *drive, double loading,
+                          size_t first, size_t n, const double *y, const double *v,
+                          const double *kv, double *ydot)
+{
+    lac_block s;
+    lac_friction_values values = lac_block_values(&s);
+    const double *p = problem->pressure + first;
+    const double *u = y + first;
+    const double *w = y + problem->n + first;
+    double *du = ydot + first;
+    double *dw = ydot + problem->n + first;
+    double eta = problem->damping;
+    double check = 0.0;
+
+    lac_friction_evaluate(problem->friction, first, n, u, w, v + first, &values, NULL);
+    // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
+    for (size_t i = 0; i < n; i++) {
+        double pe = p[i] * drive->share;
+        double drop = s.f[i] * p[i] * drive->share_rate + kv[first + i] + pe * s.f_w[i] * s.g[i];
+        double force = p[i] * drive->ratio_rate + loading - drop;
+        du[i] = force / (pe * s.f_u[i] + eta * v[first + i]);
+        dw[i] = s.g[i];
+        check += du[i] * 0.0 + dw[i] * 0.0;
+    }
+    return check;
+}
+
+bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
+                            double *work)
+{
+    size_t n = problem->n;
+    double *v = work;
+    double *kv = work + n;
+    lac_drive drive;
+    if (!lac_problem_drive(problem, t, &drive)) {
+        return false;
+    }
+    double mean = lac_problem_exp_sum(n, y, v) / (double)n;
+    problem->transfer.kind->apply(problem->transfer.state, v, kv, work + 3 * n);
+    double loading = drive.spring_rate - drive.spring_stiffness * mean;
+
+    double check = 0.0;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        check += block_rates(problem, &drive, loading, first, lac_block_length(n, first), y, v, kv,
+                             ydot);
+    }
+    return check == 0.0;
+}
+
+double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)
+{
+    // Rates relative to one e-fold: a thousandth of the fastest cell's time scale. dc/v bounds
+    // it from above where a cell starts at rest relative to its steady state.
+    size_t n = problem->n;
+    double fastest = 0.0;
+    double v[LAC_FRICTION_BLOCK];
+    lac_block s;
+    lac_friction_values values = lac_block_values(&s);
+    (void)t;
+    (void)work;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(n, first);
+        lac_vexp(length, y + first, v);
+        lac_friction_evaluate(problem->friction, first, length, y + first, y + n + first, v,
+                              &values, NULL);
+        for (size_t i = 0; i < length; i++) {
+            double slip = v[i] * problem->friction->inv_dc[first + i];
+            fastest = fmax(fastest, fmax(fabs(s.g[i]), slip));
+        }
+    }
+    return 1e-3 / fastest;
+}

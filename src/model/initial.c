@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "lacuna/problem.h"
+
+// One cell at the start.
+typedef struct start_cell {
+    const lac_friction *friction;
+    size_t cell;
+    double pressure; // effective [Pa]
+    double traction; // from the loads [Pa]
+    double eta;
+} start_cell;
+
+// Traction that steady sliding at ln v = u takes, over what the loads give.
+static double steady_excess(const start_cell *c, double u)
+{
+    double w = lac_friction_steady_state(c->friction, c->cell, u);
+    double f = lac_friction_coefficient(c->friction, c->cell, u, w);
+    return c->pressure * f + c->eta * exp(u) - c->traction;
+}
+
+// The slowest steady ln v under the load: b > a with damping has a second, fast one. NaN if none.
+static double steady_rate(const start_cell *c)
+{
+    const double slowest = -100.0; // 1e-43 m/s ...
+    const double fastest = 30.0;   // ... to 1e13 m/s
+    const double stride = 0.5;
+    double low = slowest;
+    double at_low = steady_excess(c, low);
+    for (double high = low + stride; high <= fastest; high += stride) {
+        double at_high = steady_excess(c, high);
+        if ((at_low <= 0.0) != (at_high <= 0.0)) {
+            for (int i = 0; i < 100; i++) {
+                double middle = 0.5 * (low + high);
+                if ((steady_excess(c, middle) <= 0.0) == (at_low <= 0.0)) {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            return 0.5 * (low + high);
+        }
+        low = high;
+        at_low = at_high;
+    }
+    return NAN;
+}
+
+static double rate_in_state(const start_cell *c, double w)
+{
+    return lac_friction_rate_for(c->friction, c->cell, w, c->traction, c->pressure, c->eta);
+}
+
+// theta = x theta_ss at the load that follows: theta = x^(1 - b/a) dc/v (constant load: Helmstetter
+// et al. 2004, doi 10.1029/2002JB002160; the same for the slip law, and regularised).
+static double state_at_ratio(const start_cell *c, double u, double x)
+{
+    double a = c->friction->column[LAC_A][c->cell];
+    double b = c->friction->column[LAC_B][c->cell];
+    double steady = lac_friction_steady_state(c->friction, c->cell, u);
+    return x == 1.0 ? steady : steady + (1.0 - b / a) * log(x);
+}
+
+static void state_from_rate(const start_cell *c, lac_initial_state how, double u, double value,
+                            double *w)
+{
+    double f = (c->traction - c->eta * exp(u)) / c->pressure;
+    switch (how) {
+    case LAC_STATE_FROM_LOAD:
+        *w = lac_friction_state_for(c->friction, c->cell, u, f);
+        break;
+    case LAC_STATE_STEADY:
+        *w = lac_friction_steady_state(c->friction, c->cell, u);
+        break;
+    case LAC_STATE_TIME:
+        *w = log(value);
+        break;
+    case LAC_STATE_RATIO:
+        *w = state_at_ratio(c, u, value);
+        break;
+    }
+}
+
+static void rate_from_load(const start_cell *c, lac_initial_state how, double value, double *u,
+                           double *w)
+{
+    if (how == LAC_STATE_TIME) {
+        *w = log(value);
+        *u = rate_in_state(c, *w);
+        return;
+    }
+    *u = steady_rate(c);
+    *w = lac_friction_steady_state(c->friction, c->cell, *u);
+    if (how == LAC_STATE_RATIO && value != 1.0) {
+        *w += log(value);
+        *u = rate_in_state(c, *w);
+    }
+}
+
+static lac_status cannot_start(const start_cell *c, lac_error *err)
+{
+    return lac_fail(
+        err, LAC_EINPUT,
+        "no initial rate and state of cell %zu carry its load: traction %g Pa, effective "
+        "normal pressure %g Pa, ratio %g",
+        c->cell, c->traction, c->pressure, c->traction / c->pressure);
+}
+
+// What the loads at t = 0 put on the cells.
+typedef struct start_load {
+    double ratio;  // q_i = p_i ratio + spring
+    double spring; // [Pa]
+    double share;  // effective over total normal pressure
+} start_load;
+
+static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
+                                lac_error *err)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += domain->pressure[i];
+    }
+    double area = lac_grid_area(&domain->grid);
+    double cell = lac_grid_cell_area(&domain->grid);
+    double mean = sum * cell / area;
+    lac_load_state load;
+    lac_load_evaluate(loads, 0.0, &load);
+    at->ratio = load.ratio + load.stress / mean;
+    at->spring = load.spring_stress * area / ((double)domain->n * cell);
+    at->share = 1.0 - load.pore / mean;
+    if (!(at->share > 0.0)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
+                        load.pore, mean);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
+                             const lac_friction *friction, const lac_load_set *loads,
+                             double damping, double *log_rate, double *log_state, lac_error *err)
+{
+    start_load load;
+    lac_status status = load_at_start(loads, domain, &load, err);
+    for (size_t i = 0; status == LAC_OK && i < domain->n; i++) {
+        double p = domain->pressure[i];
+        start_cell c = {friction, i, p * load.share, p * load.ratio + load.spring, damping};
+        double rate = initial->rates != NULL ? initial->rates[i] : initial->slip_rate;
+        double value = initial->states != NULL ? initial->states[i] : initial->state_value;
+        if (isnan(rate)) {
+            rate_from_load(&c, initial->state, value, &log_rate[i], &log_state[i]);
+        } else {
+            log_rate[i] = log(rate);
+            state_from_rate(&c, initial->state, log_rate[i], value, &log_state[i]);
+        }
+        if (!isfinite(log_rate[i]) || !isfinite(log_state[i])) {
+            status = cannot_start(&c, err);
+        }
+    }
+    return status;
+}

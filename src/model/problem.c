@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/problem.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+static double sum(size_t n, const double *x)
+{
+    double total = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        total += x[i];
+    }
+    return total;
+}
+
+static void fill_geometry(lac_problem *problem, const lac_domain *domain)
+{
+    problem->n = domain->n;
+    problem->pressure = domain->pressure;
+    problem->cell_area = lac_grid_cell_area(&domain->grid);
+    problem->nominal_area = lac_grid_area(&domain->grid);
+    problem->sum_pressure = sum(domain->n, domain->pressure);
+    problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
+    problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
+}
+
+static lac_status check_initial(const lac_problem_def *def, lac_error *err)
+{
+    for (size_t i = 0; i < def->domain->n; i++) {
+        if (!isfinite(def->log_rate[i]) || !isfinite(def->log_state[i])) {
+            return lac_fail(err, LAC_EINPUT, "initial ln v = %g, ln theta = %g of cell %zu",
+                            def->log_rate[i], def->log_state[i], i);
+        }
+    }
+    return LAC_OK;
+}
+
+// The traction that the initial rate and state carry is the load at t = 0.
+static void fill_traction(lac_problem *problem, double share)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        double u = problem->log_rate0[i];
+        double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
+        problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
+    }
+}
+
+static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
+{
+    size_t bytes = problem->n * sizeof(double);
+    problem->traction0 = malloc(bytes);
+    problem->log_rate0 = malloc(bytes);
+    problem->log_state0 = malloc(bytes);
+    if (problem->traction0 == NULL || problem->log_rate0 == NULL || problem->log_state0 == NULL) {
+        return lac_fail_memory(err);
+    }
+    memcpy(problem->log_rate0, def->log_rate, bytes);
+    memcpy(problem->log_state0, def->log_state, bytes);
+    return LAC_OK;
+}
+
+lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = NULL;
+    lac_problem *problem = calloc(1, sizeof *problem);
+    if (problem == NULL) {
+        return lac_fail_memory(err);
+    }
+    fill_geometry(problem, def->domain);
+    problem->friction = def->friction;
+    problem->transfer = *def->transfer;
+    problem->loads = def->loads;
+    problem->damping = def->damping;
+    lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
+
+    LAC_TRY(check_initial(def, err));
+    LAC_TRY(allocate(problem, def, err));
+    lac_drive drive;
+    if (!lac_problem_drive(problem, 0.0, &drive)) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
+                          problem->at_start.pore, problem->mean_pressure);
+        goto out;
+    }
+    fill_traction(problem, drive.share);
+    *out = problem;
+    problem = NULL;
+out:
+    lac_problem_free(problem);
+    return status;
+}
+
+void lac_problem_free(lac_problem *problem)
+{
+    if (problem == NULL) {
+        return;
+    }
+    free(problem->traction0);
+    free(problem->log_rate0);
+    free(problem->log_state0);
+    free(problem);
+}
+
+size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
+
+size_t lac_problem_work(const lac_problem *problem)
+{
+    return 3 * problem->n + problem->transfer.kind->work(problem->transfer.state);
+}
+
+void lac_problem_initial(const lac_problem *problem, double *y)
+{
+    memcpy(y, problem->log_rate0, problem->n * sizeof *y);
+    memcpy(y + problem->n, problem->log_state0, problem->n * sizeof *y);
+}
+
+double lac_problem_next_break(const lac_problem *problem, double t)
+{
+    return lac_load_next_break(&problem->loads, t);
+}
+
+bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
+{
+    const lac_load_state *start = &problem->at_start;
+    double mean = problem->mean_pressure;
+    lac_load_state now;
+    lac_load_evaluate(&problem->loads, t, &now);
+
+    drive->ratio = (now.ratio - start->ratio) + (now.stress - start->stress) / mean;
+    drive->ratio_rate = now.ratio_rate + now.stress_rate / mean;
+    drive->spring = problem->spring_share * (now.spring_stress - start->spring_stress);
+    drive->spring_rate = problem->spring_share * now.spring_rate;
+    drive->spring_stiffness = problem->spring_share * now.spring_stiffness;
+    drive->share = 1.0 - now.pore / mean;
+    drive->share_rate = -now.pore_rate / mean;
+    return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
+}

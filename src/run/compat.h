@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RUN_COMPAT_H
+#define LACUNA_RUN_COMPAT_H
+
+// SUNDIALS 6.4 (Debian 12) and 7.x from one source: contexts, error handlers and status types are
+// all that differ.
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_config.h>
+#include <sundials/sundials_context.h>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_types.h>
+
+#if SUNDIALS_VERSION_MAJOR >= 7
+#define LAC_SUN_CONTEXT_CREATE(out) SUNContext_Create(SUN_COMM_NULL, (out))
+static inline void lac_sun_silent(int line, const char *function, const char *file,
+                                  const char *message, SUNErrCode code, void *data, SUNContext sun)
+{
+    (void)line, (void)function, (void)file, (void)message, (void)code, (void)data, (void)sun;
+}
+#define LAC_SUN_SILENCE_CONTEXT(sun)         \
+    ((void)SUNContext_ClearErrHandlers(sun), \
+     (void)SUNContext_PushErrHandler((sun), lac_sun_silent, NULL))
+#define LAC_SUN_SILENCE_CVODE(mem) ((void)(mem))
+#define LAC_SUN_SILENCE_ERK(mem) ((void)(mem))
+typedef SUNErrCode lac_sun_status;
+#else
+#define LAC_SUN_CONTEXT_CREATE(out) SUNContext_Create(NULL, (out))
+#define LAC_SUN_SILENCE_CONTEXT(sun) ((void)(sun))
+#define LAC_SUN_SILENCE_CVODE(mem) ((void)CVodeSetErrFile((mem), NULL))
+#define LAC_SUN_SILENCE_ERK(mem) ((void)ERKStepSetErrFile((mem), NULL))
+typedef int lac_sun_status;
+#endif
+
+#endif

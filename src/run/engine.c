@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
+                             lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = NULL;
+    lac_engine *engine = calloc(1, sizeof *engine);
+    if (engine == NULL) {
+        return lac_fail_memory(err);
+    }
+    engine->kind = def->method == LAC_ERK ? &lac_engine_erk : &lac_engine_cvode;
+    engine->problem = problem;
+    engine->def = def;
+    engine->limit = INFINITY;
+    engine->n = lac_problem_cells(problem);
+    engine->work = malloc(lac_problem_work(problem) * sizeof *engine->work);
+    if (engine->work == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    LAC_TRY(engine->kind->create(engine, err));
+    *out = engine;
+    engine = NULL;
+out:
+    lac_engine_free(engine);
+    return status;
+}
+
+void lac_engine_free(lac_engine *engine)
+{
+    if (engine == NULL) {
+        return;
+    }
+    engine->kind->free(engine);
+    free(engine->work);
+    free(engine);
+}

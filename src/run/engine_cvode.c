@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cvodes/cvodes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "run/engine.h"
+
+typedef struct cvode {
+    SUNContext sun;
+    void *mem;
+    N_Vector y, slip;
+    N_Vector scratch_y, scratch_slip;
+    SUNLinearSolver linear;
+    SUNNonlinearSolver fixed_point;
+    int64_t linear_solves;
+    int64_t before[5]; // counters of the segments before the last restart
+} cvode;
+
+static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
+{
+    lac_engine *engine = user;
+    bool good = lac_problem_derivative(engine->problem, lac_engine_clock(engine, t),
+                                       lac_vector_data(y), lac_vector_data(ydot), engine->work);
+    return good ? 0 : 1;
+}
+
+static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
+{
+    lac_engine *engine = user;
+    (void)t;
+    lac_problem_rates(engine->problem, lac_vector_data(y), lac_vector_data(v));
+    return 0;
+}
+
+// Both unknowns are logarithms: one absolute tolerance is a relative one on v and theta.
+static int weights(N_Vector y, N_Vector w, void *user)
+{
+    const lac_engine *engine = user;
+    (void)y;
+    N_VConst(1.0 / engine->def->rtol, w);
+    return 0;
+}
+
+static SUNLinearSolver_Type embedded(SUNLinearSolver solver)
+{
+    (void)solver;
+    return SUNLINEARSOLVER_MATRIX_EMBEDDED;
+}
+
+// The exact O(n) Newton solve at the state that CVODE's iteration stands at.
+static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b, sunrealtype tol)
+{
+    lac_engine *engine = solver->content;
+    cvode *c = engine->inner;
+    sunrealtype t, gamma, rl1;
+    N_Vector predicted, y, f, zn1;
+    void *user;
+    (void)none;
+    (void)tol;
+    if (CVodeGetNonlinearSystemData(c->mem, &t, &predicted, &y, &f, &gamma, &rl1, &zn1, &user) !=
+        CV_SUCCESS) {
+        return SUNLS_MEM_NULL;
+    }
+    c->linear_solves++;
+    N_VScale(1.0, b, x);
+    bool good = lac_problem_newton(engine->problem, lac_engine_clock(engine, t), lac_vector_data(y),
+                                   gamma, lac_vector_data(x), engine->work);
+    return good ? 0 : SUNLS_LUFACT_FAIL;
+}
+
+static SUNLinearSolver linear_solver(lac_engine *engine, SUNContext sun)
+{
+    SUNLinearSolver solver = SUNLinSolNewEmpty(sun);
+    if (solver != NULL) {
+        solver->ops->gettype = embedded;
+        solver->ops->solve = solve;
+        solver->content = engine;
+    }
+    return solver;
+}
+
+static void cvode_free(lac_engine *engine)
+{
+    cvode *c = engine->inner;
+    if (c == NULL) {
+        return;
+    }
+    if (c->mem != NULL) {
+        CVodeFree(&c->mem);
+    }
+    if (c->linear != NULL) {
+        SUNLinSolFreeEmpty(c->linear);
+    }
+    if (c->fixed_point != NULL) {
+        SUNNonlinSolFree(c->fixed_point);
+    }
+    N_Vector vectors[] = {c->y, c->slip, c->scratch_y, c->scratch_slip};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
+        if (vectors[i] != NULL) {
+            N_VDestroy(vectors[i]);
+        }
+    }
+    if (c->sun != NULL) {
+        SUNContext_Free(&c->sun);
+    }
+    free(c);
+    engine->inner = NULL;
+}
+
+static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
+{
+    int flag;
+    if (engine->def->method == LAC_ADAMS) {
+        // Three vectors of Anderson acceleration: plain fixed-point iteration is poor here.
+        c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, c->sun);
+        flag =
+            c->fixed_point == NULL ? CV_MEM_FAIL : CVodeSetNonlinearSolver(c->mem, c->fixed_point);
+    } else {
+        c->linear = linear_solver(engine, c->sun);
+        flag = c->linear == NULL ? CV_MEM_FAIL : CVodeSetLinearSolver(c->mem, c->linear, NULL);
+    }
+    return flag == CV_SUCCESS ? LAC_OK : lac_fail_memory(err);
+}
+
+static int set_options(lac_engine *engine, cvode *c)
+{
+    int flag = CVodeSetUserData(c->mem, engine);
+    flag |= CVodeWFtolerances(c->mem, weights);
+    flag |= CVodeQuadInit(c->mem, slip_rates, c->slip);
+    flag |= CVodeSetQuadErrCon(c->mem, SUNFALSE);
+    flag |= CVodeSetMaxNumSteps(c->mem, -1);
+    flag |= CVodeSetMaxHnilWarns(c->mem, -1);
+    flag |= CVodeSetMaxErrTestFails(c->mem, 20);
+    flag |= CVodeSetMaxConvFails(c->mem, 40);
+    if (engine->def->max_order > 0) {
+        flag |= CVodeSetMaxOrd(c->mem, (int)engine->def->max_order);
+    }
+    return flag;
+}
+
+static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
+{
+    c->y = lac_vector_create(2 * engine->n, c->sun);
+    c->slip = lac_vector_create(engine->n, c->sun);
+    if (c->y == NULL || c->slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    c->scratch_y = N_VClone(c->y);
+    c->scratch_slip = N_VClone(c->slip);
+    if (c->scratch_y == NULL || c->scratch_slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    engine->y = lac_vector_data(c->y);
+    engine->slip = lac_vector_data(c->slip);
+    return LAC_OK;
+}
+
+static lac_status cvode_create(lac_engine *engine, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    cvode *c = calloc(1, sizeof *c);
+    if (c == NULL) {
+        return lac_fail_memory(err);
+    }
+    engine->inner = c;
+    if (LAC_SUN_CONTEXT_CREATE(&c->sun) != 0) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CONTEXT(c->sun);
+    LAC_TRY(make_vectors(engine, c, err));
+    lac_problem_initial(engine->problem, engine->y);
+    N_VConst(0.0, c->slip);
+
+    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, c->sun);
+    if (c->mem == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CVODE(c->mem);
+    if (CVodeInit(c->mem, rates, 0.0, c->y) != CV_SUCCESS || set_options(engine, c) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
+    }
+    LAC_TRY(attach_solver(engine, c, err));
+out:
+    return status;
+}
+
+static void cvode_count(lac_engine *engine)
+{
+    cvode *c = engine->inner;
+    long now[5] = {0};
+    (void)CVodeGetNumSteps(c->mem, &now[0]);
+    (void)CVodeGetNumRhsEvals(c->mem, &now[1]);
+    (void)CVodeGetNumNonlinSolvIters(c->mem, &now[2]);
+    (void)CVodeGetNumErrTestFails(c->mem, &now[3]);
+    (void)CVodeGetNumNonlinSolvConvFails(c->mem, &now[4]);
+    engine->counts.steps = c->before[0] + now[0];
+    engine->counts.rhs_evaluations = c->before[1] + now[1];
+    engine->counts.newton_iterations = c->before[2] + now[2];
+    engine->counts.error_test_fails = c->before[3] + now[3];
+    engine->counts.nonlinear_fails = c->before[4] + now[4];
+    engine->counts.linear_solves = c->linear_solves;
+}
+
+static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
+{
+    cvode *c = engine->inner;
+    cvode_count(engine);
+    const lac_run_result *counts = &engine->counts;
+    int64_t now[5] = {counts->steps, counts->rhs_evaluations, counts->newton_iterations,
+                      counts->error_test_fails, counts->nonlinear_fails};
+    memcpy(c->before, now, sizeof now);
+    if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
+        CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS ||
+        CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
+                        lac_engine_time(engine));
+    }
+    return LAC_OK;
+}
+
+// Which unknown the integrator fights with: the largest weighted local error.
+static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
+{
+    cvode *c = engine->inner;
+    double *e = lac_vector_data(c->scratch_y);
+    size_t worst = 0;
+    sunrealtype h = 0.0;
+    int order = 0;
+    if (CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS) {
+        for (size_t i = 1; i < 2 * engine->n; i++) {
+            worst = fabs(e[i]) > fabs(e[worst]) ? i : worst;
+        }
+    }
+    (void)CVodeGetCurrentStep(c->mem, &h);
+    (void)CVodeGetCurrentOrder(c->mem, &order);
+    char *name = CVodeGetReturnFlagName(flag);
+    lac_status status = lac_fail(
+        err, LAC_ENUMERIC,
+        "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d; worst unknown: "
+        "%s of cell %zu",
+        name != NULL ? name : "?", lac_engine_time(engine), h, order,
+        worst < engine->n ? "ln v" : "ln theta", worst % engine->n);
+    free(name);
+    return status;
+}
+
+static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
+{
+    cvode *c = engine->inner;
+    sunrealtype t = engine->t;
+    if (CVodeSetStopTime(c->mem, stop) != CV_SUCCESS) {
+        return gave_up(engine, CV_ILL_INPUT, err);
+    }
+    int flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    if (flag < 0) {
+        return gave_up(engine, flag, err);
+    }
+    sunrealtype h;
+    int order;
+    (void)CVodeGetLastStep(c->mem, &h);
+    (void)CVodeGetLastOrder(c->mem, &order);
+    engine->t = flag == CV_TSTOP_RETURN ? stop : t;
+    engine->step = h;
+    engine->order = order;
+    sunrealtype at;
+    return CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS
+               ? LAC_OK
+               : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
+}
+
+static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
+{
+    cvode *c = engine->inner;
+    if (y != NULL) {
+        if (CVodeGetDky(c->mem, t, 0, c->scratch_y) != CV_SUCCESS) {
+            return false;
+        }
+        memcpy(y, lac_vector_data(c->scratch_y), 2 * engine->n * sizeof *y);
+    }
+    if (slip != NULL) {
+        if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
+            return false;
+        }
+        memcpy(slip, lac_vector_data(c->scratch_slip), engine->n * sizeof *slip);
+    }
+    return true;
+}
+
+const lac_engine_kind lac_engine_cvode = {.create = cvode_create,
+                                          .free = cvode_free,
+                                          .restart = cvode_restart,
+                                          .advance = cvode_advance,
+                                          .at = cvode_at,
+                                          .count = cvode_count};

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <arkode/arkode_erkstep.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/engine.h"
+
+// Dormand-Prince 5(4) on (ln v, ln theta, slip). ERKStep 6.4 takes a right-hand side that fails
+// as fatal; the step is then tried again from the last good state with a shorter one.
+typedef struct erk {
+    SUNContext sun;
+    void *mem;
+    N_Vector y, scratch;
+    double *saved; // [3n]
+    int64_t before[3];
+} erk;
+
+static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
+{
+    lac_engine *engine = user;
+    double *at = lac_vector_data(y);
+    double *dot = lac_vector_data(ydot);
+    size_t n = engine->n;
+    bool good =
+        lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, engine->work);
+    lac_problem_rates(engine->problem, at, dot + 2 * n);
+    return good ? 0 : 1;
+}
+
+// Slip takes no part in the error control: it follows from v.
+static int weights(N_Vector y, N_Vector w, void *user)
+{
+    const lac_engine *engine = user;
+    double *weight = lac_vector_data(w);
+    size_t n = engine->n;
+    (void)y;
+    for (size_t i = 0; i < 2 * n; i++) {
+        weight[i] = 1.0 / engine->def->rtol;
+    }
+    for (size_t i = 2 * n; i < 3 * n; i++) {
+        weight[i] = 1e-200;
+    }
+    return 0;
+}
+
+static void erk_free(lac_engine *engine)
+{
+    erk *c = engine->inner;
+    if (c == NULL) {
+        return;
+    }
+    if (c->mem != NULL) {
+        ERKStepFree(&c->mem);
+    }
+    if (c->y != NULL) {
+        N_VDestroy(c->y);
+    }
+    if (c->scratch != NULL) {
+        N_VDestroy(c->scratch);
+    }
+    if (c->sun != NULL) {
+        SUNContext_Free(&c->sun);
+    }
+    free(c->saved);
+    free(c);
+    engine->inner = NULL;
+}
+
+static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
+{
+    c->y = lac_vector_create(3 * engine->n, c->sun);
+    c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
+    c->saved = malloc(3 * engine->n * sizeof *c->saved);
+    if (c->scratch == NULL || c->saved == NULL) {
+        return lac_fail_memory(err);
+    }
+    N_VConst(0.0, c->y);
+    engine->y = lac_vector_data(c->y);
+    engine->slip = engine->y + 2 * engine->n;
+    return LAC_OK;
+}
+
+static int set_options(lac_engine *engine, erk *c)
+{
+    int flag = ERKStepSetUserData(c->mem, engine);
+    flag |= ERKStepWFtolerances(c->mem, weights);
+    flag |= engine->def->max_order > 0 ? ERKStepSetOrder(c->mem, (int)engine->def->max_order)
+                                       : ERKStepSetTableNum(c->mem, ARKODE_DORMAND_PRINCE_7_4_5);
+    flag |= ERKStepSetMaxNumSteps(c->mem, -1);
+    flag |= ERKStepSetMaxErrTestFails(c->mem, 30);
+    flag |= ERKStepSetMaxHnilWarns(c->mem, -1);
+    flag |= ERKStepSetInterpolantDegree(c->mem, 5);
+    return flag;
+}
+
+static lac_status erk_create(lac_engine *engine, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    erk *c = calloc(1, sizeof *c);
+    if (c == NULL) {
+        return lac_fail_memory(err);
+    }
+    engine->inner = c;
+    if (LAC_SUN_CONTEXT_CREATE(&c->sun) != 0) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CONTEXT(c->sun);
+    LAC_TRY(make_vectors(engine, c, err));
+    lac_problem_initial(engine->problem, engine->y);
+    c->mem = ERKStepCreate(rates, 0.0, c->y, c->sun);
+    if (c->mem == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_ERK(c->mem);
+    if (set_options(engine, c) != ARK_SUCCESS) {
+        status = lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
+    }
+out:
+    return status;
+}
+
+static void erk_count(lac_engine *engine)
+{
+    erk *c = engine->inner;
+    long now[3] = {0};
+    (void)ERKStepGetNumSteps(c->mem, &now[0]);
+    (void)ERKStepGetNumRhsEvals(c->mem, &now[1]);
+    (void)ERKStepGetNumErrTestFails(c->mem, &now[2]);
+    engine->counts.steps = c->before[0] + now[0];
+    engine->counts.rhs_evaluations = c->before[1] + now[1];
+    engine->counts.error_test_fails = c->before[2] + now[2];
+    engine->order = engine->def->max_order > 0 ? engine->def->max_order : 5;
+}
+
+static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
+{
+    erk *c = engine->inner;
+    erk_count(engine);
+    const lac_run_result *counts = &engine->counts;
+    int64_t now[3] = {counts->steps, counts->rhs_evaluations, counts->error_test_fails};
+    memcpy(c->before, now, sizeof now);
+    if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
+        ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
+                        lac_engine_time(engine));
+    }
+    return LAC_OK;
+}
+
+static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
+{
+    erk *c = engine->inner;
+    sunrealtype h = 0.0;
+    (void)ERKStepGetCurrentStep(c->mem, &h);
+    char *name = ERKStepGetReturnFlagName(flag);
+    lac_status status = lac_fail(
+        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
+        name != NULL ? name : "?", lac_engine_time(engine), h, (long long)engine->order);
+    free(name);
+    return status;
+}
+
+static bool rates_failed(int flag)
+{
+    return flag == ARK_RHSFUNC_FAIL || flag == ARK_UNREC_RHSFUNC_ERR ||
+           flag == ARK_REPTD_RHSFUNC_ERR || flag == ARK_FIRST_RHSFUNC_ERR;
+}
+
+static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
+{
+    erk *c = engine->inner;
+    double *data = lac_vector_data(c->y);
+    size_t bytes = 3 * engine->n * sizeof *data;
+    memcpy(c->saved, data, bytes);
+    double h = engine->step > 0.0 ? engine->step : stop - engine->t;
+
+    for (int tries = 0;; tries++) {
+        sunrealtype t = engine->t;
+        (void)ERKStepSetStopTime(c->mem, stop);
+        int flag = ERKStepEvolve(c->mem, stop, c->y, &t, ARK_ONE_STEP);
+        if (flag >= 0) {
+            engine->t = flag == ARK_TSTOP_RETURN ? stop : t;
+            break;
+        }
+        memcpy(data, c->saved, bytes);
+        h *= 0.1;
+        if (!rates_failed(flag) || tries == 20 || engine->t + h == engine->t) {
+            return gave_up(engine, flag, err);
+        }
+        stop -= engine->t;
+        engine->base += engine->t;
+        engine->t = 0.0;
+        lac_status status = erk_restart(engine, h, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    sunrealtype last;
+    (void)ERKStepGetLastStep(c->mem, &last);
+    engine->step = last;
+    return LAC_OK;
+}
+
+static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
+{
+    erk *c = engine->inner;
+    if (ERKStepGetDky(c->mem, t, 0, c->scratch) != ARK_SUCCESS) {
+        return false;
+    }
+    const double *data = lac_vector_data(c->scratch);
+    if (y != NULL) {
+        memcpy(y, data, 2 * engine->n * sizeof *y);
+    }
+    if (slip != NULL) {
+        memcpy(slip, data + 2 * engine->n, engine->n * sizeof *slip);
+    }
+    return true;
+}
+
+const lac_engine_kind lac_engine_erk = {.create = erk_create,
+                                        .free = erk_free,
+                                        .restart = erk_restart,
+                                        .advance = erk_advance,
+                                        .at = erk_at,
+                                        .count = erk_count};

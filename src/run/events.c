@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/events.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// How far a state is past a limit: < 0 before it. Rates on a logarithmic scale, where they are
+// smooth.
+static double past(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
+                   const double *y, const double *slip)
+{
+    double mean;
+    double max;
+    if (kind == LAC_CROSSING_SLIP) {
+        double sum = 0.0;
+        for (size_t i = 0; i < engine->n; i++) {
+            sum += slip[i];
+        }
+        return sum / (double)engine->n - def->stop_slip;
+    }
+    lac_problem_speed(engine->problem, y, &mean, &max, engine->work);
+    return kind == LAC_CROSSING_FAILURE ? log(mean / def->failure_rate) : log(max / def->stop_rate);
+}
+
+// A place to look within the step.
+typedef struct probe {
+    lac_engine *engine;
+    const lac_run_def *def;
+    lac_crossing_kind kind;
+    double *y, *slip;
+} probe;
+
+static bool look(probe *p, double t, double *value)
+{
+    if (!p->engine->kind->at(p->engine, t, p->y, p->slip)) {
+        return false;
+    }
+    *value = past(p->engine, p->def, p->kind, p->y, p->slip);
+    return true;
+}
+
+// Illinois' false position on the step's interpolant; `high` ends at or after the crossing.
+static bool locate(probe *p, double low, double *high)
+{
+    double at_low;
+    double at_high;
+    if (!look(p, low, &at_low) || !look(p, *high, &at_high)) {
+        return false;
+    }
+    int side = 0;
+    for (int i = 0; i < 100 && at_low < 0.0 && at_high > 0.0; i++) {
+        double middle = *high - at_high * (*high - low) / (at_high - at_low);
+        if (!(middle > low && middle < *high)) {
+            break;
+        }
+        double at_middle;
+        if (!look(p, middle, &at_middle)) {
+            return false;
+        }
+        if (at_middle >= 0.0) {
+            *high = middle;
+            at_high = at_middle;
+            at_low *= side == 1 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            low = middle;
+            at_low = at_middle;
+            at_high *= side == -1 ? 0.5 : 1.0;
+            side = -1;
+        }
+        if (fabs(at_middle) < 1e-14) {
+            break;
+        }
+    }
+    double ignored;
+    return look(p, *high, &ignored);
+}
+
+static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
+                    double mean_before)
+{
+    switch (kind) {
+    case LAC_CROSSING_FAILURE:
+        return mean_before < def->failure_rate && past(engine, def, kind, engine->y, NULL) >= 0.0;
+    case LAC_CROSSING_RATE:
+        return !isnan(def->stop_rate) && past(engine, def, kind, engine->y, NULL) >= 0.0;
+    case LAC_CROSSING_SLIP:
+        return !isnan(def->stop_slip) && past(engine, def, kind, NULL, engine->slip) >= 0.0;
+    case LAC_CROSSING_NONE:
+        break;
+    }
+    return false;
+}
+
+static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
+                            lac_error *err)
+{
+    size_t n = engine->n;
+    double *found = malloc(3 * n * sizeof *found);
+    if (found == NULL) {
+        return lac_fail_memory(err);
+    }
+    double t = engine->t;
+    probe p = {engine, def, kind, found, found + 2 * n};
+    bool good = locate(&p, engine->t - engine->step, &t);
+    if (good) {
+        engine->step -= engine->t - t;
+        engine->t = t;
+        memcpy(engine->y, p.y, 2 * n * sizeof *p.y);
+        memcpy(engine->slip, p.slip, n * sizeof *p.slip);
+    }
+    free(found);
+    return good ? LAC_OK
+                : lac_fail(err, LAC_ENUMERIC,
+                           "the end of the run within the step to t = %.17g s "
+                           "cannot be located",
+                           lac_engine_time(engine));
+}
+
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double mean_before,
+                             lac_crossing_kind *found, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *found = LAC_CROSSING_NONE;
+    // Several limits in one step: each is located in what the last one left of the step.
+    for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_SLIP; kind++) {
+        if (crossed(engine, def, kind, mean_before)) {
+            *found = kind;
+            LAC_TRY(take_back(engine, def, kind, err));
+        }
+    }
+out:
+    return status;
+}

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/run.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "run/cadence.h"
+#include "run/engine.h"
+#include "run/events.h"
+
+// A run on its way.
+typedef struct run {
+    const lac_problem *problem;
+    const lac_run_def *def;
+    const lac_sink *sink;
+    lac_engine *engine;
+    lac_run_result *result;
+    lac_clock record_clock, snapshot_clock;
+    double last_origin, last_local; // of the last record
+    bool recorded;
+    double *between; // [3n] state and slip within a step, where records fall there; or NULL
+    double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
+    double next_break;
+    double mean_rate, max_rate; // at the time reached [m/s]
+    lac_end end;
+    bool done;
+} run;
+
+lac_run_def lac_run_default(void)
+{
+    return (lac_run_def){.method = LAC_BDF,
+                         .rtol = 1e-6,
+                         .first_step = NAN,
+                         .max_steps = 10000000,
+                         .end = NAN,
+                         .failure_rate = 1.0,
+                         .stop_slip = NAN,
+                         .stop_rate = NAN,
+                         .record = {.time = NAN, .steps = 1, .per_decade = NAN},
+                         .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
+}
+
+// Hands one line of the time series to the sink; a time already recorded is passed over.
+static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double local = engine->base + t;
+    if (r->recorded && (engine->origin - r->last_origin) + (local - r->last_local) <= 0.0) {
+        return LAC_OK;
+    }
+    engine->kind->count(engine);
+    lac_record line = {.time_origin = engine->origin,
+                       .time_local = local,
+                       .step_size = engine->step > 0.0 ? engine->step : NAN,
+                       .order = engine->step > 0.0 ? engine->order : 0,
+                       .rhs_evaluations = engine->counts.rhs_evaluations};
+    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.seen, engine->work);
+    r->result->balance_residual = fmax(r->result->balance_residual, line.seen.balance_residual);
+    r->recorded = true;
+    r->last_origin = engine->origin;
+    r->last_local = local;
+    if (r->sink == NULL || r->sink->record == NULL) {
+        return LAC_OK;
+    }
+    return r->sink->record(r->sink->context, &line, err);
+}
+
+static lac_status snapshot(run *r, double t, const double *y, const double *slip, lac_error *err)
+{
+    size_t n = r->engine->n;
+    double *v = r->fields;
+    double *theta = v + n;
+    double *traction = theta + n;
+    if (r->sink == NULL || r->sink->snapshot == NULL) {
+        return LAC_OK;
+    }
+    lac_problem_rates(r->problem, y, v);
+    for (size_t i = 0; i < n; i++) {
+        theta[i] = exp(y[n + i]);
+    }
+    lac_problem_traction(r->problem, lac_engine_clock(r->engine, t), slip, traction,
+                         r->engine->work);
+    lac_snapshot fields = {.time = r->engine->origin + (r->engine->base + t),
+                           .slip = slip,
+                           .slip_rate = v,
+                           .state = theta,
+                           .traction = traction};
+    return r->sink->snapshot(r->sink->context, &fields, err);
+}
+
+// Records and snapshots that are due at exact times within the step just made.
+static lac_status output_between(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double now = lac_engine_time(engine);
+    lac_status status = LAC_OK;
+    for (;;) {
+        double next_record = lac_clock_next(&r->record_clock);
+        double next_snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
+        double next = fmin(next_record, next_snapshot);
+        if (!(next <= now)) {
+            return LAC_OK;
+        }
+        double t = fmin(lac_engine_inner(engine, next), engine->t);
+        double *slip = r->between + 2 * engine->n;
+        if (!engine->kind->at(engine, t, r->between, slip)) {
+            return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
+        }
+        if (next_record == next) {
+            r->record_clock.count++;
+            LAC_TRY(record(r, t, r->between, slip, err));
+        }
+        if (next_snapshot == next) {
+            r->snapshot_clock.count++;
+            LAC_TRY(snapshot(r, t, r->between, slip, err));
+        }
+    }
+out:
+    return status;
+}
+
+// What is due at the end of the step; everything at the end of the run.
+static lac_status output_step(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    lac_status status = LAC_OK;
+    if (r->between != NULL) {
+        LAC_TRY(output_between(r, err));
+    }
+    if (lac_clock_due(&r->record_clock, r->mean_rate) || r->done) {
+        LAC_TRY(record(r, engine->t, engine->y, engine->slip, err));
+    }
+    if (r->fields != NULL && (lac_clock_due(&r->snapshot_clock, r->mean_rate) || r->done)) {
+        LAC_TRY(snapshot(r, engine->t, engine->y, engine->slip, err));
+    }
+out:
+    return status;
+}
+
+// Begins the integrator's time anew; origin + base stays exactly the time reached.
+static void move_origin(lac_engine *engine)
+{
+    double local = engine->base + engine->t;
+    double origin = engine->origin + local;
+    engine->base = local - (origin - engine->origin);
+    engine->origin = origin;
+    engine->t = 0.0;
+}
+
+static lac_status restart(run *r, double h, lac_error *err)
+{
+    r->result->restarts++;
+    return r->engine->kind->restart(r->engine, h, err);
+}
+
+// Takes the state across a jump or bend of the loads and begins anew exactly there.
+static lac_status cross_break(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double t = r->next_break;
+    engine->origin = t;
+    engine->base = 0.0;
+    engine->t = 0.0;
+    r->next_break = lac_problem_next_break(r->problem, t);
+    engine->limit = nextafter(r->next_break, -INFINITY);
+    if (!lac_problem_jump(r->problem, t, engine->y)) {
+        return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load that jumps at t = %g s",
+                        t);
+    }
+    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+    return restart(r, lac_problem_first_step(r->problem, t, engine->y, engine->work), err);
+}
+
+// One step, cut short where the run ends within it.
+static lac_status step(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    const lac_run_def *def = r->def;
+    lac_status status = LAC_OK;
+    double stop = fmin(def->end, r->next_break);
+    double mean_before = r->mean_rate;
+    LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
+    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+
+    lac_crossing_kind crossing;
+    LAC_TRY(lac_crossing_find(engine, def, mean_before, &crossing, err));
+    if (crossing != LAC_CROSSING_NONE) {
+        lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+        r->done = true;
+        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
+    } else if (engine->t >= lac_engine_inner(engine, def->end)) {
+        r->done = true;
+        r->end = LAC_END_TIME;
+    } else if (def->interrupted != NULL && def->interrupted(def->context)) {
+        r->done = true;
+        r->end = LAC_END_INTERRUPT;
+    }
+    r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
+    LAC_TRY(output_step(r, err));
+out:
+    return status;
+}
+
+// After a step: over a break of the loads, or a new origin where time runs out of digits.
+static lac_status go_on(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
+    if (engine->t >= lac_engine_inner(engine, r->next_break)) {
+        return cross_break(r, err);
+    }
+    if (engine->step < digits * engine->t) {
+        move_origin(engine);
+        return restart(r, 0.1 * engine->step, err);
+    }
+    return LAC_OK;
+}
+
+static lac_status too_many_steps(const run *r, lac_error *err)
+{
+    return lac_fail(err, LAC_ENUMERIC,
+                    "%lld steps were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
+                    "rate %g m/s",
+                    (long long)r->def->max_steps, lac_engine_time(r->engine), r->def->end,
+                    r->engine->step, r->mean_rate);
+}
+
+static void report_progress(const run *r)
+{
+    if (r->def->progress == NULL) {
+        return;
+    }
+    lac_progress progress = {.time = lac_engine_time(r->engine),
+                             .end = r->def->end,
+                             .mean_rate = r->mean_rate,
+                             .failure_rate = r->def->failure_rate,
+                             .steps = r->engine->counts.steps};
+    r->def->progress(r->def->context, &progress);
+}
+
+static lac_status integrate(run *r, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (int64_t steps = 0; !r->done; steps++) {
+        if (steps >= r->def->max_steps) {
+            return too_many_steps(r, err);
+        }
+        LAC_TRY(step(r, err));
+        report_progress(r);
+        if (!r->done) {
+            LAC_TRY(go_on(r, err));
+        }
+    }
+    if (r->end == LAC_END_INTERRUPT) {
+        status =
+            lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", lac_engine_time(r->engine));
+    }
+out:
+    return status;
+}
+
+static lac_status check_def(const lac_run_def *def, lac_error *err)
+{
+    if (!(def->end > 0.0) || !isfinite(def->end)) {
+        return lac_fail(err, LAC_EINPUT, "the end of the run, %g s, must be after its start",
+                        def->end);
+    }
+    if (!(def->rtol > 0.0) || !(def->failure_rate > 0.0)) {
+        return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
+                        def->rtol, def->failure_rate);
+    }
+    return LAC_OK;
+}
+
+static lac_status allocate_output(run *r, lac_error *err)
+{
+    bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
+    size_t bytes = 3 * r->engine->n * sizeof(double);
+    r->between = by_time ? malloc(bytes) : NULL;
+    r->fields = r->def->snapshots ? malloc(bytes) : NULL;
+    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL)) {
+        return lac_fail_memory(err);
+    }
+    return LAC_OK;
+}
+
+// Everything at t = 0: first record, first step, clocks.
+static lac_status begin(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    const lac_run_def *def = r->def;
+    lac_status status = LAC_OK;
+    LAC_TRY(allocate_output(r, err));
+    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+    if (r->mean_rate >= def->failure_rate) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
+                        "%g m/s",
+                        r->mean_rate, def->failure_rate);
+    }
+    r->result->max_slip_rate = r->max_rate;
+    r->record_clock = lac_clock_start(def->record, r->mean_rate);
+    r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
+    LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
+    if (r->fields != NULL) {
+        LAC_TRY(snapshot(r, 0.0, engine->y, engine->slip, err));
+    }
+    r->next_break = lac_problem_next_break(r->problem, 0.0);
+    engine->limit = nextafter(r->next_break, -INFINITY);
+    double h = isnan(def->first_step)
+                   ? lac_problem_first_step(r->problem, 0.0, engine->y, engine->work)
+                   : def->first_step;
+    status = engine->kind->restart(engine, fmin(h, 0.5 * fmin(def->end, r->next_break)), err);
+out:
+    return status;
+}
+
+static void finish(run *r)
+{
+    lac_run_result *result = r->result;
+    lac_engine *engine = r->engine;
+    engine->kind->count(engine);
+    lac_run_result counts = engine->counts;
+    result->steps = counts.steps;
+    result->rhs_evaluations = counts.rhs_evaluations;
+    result->newton_iterations = counts.newton_iterations;
+    result->linear_solves = counts.linear_solves;
+    result->error_test_fails = counts.error_test_fails;
+    result->nonlinear_fails = counts.nonlinear_fails;
+    result->time = lac_engine_time(engine);
+    result->end = r->end;
+    double sum = 0.0;
+    for (size_t i = 0; i < engine->n; i++) {
+        sum += engine->slip[i];
+    }
+    result->mean_slip = sum / (double)engine->n;
+    if (r->done && r->end == LAC_END_FAILURE) {
+        result->failed = true;
+        result->failure_origin = engine->origin;
+        result->failure_local = engine->base + engine->t;
+    }
+}
+
+lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
+                   lac_run_result *result, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *result = (lac_run_result){.failure_origin = NAN, .failure_local = NAN};
+    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
+    LAC_TRY(check_def(def, err));
+    LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
+    LAC_TRY(begin(&r, err));
+    LAC_TRY(integrate(&r, err));
+out:
+    if (r.engine != NULL) {
+        finish(&r);
+    }
+    free(r.between);
+    free(r.fields);
+    lac_engine_free(r.engine);
+    return status;
+}
