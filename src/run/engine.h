@@ -5,14 +5,15 @@
 #include "lacuna/run.h"
 #include "run/vector.h"
 
-// What one integrator needs and gives, whichever the method. Time is origin + local: near a
-// failure a double in total time resolves the steps no more, so the origin moves up.
+// What one integrator needs and gives, whichever the method. Time is origin + base + t, t the
+// integrator's own: near a failure a double in total time resolves the steps no more, so t begins
+// anew and what it had reached moves into base and origin.
 typedef struct lac_engine {
     const struct lac_engine_kind *kind;
     const lac_problem *problem;
     const lac_run_def *def;
     size_t n;
-    double origin, local;  // time reached [s]
+    double origin, base, t; // time reached is their sum [s]
     double limit;          // loads are seen from below up to here: the last time before a break [s]
     double step;           // length of the last step [s]
     int64_t order;         // of the last step
@@ -27,12 +28,13 @@ typedef struct lac_engine {
 typedef struct lac_engine_kind {
     lac_status (*create)(lac_engine *engine, lac_error *err);
     void (*free)(lac_engine *engine);
-    // Begins anew from engine->y and slip at engine->origin + local, with first step h.
+    // Begins anew from engine->y and slip at t = 0 with first step h.
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
-    // One step, not beyond local time `stop`; sets local, step, order; y is current afterwards.
+    // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
-    // State and slip at a local time within the last step; y [2n], slip [n]; NULL: not wanted.
-    bool (*at)(lac_engine *engine, double local, double *y, double *slip);
+    // State and slip at an integrator's time within the last step; y [2n], slip [n]; NULL: not
+    // wanted.
+    bool (*at)(lac_engine *engine, double t, double *y, double *slip);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
 } lac_engine_kind;
@@ -44,16 +46,22 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
                              lac_error *err);
 void lac_engine_free(lac_engine *engine);
 
-// The loads' time at a local time: within a segment they are seen from below its end.
-static inline double lac_engine_clock(const lac_engine *engine, double local)
+// The loads' time at an integrator's time: within a segment they are seen from below its end.
+static inline double lac_engine_clock(const lac_engine *engine, double t)
 {
-    double t = engine->origin + local;
-    return t < engine->limit ? t : engine->limit;
+    double now = engine->origin + (engine->base + t);
+    return now < engine->limit ? now : engine->limit;
 }
 
 static inline double lac_engine_time(const lac_engine *engine)
 {
-    return engine->origin + engine->local;
+    return engine->origin + (engine->base + engine->t);
+}
+
+// The integrator's time of a time since the start.
+static inline double lac_engine_inner(const lac_engine *engine, double time)
+{
+    return (time - engine->origin) - engine->base;
 }
 
 #endif

@@ -211,7 +211,7 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
     int64_t now[5] = {counts->steps, counts->rhs_evaluations, counts->newton_iterations,
                       counts->error_test_fails, counts->nonlinear_fails};
     memcpy(c->before, now, sizeof now);
-    if (CVodeReInit(c->mem, engine->local, c->y) != CV_SUCCESS ||
+    if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
         CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS ||
         CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
@@ -249,7 +249,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
 static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
 {
     cvode *c = engine->inner;
-    sunrealtype t = engine->local;
+    sunrealtype t = engine->t;
     if (CVodeSetStopTime(c->mem, stop) != CV_SUCCESS) {
         return gave_up(engine, CV_ILL_INPUT, err);
     }
@@ -261,7 +261,7 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     int order;
     (void)CVodeGetLastStep(c->mem, &h);
     (void)CVodeGetLastOrder(c->mem, &order);
-    engine->local = flag == CV_TSTOP_RETURN ? stop : t;
+    engine->t = flag == CV_TSTOP_RETURN ? stop : t;
     engine->step = h;
     engine->order = order;
     sunrealtype at;
@@ -270,17 +270,17 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
                : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
 }
 
-static bool cvode_at(lac_engine *engine, double local, double *y, double *slip)
+static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
 {
     cvode *c = engine->inner;
     if (y != NULL) {
-        if (CVodeGetDky(c->mem, local, 0, c->scratch_y) != CV_SUCCESS) {
+        if (CVodeGetDky(c->mem, t, 0, c->scratch_y) != CV_SUCCESS) {
             return false;
         }
         memcpy(y, lac_vector_data(c->scratch_y), 2 * engine->n * sizeof *y);
     }
     if (slip != NULL) {
-        if (CVodeGetQuadDky(c->mem, local, 0, c->scratch_slip) != CV_SUCCESS) {
+        if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
             return false;
         }
         memcpy(slip, lac_vector_data(c->scratch_slip), engine->n * sizeof *slip);

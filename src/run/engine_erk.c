@@ -140,7 +140,7 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     const lac_run_result *counts = &engine->counts;
     int64_t now[3] = {counts->steps, counts->rhs_evaluations, counts->error_test_fails};
     memcpy(c->before, now, sizeof now);
-    if (ERKStepReInit(c->mem, rates, engine->local, c->y) != ARK_SUCCESS ||
+    if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
         ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
@@ -173,21 +173,24 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     double *data = lac_vector_data(c->y);
     size_t bytes = 3 * engine->n * sizeof *data;
     memcpy(c->saved, data, bytes);
-    double h = engine->step > 0.0 ? engine->step : stop - engine->local;
+    double h = engine->step > 0.0 ? engine->step : stop - engine->t;
 
     for (int tries = 0;; tries++) {
-        sunrealtype t = engine->local;
+        sunrealtype t = engine->t;
         (void)ERKStepSetStopTime(c->mem, stop);
         int flag = ERKStepEvolve(c->mem, stop, c->y, &t, ARK_ONE_STEP);
         if (flag >= 0) {
-            engine->local = flag == ARK_TSTOP_RETURN ? stop : t;
+            engine->t = flag == ARK_TSTOP_RETURN ? stop : t;
             break;
         }
         memcpy(data, c->saved, bytes);
         h *= 0.1;
-        if (!rates_failed(flag) || tries == 20 || engine->local + h == engine->local) {
+        if (!rates_failed(flag) || tries == 20 || engine->t + h == engine->t) {
             return gave_up(engine, flag, err);
         }
+        stop -= engine->t;
+        engine->base += engine->t;
+        engine->t = 0.0;
         lac_status status = erk_restart(engine, h, err);
         if (status != LAC_OK) {
             return status;
@@ -199,10 +202,10 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     return LAC_OK;
 }
 
-static bool erk_at(lac_engine *engine, double local, double *y, double *slip)
+static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
 {
     erk *c = engine->inner;
-    if (ERKStepGetDky(c->mem, local, 0, c->scratch) != ARK_SUCCESS) {
+    if (ERKStepGetDky(c->mem, t, 0, c->scratch) != ARK_SUCCESS) {
         return false;
     }
     const double *data = lac_vector_data(c->scratch);

@@ -31,9 +31,9 @@ typedef struct probe {
     double *y, *slip;
 } probe;
 
-static bool look(probe *p, double local, double *value)
+static bool look(probe *p, double t, double *value)
 {
-    if (!p->engine->kind->at(p->engine, local, p->y, p->slip)) {
+    if (!p->engine->kind->at(p->engine, t, p->y, p->slip)) {
         return false;
     }
     *value = past(p->engine, p->def, p->kind, p->y, p->slip);
@@ -101,12 +101,12 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
     if (found == NULL) {
         return lac_fail_memory(err);
     }
-    double local = engine->local;
+    double t = engine->t;
     probe p = {engine, def, kind, found, found + 2 * n};
-    bool good = locate(&p, engine->local - engine->step, &local);
+    bool good = locate(&p, engine->t - engine->step, &t);
     if (good) {
-        engine->step -= engine->local - local;
-        engine->local = local;
+        engine->step -= engine->t - t;
+        engine->t = t;
         memcpy(engine->y, p.y, 2 * n * sizeof *p.y);
         memcpy(engine->slip, p.slip, n * sizeof *p.slip);
     }

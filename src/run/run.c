@@ -41,9 +41,10 @@ lac_run_def lac_run_default(void)
 }
 
 // Hands one line of the time series to the sink; a time already recorded is passed over.
-static lac_status record(run *r, double local, const double *y, const double *slip, lac_error *err)
+static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
     lac_engine *engine = r->engine;
+    double local = engine->base + t;
     if (r->recorded && (engine->origin - r->last_origin) + (local - r->last_local) <= 0.0) {
         return LAC_OK;
     }
@@ -53,8 +54,7 @@ static lac_status record(run *r, double local, const double *y, const double *sl
                        .step_size = engine->step > 0.0 ? engine->step : NAN,
                        .order = engine->step > 0.0 ? engine->order : 0,
                        .rhs_evaluations = engine->counts.rhs_evaluations};
-    lac_problem_observe(r->problem, lac_engine_clock(engine, local), y, slip, &line.seen,
-                        engine->work);
+    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.seen, engine->work);
     r->result->balance_residual = fmax(r->result->balance_residual, line.seen.balance_residual);
     r->recorded = true;
     r->last_origin = engine->origin;
@@ -65,8 +65,7 @@ static lac_status record(run *r, double local, const double *y, const double *sl
     return r->sink->record(r->sink->context, &line, err);
 }
 
-static lac_status snapshot(run *r, double local, const double *y, const double *slip,
-                           lac_error *err)
+static lac_status snapshot(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
     size_t n = r->engine->n;
     double *v = r->fields;
@@ -79,9 +78,9 @@ static lac_status snapshot(run *r, double local, const double *y, const double *
     for (size_t i = 0; i < n; i++) {
         theta[i] = exp(y[n + i]);
     }
-    lac_problem_traction(r->problem, lac_engine_clock(r->engine, local), slip, traction,
+    lac_problem_traction(r->problem, lac_engine_clock(r->engine, t), slip, traction,
                          r->engine->work);
-    lac_snapshot fields = {.time = r->engine->origin + local,
+    lac_snapshot fields = {.time = r->engine->origin + (r->engine->base + t),
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
@@ -102,18 +101,18 @@ static lac_status output_between(run *r, lac_error *err)
         if (!(next <= now)) {
             return LAC_OK;
         }
-        double local = fmin(next - engine->origin, engine->local);
+        double t = fmin(lac_engine_inner(engine, next), engine->t);
         double *slip = r->between + 2 * engine->n;
-        if (!engine->kind->at(engine, local, r->between, slip)) {
+        if (!engine->kind->at(engine, t, r->between, slip)) {
             return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
         }
         if (next_record == next) {
             r->record_clock.count++;
-            LAC_TRY(record(r, local, r->between, slip, err));
+            LAC_TRY(record(r, t, r->between, slip, err));
         }
         if (next_snapshot == next) {
             r->snapshot_clock.count++;
-            LAC_TRY(snapshot(r, local, r->between, slip, err));
+            LAC_TRY(snapshot(r, t, r->between, slip, err));
         }
     }
 out:
@@ -129,21 +128,23 @@ static lac_status output_step(run *r, lac_error *err)
         LAC_TRY(output_between(r, err));
     }
     if (lac_clock_due(&r->record_clock, r->mean_rate) || r->done) {
-        LAC_TRY(record(r, engine->local, engine->y, engine->slip, err));
+        LAC_TRY(record(r, engine->t, engine->y, engine->slip, err));
     }
     if (r->fields != NULL && (lac_clock_due(&r->snapshot_clock, r->mean_rate) || r->done)) {
-        LAC_TRY(snapshot(r, engine->local, engine->y, engine->slip, err));
+        LAC_TRY(snapshot(r, engine->t, engine->y, engine->slip, err));
     }
 out:
     return status;
 }
 
-// Moves the origin of time up to now, exactly: origin + local stays the same number.
+// Begins the integrator's time anew; origin + base stays exactly the time reached.
 static void move_origin(lac_engine *engine)
 {
-    double origin = engine->origin + engine->local;
-    engine->local -= origin - engine->origin;
+    double local = engine->base + engine->t;
+    double origin = engine->origin + local;
+    engine->base = local - (origin - engine->origin);
     engine->origin = origin;
+    engine->t = 0.0;
 }
 
 static lac_status restart(run *r, double h, lac_error *err)
@@ -158,7 +159,8 @@ static lac_status cross_break(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     double t = r->next_break;
     engine->origin = t;
-    engine->local = 0.0;
+    engine->base = 0.0;
+    engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
     if (!lac_problem_jump(r->problem, t, engine->y)) {
@@ -177,7 +179,7 @@ static lac_status step(run *r, lac_error *err)
     lac_status status = LAC_OK;
     double stop = fmin(def->end, r->next_break);
     double mean_before = r->mean_rate;
-    LAC_TRY(engine->kind->advance(engine, stop - engine->origin, err));
+    LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
 
     lac_crossing_kind crossing;
@@ -186,7 +188,7 @@ static lac_status step(run *r, lac_error *err)
         lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
         r->done = true;
         r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
-    } else if (engine->local >= def->end - engine->origin) {
+    } else if (engine->t >= lac_engine_inner(engine, def->end)) {
         r->done = true;
         r->end = LAC_END_TIME;
     } else if (def->interrupted != NULL && def->interrupted(def->context)) {
@@ -204,10 +206,10 @@ static lac_status go_on(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
-    if (engine->local >= r->next_break - engine->origin) {
+    if (engine->t >= lac_engine_inner(engine, r->next_break)) {
         return cross_break(r, err);
     }
-    if (engine->step < digits * engine->local) {
+    if (engine->step < digits * engine->t) {
         move_origin(engine);
         return restart(r, 0.1 * engine->step, err);
     }
@@ -335,7 +337,7 @@ static void finish(run *r)
     if (r->done && r->end == LAC_END_FAILURE) {
         result->failed = true;
         result->failure_origin = engine->origin;
-        result->failure_local = engine->local;
+        result->failure_local = engine->base + engine->t;
     }
 }
 

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contact/solve.h"
+#include "lacuna/contact.h"
+
+#define TWO_PI 6.283185307179586476925286766559
+
+enum { COARSEST = 32 };
+static const double coarse_tolerance = 1e-3;
+static const int64_t coarse_iterations = 200;
+
+// The problem in the solver's own units, and what brings it back to SI.
+typedef struct problem {
+    size_t nx, ny;
+    double dqx, dqy; // spacing of kappa
+    double *h;       // [ny * nx] heights less their mean, over h_rms
+    double h_rms;    // [m]
+    double unit;     // of pressure: E* h_rms / (2 length) [Pa]
+} problem;
+
+lac_contact_def lac_contact_default(void)
+{
+    return (lac_contact_def){.tolerance = 1e-8, .max_iterations = 1000};
+}
+
+static lac_status check(const lac_contact_def *def, lac_error *err)
+{
+    const lac_grid *grid = &def->grid;
+    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
+        !isfinite(lac_grid_area(grid))) {
+        return lac_fail(err, LAC_EINPUT,
+                        "contact: a grid of %zu x %zu cells of %g x %g m is not "
+                        "possible",
+                        grid->nx, grid->ny, grid->dx, grid->dy);
+    }
+    if (!grid->periodic) {
+        return lac_fail(err, LAC_EINPUT, "contact: only periodic interfaces can be solved");
+    }
+    if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
+        return lac_fail(err, LAC_EINPUT, "contact: the modulus E* must be > 0 Pa, not %g",
+                        def->e_star);
+    }
+    if (!(def->mean_pressure > 0.0 && isfinite(def->mean_pressure))) {
+        return lac_fail(err, LAC_EINPUT, "contact: the mean pressure must be > 0 Pa, not %g",
+                        def->mean_pressure);
+    }
+    if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
+        return lac_fail(err, LAC_EINPUT, "contact: the tolerance must lie between 0 and 1, not %g",
+                        def->tolerance);
+    }
+    if (def->max_iterations < 1) {
+        return lac_fail(err, LAC_EINPUT, "contact: at least one iteration must be allowed");
+    }
+    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+        if (!isfinite(def->heights[i])) {
+            return lac_fail(err, LAC_EINPUT, "contact: the height of cell (%zu, %zu) is %g",
+                            i % grid->nx, i / grid->nx, def->heights[i]);
+        }
+    }
+    return LAC_OK;
+}
+
+// Heights less their mean, in units of their rms.
+static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_error *err)
+{
+    size_t n = p->nx * p->ny;
+    double mean = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean += def->heights[i] / (double)n;
+    }
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        p->h[i] = def->heights[i] - mean;
+        most = fmax(most, fabs(p->h[i]));
+    }
+    double sum = 0.0;
+    for (size_t i = 0; i < n && most > 0.0; i++) {
+        double x = p->h[i] / most;
+        sum += x * x;
+    }
+    p->h_rms = most * sqrt(sum / (double)n);
+    for (size_t i = 0; i < n && most > 0.0; i++) {
+        p->h[i] = p->h[i] / p->h_rms;
+    }
+    if (!isfinite(p->h_rms)) {
+        return lac_fail(err, LAC_EINPUT, "contact: the heights span more than numbers can hold");
+    }
+    return LAC_OK;
+}
+
+static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_error *err)
+{
+    const lac_grid *grid = &def->grid;
+    double lx = (double)grid->nx * grid->dx;
+    double ly = (double)grid->ny * grid->dy;
+    double longest = fmax(lx, ly);
+    p->nx = grid->nx;
+    p->ny = grid->ny;
+    p->dqx = longest / lx;
+    p->dqy = longest / ly;
+    lac_status status;
+    LAC_TRY(scale_heights(def, p, err));
+    p->unit = 0.5 * TWO_PI * def->e_star * (p->h_rms / longest);
+    double load = def->mean_pressure / p->unit;
+    if (!isfinite(p->unit) || (p->h_rms > 0.0 && load == 0.0)) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "contact: a mean pressure of %g Pa is beyond what can be "
+                          "solved for E* = %g Pa and an rms height of %g m",
+                          def->mean_pressure, def->e_star, p->h_rms);
+    }
+out:
+    return status;
+}
+
+// Full contact, where the load is high enough for it: p = mean p + E* |q| h / 2 >= 0.
+static bool full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
+                         double *pressure)
+{
+    size_t n = p->nx * p->ny;
+    memcpy(s->fft->real, p->h, n * sizeof(double));
+    lac_half_space_unload(s);
+    for (size_t i = 0; i < n; i++) {
+        pressure[i] = def->mean_pressure + p->unit * s->fft->real[i];
+        if (!(pressure[i] > 0.0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool can_halve(size_t n) { return n == 1 || (n % 2 == 0 && n / 2 >= COARSEST); }
+
+// Means of 2 x 2 cells (2 x 1 on a line).
+static void halve(const double *fine, size_t nx, size_t ny, double *coarse)
+{
+    size_t mx = nx > 1 ? 2 : 1;
+    size_t my = ny > 1 ? 2 : 1;
+    size_t cx = nx / mx;
+    for (size_t j = 0; j < ny / my; j++) {
+        for (size_t i = 0; i < cx; i++) {
+            const double *at = &fine[j * my * nx + i * mx];
+            const double *up = &at[(my - 1) * nx];
+            coarse[j * cx + i] = 0.25 * (at[0] + at[mx - 1] + up[0] + up[mx - 1]);
+        }
+    }
+}
+
+// Each coarse pressure goes to all cells of its square.
+static void inject(const double *coarse, size_t nx, size_t ny, double *fine)
+{
+    size_t mx = nx > 1 ? 2 : 1;
+    size_t my = ny > 1 ? 2 : 1;
+    for (size_t j = 0; j < ny; j++) {
+        for (size_t i = 0; i < nx; i++) {
+            fine[j * nx + i] = coarse[j / my * (nx / mx) + i / mx];
+        }
+    }
+}
+
+static lac_status coarse_guess(const problem *p, double load, double *pressure, lac_error *err);
+
+// Solves one coarse grid roughly.
+static lac_status solve_coarse(const problem *p, double load, double *pressure, lac_error *err)
+{
+    lac_half_space *s = NULL;
+    double *gap = malloc(p->nx * p->ny * sizeof *gap);
+    lac_descent d = {.heights = p->h,
+                     .mean_pressure = load,
+                     .tolerance = coarse_tolerance,
+                     .max_iterations = coarse_iterations};
+    lac_status status = gap != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(coarse_guess(p, load, pressure, err));
+    LAC_TRY(lac_half_space_create(p->nx, p->ny, p->dqx, p->dqy, &s, err));
+    LAC_TRY(lac_descend(s, &d, pressure, gap, err));
+out:
+    lac_half_space_free(s);
+    free(gap);
+    return status;
+}
+
+// First guess: the solution of the next coarser grid; uniform on the coarsest.
+static lac_status coarse_guess(const problem *p, double load, double *pressure, lac_error *err)
+{
+    size_t n = p->nx * p->ny;
+    if (n == 1 || !can_halve(p->nx) || !can_halve(p->ny)) {
+        for (size_t i = 0; i < n; i++) {
+            pressure[i] = load;
+        }
+        return LAC_OK;
+    }
+    problem c = *p;
+    c.nx = p->nx > 1 ? p->nx / 2 : 1;
+    c.ny = p->ny > 1 ? p->ny / 2 : 1;
+    c.h = malloc(c.nx * c.ny * sizeof *c.h);
+    double *guess = malloc(c.nx * c.ny * sizeof *guess);
+    lac_status status = c.h != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    halve(p->h, p->nx, p->ny, c.h);
+    LAC_TRY(solve_coarse(&c, load, guess, err));
+    inject(guess, p->nx, p->ny, pressure);
+out:
+    free(c.h);
+    free(guess);
+    return status;
+}
+
+// Partial contact, in the solver's units until the end.
+static lac_status partial_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
+                                  double *pressure, double *gap, lac_contact_report *report,
+                                  lac_error *err)
+{
+    size_t n = p->nx * p->ny;
+    lac_descent d = {.heights = p->h,
+                     .mean_pressure = def->mean_pressure / p->unit,
+                     .tolerance = def->tolerance,
+                     .max_iterations = def->max_iterations};
+    lac_status status;
+    LAC_TRY(coarse_guess(p, d.mean_pressure, pressure, err));
+    LAC_TRY(lac_descend(s, &d, pressure, gap, err));
+    for (size_t i = 0; i < n; i++) {
+        pressure[i] *= p->unit;
+        gap[i] *= p->h_rms;
+    }
+    *report = (lac_contact_report){.iterations = d.iterations,
+                                   .products = d.products,
+                                   .complementarity_error = d.residual.complementarity,
+                                   .penetration = d.residual.penetration * p->h_rms,
+                                   .load_error = d.residual.load,
+                                   .approach = d.closest * p->h_rms};
+    if (!lac_residual_holds(&d.residual, def->tolerance)) {
+        status = lac_fail(err, LAC_ENUMERIC,
+                          "contact: no convergence to %g after %lld iterations: complementarity "
+                          "%.3g, penetration %.3g of the rms height, load %.3g",
+                          def->tolerance, (long long)d.iterations, d.residual.complementarity,
+                          d.residual.penetration, d.residual.load);
+    }
+out:
+    return status;
+}
+
+static void count_contact(const lac_contact_def *def, const double *pressure,
+                          lac_contact_report *report)
+{
+    size_t n = lac_grid_cells(&def->grid);
+    report->n_cells = 0;
+    report->max_pressure = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        report->n_cells += pressure[i] > 0.0 ? 1 : 0;
+        report->max_pressure = fmax(report->max_pressure, pressure[i]);
+    }
+}
+
+lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
+                             lac_contact_report *report, lac_error *err)
+{
+    lac_half_space *s = NULL;
+    problem p = {0};
+    double *own_gap = NULL;
+    lac_contact_report own_report;
+    lac_contact_report *r = report != NULL ? report : &own_report;
+    *r = (lac_contact_report){0};
+    lac_status status;
+    LAC_TRY(check(def, err));
+    size_t n = lac_grid_cells(&def->grid);
+    p.h = malloc(n * sizeof *p.h);
+    if (gap == NULL) {
+        gap = own_gap = malloc(n * sizeof *gap);
+    }
+    status = p.h != NULL && gap != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(scale_problem(def, &p, err));
+    LAC_TRY(lac_half_space_create(p.nx, p.ny, p.dqx, p.dqy, &s, err));
+    if (full_contact(def, &p, s, pressure)) {
+        memset(gap, 0, n * sizeof *gap);
+        r->products = 1;
+    } else {
+        LAC_TRY(partial_contact(def, &p, s, pressure, gap, r, err));
+    }
+    count_contact(def, pressure, r);
+out:
+    free(own_gap);
+    lac_half_space_free(s);
+    free(p.h);
+    return status;
+}

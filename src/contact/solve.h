@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CONTACT_SOLVE_H
+#define LACUNA_CONTACT_SOLVE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/fft.h"
+
+// The solver works on numbers of order one: heights and gaps in units of the rms height h_rms,
+// wavenumbers kappa = |q| length, pressures in units of E* h_rms / (2 length), so that
+// u_hat = p_hat / kappa.
+
+/// The elastic half-space on one grid.
+typedef struct lac_half_space {
+    lac_fft *fft;
+    double *compliance; ///< [ny * nkx] 1 / (N kappa); 0 for the mean
+    double *stiffness;  ///< [ny * nkx] kappa / N
+    double self;        ///< displacement of a cell under its own unit pressure
+} lac_half_space;
+
+/// @param dqx, dqy  spacing of kappa along x and y
+lac_status lac_half_space_create(size_t nx, size_t ny, double dqx, double dqy, lac_half_space **out,
+                                 lac_error *err);
+
+/// Frees; NULL is fine.
+void lac_half_space_free(lac_half_space *s);
+
+/// fft->real -> S fft->real, with the mean left out.
+void lac_half_space_displace(lac_half_space *s);
+
+/// fft->real -> |q| fft->real: the inverse of the above.
+void lac_half_space_unload(lac_half_space *s);
+
+/// x . S x of x = fft->real by Parseval's theorem; fft->real and spectrum are destroyed.
+double lac_half_space_energy(lac_half_space *s);
+
+/// How far from the solution a pressure is.
+typedef struct lac_residual {
+    double complementarity; ///< sum p |g| / sum p
+    double penetration;     ///< deepest negative gap where p = 0
+    double load;            ///< |mean p - mean_pressure| / mean_pressure
+} lac_residual;
+
+/// What the conjugate gradients need beside the half-space, and what they say.
+typedef struct lac_descent {
+    const double *heights; ///< [ny * nx]
+    double mean_pressure;
+    double tolerance;
+    int64_t max_iterations;
+    int64_t iterations, products; ///< done
+    lac_residual residual;        ///< on a fresh product of the pressures returned
+    double closest;               ///< mean gap
+} lac_descent;
+
+/// Constrained conjugate gradients on the pressures from a first guess.
+/// @param pressure  [ny * nx] first guess, >= 0 with the given mean; overwritten
+/// @param gap       [ny * nx] gap of the result; overwritten
+/// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
+lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
+                       lac_error *err);
+
+/// Whether a residual is within the tolerance.
+bool lac_residual_holds(const lac_residual *r, double tolerance);
+
+#endif

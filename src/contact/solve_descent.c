@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contact/solve.h"
+
+// Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient g = S p - h, less its mean
+// over the contact I = {p > 0}, is the gap. docs/theory/contact.md, "Solver".
+//
+// Each stage is one sweep over rows; sums are taken row by row, which keeps their rounding small.
+
+typedef struct iteration {
+    lac_half_space *s;
+    size_t nx, ny;
+    const double *h;    // [ny * nx]
+    double *p;          // [ny * nx]
+    double *g, *g_old;  // [ny * nx] gradient before its mean is taken off
+    double *t;          // [ny * nx] search direction, 0 outside I
+    double g_mean;      // over I
+    double g_old_mean;  // over the I of then
+    double cells;       // in I
+    double g2;          // sum over I of the gap squared
+    double G_old;       // z.g of the step before; 0 to start afresh
+    double tau, tau_ov; // step along t; step of the cells that open or close
+    double scale;       // brings p back to the load, not yet applied
+} iteration;
+
+bool lac_residual_holds(const lac_residual *r, double tolerance)
+{
+    return r->complementarity < tolerance && r->penetration < tolerance && r->load < tolerance;
+}
+
+typedef struct sums {
+    double a, b, c, d, e, f;
+} sums;
+
+static void add(sums *total, sums row)
+{
+    total->a += row.a;
+    total->b += row.b;
+    total->c += row.c;
+    total->d += row.d;
+    total->e += row.e;
+    total->f += row.f;
+}
+
+// p <- scale p, also into the transform
+static void load_row(size_t n, double scale, double *restrict p, double *restrict real)
+{
+    for (size_t i = 0; i < n; i++) {
+        p[i] *= scale;
+        real[i] = p[i];
+    }
+}
+
+// g = u - h; sums: cells of I, sum of g over I, sum of p
+static sums gradient_row(size_t n, const double *restrict p, const double *restrict u,
+                         const double *restrict h, double *restrict g)
+{
+    double cells = 0.0;
+    double sum_g = 0.0;
+    double sum_p = 0.0;
+#pragma omp simd reduction(+ : cells, sum_g, sum_p)
+    for (size_t i = 0; i < n; i++) {
+        g[i] = u[i] - h[i];
+        cells += p[i] > 0.0 ? 1.0 : 0.0;
+        sum_g += p[i] > 0.0 ? g[i] : 0.0;
+        sum_p += p[i];
+    }
+    return (sums){.a = cells, .b = sum_g, .c = sum_p};
+}
+
+// g = S p - h on a fresh product; returns the sum of p
+static double gradient(iteration *it)
+{
+    size_t n = it->nx;
+    double *real = it->s->fft->real;
+    double *swap = it->g_old;
+    it->g_old = it->g;
+    it->g_old_mean = it->g_mean;
+    it->g = swap;
+    for (size_t j = 0; j < it->ny; j++) {
+        load_row(n, it->scale, &it->p[j * n], &real[j * n]);
+    }
+    it->scale = 1.0;
+    lac_half_space_displace(it->s);
+    sums total = {0};
+    for (size_t j = 0; j < it->ny; j++) {
+        size_t r = j * n;
+        add(&total, gradient_row(n, &it->p[r], &real[r], &it->h[r], &it->g[r]));
+    }
+    it->cells = total.a;
+    it->g_mean = total.b / total.a;
+    return total.c;
+}
+
+// The gap of the contact goes into the transform; sums: p |g|, g^2 over I, g over all cells, and
+// in d the deepest penetration
+static sums residual_row(size_t n, double g_mean, const double *restrict p,
+                         const double *restrict g, double *restrict real)
+{
+    double pg = 0.0;
+    double g2 = 0.0;
+    double sum = 0.0;
+    double deepest = 0.0;
+#pragma omp simd reduction(+ : pg, g2, sum) reduction(max : deepest)
+    for (size_t i = 0; i < n; i++) {
+        double gap = g[i] - g_mean;
+        double inside = p[i] > 0.0 ? gap : 0.0;
+        double depth = p[i] > 0.0 ? 0.0 : -gap;
+        real[i] = inside;
+        pg += p[i] * fabs(inside);
+        g2 += inside * inside;
+        sum += gap;
+        deepest = depth > deepest ? depth : deepest;
+    }
+    return (sums){.a = pg, .b = g2, .c = sum, .d = deepest};
+}
+
+static void residual(iteration *it, double sum_p, lac_descent *d)
+{
+    size_t n = it->nx;
+    double *real = it->s->fft->real;
+    sums total = {0};
+    double deepest = 0.0;
+    for (size_t j = 0; j < it->ny; j++) {
+        size_t r = j * n;
+        sums row = residual_row(n, it->g_mean, &it->p[r], &it->g[r], &real[r]);
+        deepest = fmax(deepest, row.d);
+        add(&total, row);
+    }
+    double n_all = (double)n * (double)it->ny;
+    it->g2 = total.b;
+    d->closest = total.c / n_all;
+    d->residual.complementarity = total.a / sum_p;
+    d->residual.penetration = deepest;
+    d->residual.load = fabs(sum_p / n_all / d->mean_pressure - 1.0);
+}
+
+// Sums over I: z, z.g, z.g_old, g_old, t, g.t
+static sums overlap_row(const iteration *it, size_t r, const double *restrict z)
+{
+    const double *restrict p = &it->p[r];
+    const double *restrict g = &it->g[r];
+    const double *restrict g_old = &it->g_old[r];
+    const double *restrict t = &it->t[r];
+    double gm = it->g_mean;
+    double gom = it->g_old_mean;
+    double sz = 0.0;
+    double zg = 0.0;
+    double zo = 0.0;
+    double so = 0.0;
+    double st = 0.0;
+    double gt = 0.0;
+#pragma omp simd reduction(+ : sz, zg, zo, so, st, gt)
+    for (size_t i = 0; i < it->nx; i++) {
+        double in = p[i] > 0.0 ? 1.0 : 0.0;
+        double zi = in * z[i];
+        double ti = in * t[i];
+        double gi = g[i] - gm;
+        double go = in * (g_old[i] - gom);
+        sz += zi;
+        zg += zi * gi;
+        zo += zi * go;
+        so += go;
+        st += ti;
+        gt += ti * gi;
+    }
+    return (sums){.a = sz, .b = zg, .c = zo, .d = so, .e = st, .f = gt};
+}
+
+// t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform
+static void direction_row(size_t n, double z_mean, double beta, double t_mean,
+                          const double *restrict p, double *restrict t, double *restrict z)
+{
+    for (size_t i = 0; i < n; i++) {
+        double ti = z[i] - z_mean + beta * (t[i] - t_mean);
+        t[i] = p[i] > 0.0 ? ti : 0.0;
+        z[i] = t[i];
+    }
+}
+
+// The search direction: |q| preconditioner and PR+; returns g.t
+static double direction(iteration *it)
+{
+    size_t n = it->nx;
+    double *real = it->s->fft->real;
+    lac_half_space_unload(it->s);
+    sums total = {0};
+    for (size_t j = 0; j < it->ny; j++) {
+        add(&total, overlap_row(it, j * n, &real[j * n]));
+    }
+    double z_mean = total.a / it->cells;
+    double t_mean = total.e / it->cells;
+    double G = total.b;
+    double beta = 0.0;
+    if (it->G_old > 0.0) {
+        beta = fmax(0.0, (G - (total.c - z_mean * total.d)) / it->G_old);
+    }
+    // beta > 2 or a direction that does not descend: start afresh
+    if (!(beta <= 2.0) || !(G + beta * total.f > 0.0)) {
+        beta = 0.0;
+    }
+    for (size_t j = 0; j < it->ny; j++) {
+        size_t r = j * n;
+        direction_row(n, z_mean, beta, t_mean, &it->p[r], &it->t[r], &real[r]);
+    }
+    it->G_old = G;
+    return G + beta * total.f;
+}
+
+// Step tau = g.t / t.St, and tau_ov = (g.t)^2 / (t.St g.g) for the cells that close
+static void choose_step(iteration *it, double gt)
+{
+    double tst = lac_half_space_energy(it->s);
+    it->tau = gt / tst;
+    it->tau_ov = it->tau * gt / it->g2;
+    if (!(gt > 0.0 && tst > 0.0 && it->g2 > 0.0 && isfinite(it->tau) && isfinite(it->tau_ov))) {
+        // The pressures in contact are in balance: only cells outside can still move.
+        it->tau = 0.0;
+        it->tau_ov = 1.0 / it->s->self;
+    }
+}
+
+// p = max(0, p - tau t) in contact, -tau_ov g where the bodies overlap outside; sums: p, and g^2
+// of the cells that close
+static sums step_row(const iteration *it, size_t r)
+{
+    double *restrict p = &it->p[r];
+    const double *restrict g = &it->g[r];
+    const double *restrict t = &it->t[r];
+    double tau = it->tau;
+    double tau_ov = it->tau_ov;
+    double g_mean = it->g_mean;
+    double sum = 0.0;
+    double closing = 0.0;
+#pragma omp simd reduction(+ : sum, closing)
+    for (size_t i = 0; i < it->nx; i++) {
+        double gap = g[i] - g_mean;
+        double overlap = p[i] > 0.0 || gap > 0.0 ? 0.0 : gap;
+        double moved = p[i] - tau * t[i] - tau_ov * overlap;
+        p[i] = moved > 0.0 ? moved : 0.0;
+        sum += p[i];
+        closing += overlap * overlap;
+    }
+    return (sums){.a = sum, .b = closing};
+}
+
+static void step(iteration *it, double mean_pressure)
+{
+    sums total = {0};
+    for (size_t j = 0; j < it->ny; j++) {
+        add(&total, step_row(it, j * it->nx));
+    }
+    it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
+    // New cells change the problem: the directions so far are conjugate no more.
+    if (total.b > 0.01 * it->g2) {
+        it->G_old = 0.0;
+    }
+}
+
+static void give_gap(const iteration *it, double *gap)
+{
+    size_t n = it->nx * it->ny;
+    for (size_t i = 0; i < n; i++) {
+        gap[i] = it->g[i] - it->g_mean;
+    }
+}
+
+lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
+                       lac_error *err)
+{
+    size_t n = s->fft->nx * s->fft->ny;
+    double *g = calloc(n, sizeof *g);
+    double *t = calloc(n, sizeof *t);
+    lac_status status = LAC_OK;
+    if (g == NULL || t == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    memset(gap, 0, n * sizeof *gap);
+    iteration it = {.s = s,
+                    .nx = s->fft->nx,
+                    .ny = s->fft->ny,
+                    .h = d->heights,
+                    .p = pressure,
+                    .g = gap,
+                    .g_old = g,
+                    .t = t,
+                    .scale = 1.0};
+    residual(&it, gradient(&it), d);
+    d->iterations = 0;
+    d->products = 1;
+    while (!lac_residual_holds(&d->residual, d->tolerance) && d->iterations < d->max_iterations) {
+        choose_step(&it, direction(&it));
+        step(&it, d->mean_pressure);
+        residual(&it, gradient(&it), d);
+        d->iterations++;
+        d->products += 2;
+    }
+    give_gap(&it, gap);
+out:
+    free(g);
+    free(t);
+    return status;
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+
+#include "lacuna/surface.h"
+#include "scene/internal.h"
+
+static lac_grid grid_of(const lac_interface_def *def)
+{
+    size_t side = (size_t)1 << def->levels;
+    double r = def->size / (double)side;
+    lac_grid grid = {.nx = side, .ny = side, .dx = r, .dy = r, .periodic = true};
+    if (def->shape == LAC_LINE) {
+        grid.ny = 1;
+        grid.dy = 1.0; // forces on a line are per metre of width
+    }
+    return grid;
+}
+
+// Presses the surface; heights and gap are allocated here.
+static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *err)
+{
+    size_t cells = lac_grid_cells(&out->grid);
+    lac_status status = LAC_OK;
+    out->heights = malloc(cells * sizeof *out->heights);
+    out->gap = malloc(cells * sizeof *out->gap);
+    out->pressure = malloc(cells * sizeof *out->pressure);
+    if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
+        return lac_fail_memory(err);
+    }
+    status = lac_surface_generate(&c->surface, &out->grid, out->heights, err);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "interface.surface");
+    }
+    out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
+    lac_contact_def def = lac_contact_default();
+    def.grid = out->grid;
+    def.heights = out->heights;
+    def.e_star = out->e_star;
+    def.mean_pressure = out->mean_pressure;
+    status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
+    out->solved = status == LAC_OK;
+    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
+}
+
+static void drop_fields(lac_scene_contact *contact)
+{
+    free(contact->heights);
+    free(contact->gap);
+    free(contact->pressure);
+    contact->heights = NULL;
+    contact->gap = NULL;
+    contact->pressure = NULL;
+}
+
+// The pressure of every cell of a domain that no surface made.
+static lac_status scatter(lac_scene_contact *out, lac_error *err)
+{
+    out->pressure = calloc(lac_grid_cells(&out->grid), sizeof *out->pressure);
+    if (out->pressure == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < out->domain->n; i++) {
+        out->pressure[out->domain->index[i]] = out->domain->pressure[i];
+    }
+    return LAC_OK;
+}
+
+static lac_status make_domain(const lac_case *c, bool keep_fields, lac_scene_contact *out,
+                              lac_error *err)
+{
+    lac_status status = LAC_OK;
+    if (c->surface.about != NULL) {
+        LAC_TRY(press(c, out, err));
+        LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
+    } else if (c->domain.about != NULL) {
+        LAC_TRY(
+            lac_domain_from_source(&c->domain, &out->grid, out->mean_pressure, &out->domain, err));
+    } else {
+        LAC_TRY(lac_domain_create(&out->grid, &out->mean_pressure, &out->domain, err));
+    }
+    if (keep_fields && out->pressure == NULL) {
+        LAC_TRY(scatter(out, err));
+    }
+    if (!keep_fields) {
+        drop_fields(out);
+    }
+out:
+    return status;
+}
+
+lac_status lac_scene_contact_solve(const lac_case *c, bool keep_fields, lac_scene_contact *out,
+                                   lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = (lac_scene_contact){.grid = grid_of(&c->interface), .e_star = NAN};
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    out->mean_pressure = normal->pressure(c->normal.params, c->material.density);
+    LAC_TRY(make_domain(c, keep_fields, out, err));
+
+    // Three box sides at least; a smaller grid has no dimension to speak of.
+    if (out->grid.nx >= 64 && out->domain->n > 1) {
+        lac_box_def boxes = lac_box_default();
+        LAC_TRY(lac_box_dimension(out->domain, &boxes, &out->boxes, err));
+        out->counted = true;
+    }
+out:
+    if (status != LAC_OK) {
+        lac_scene_contact_clear(out);
+    }
+    return status;
+}
+
+void lac_scene_contact_clear(lac_scene_contact *contact)
+{
+    drop_fields(contact);
+    lac_domain_free(contact->domain);
+    contact->domain = NULL;
+}

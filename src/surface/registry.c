@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/registry.h"
+
+static const lac_surface_source *const sources[] = {
+    &lac_surface_self_affine,
+};
+
+const lac_surface_source *lac_surface_source_at(size_t index)
+{
+    return index < sizeof sources / sizeof sources[0] ? sources[index] : NULL;
+}

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SURFACE_REGISTRY_H
+#define LACUNA_SURFACE_REGISTRY_H
+
+#include "lacuna/surface.h"
+
+/// Random self-affine heights by spectral synthesis.
+extern const lac_surface_source lac_surface_self_affine;
+
+#endif

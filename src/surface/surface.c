@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/surface.h"
+
+#include <math.h>
+#include <string.h>
+
+// The value of a numeric parameter; NaN where it is absent or not a number.
+static double number(const lac_param *param, const void *params)
+{
+    const char *at = (const char *)params + param->offset;
+    if (param->type == LAC_REAL) {
+        double value;
+        memcpy(&value, at, sizeof value);
+        return value;
+    }
+    int64_t value = INT64_MIN;
+    if (param->type == LAC_INTEGER) {
+        memcpy(&value, at, sizeof value);
+    }
+    return value == INT64_MIN ? (double)NAN : (double)value;
+}
+
+static lac_status check_params(const lac_descriptor *about, const void *params, lac_error *err)
+{
+    for (size_t i = 0; i < about->param_count; i++) {
+        const lac_param *param = &about->params[i];
+        bool numeric = param->type == LAC_REAL || param->type == LAC_INTEGER;
+        bool given = lac_param_given(param, params);
+        if (!given && (param->flags & LAC_OPTIONAL) == 0) {
+            return lac_fail(err, LAC_EINPUT, "surface %s: %s must be given", about->name,
+                            param->key);
+        }
+        char why[120];
+        if (given && numeric && !lac_param_allows(param, number(param, params), why, sizeof why)) {
+            return lac_fail(err, LAC_EINPUT, "surface %s: %s %s", about->name, param->key, why);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status check_grid(const lac_grid *grid, lac_error *err)
+{
+    if (grid->nx == 0 || grid->ny == 0) {
+        return lac_fail(err, LAC_EINPUT, "a grid of %zu x %zu cells holds no surface", grid->nx,
+                        grid->ny);
+    }
+    if (!(grid->dx > 0.0 && grid->dy > 0.0) || !isfinite(lac_grid_area(grid))) {
+        return lac_fail(err, LAC_EINPUT, "cells of %g x %g m are not possible", grid->dx, grid->dy);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
+                                lac_error *err)
+{
+    if (slot->about == NULL) {
+        return lac_fail(err, LAC_EINPUT, "no surface was chosen");
+    }
+    lac_status status;
+    LAC_TRY(check_grid(grid, err));
+    LAC_TRY(check_params(slot->about, slot->params, err));
+    // The descriptor is the first member of its row.
+    const lac_surface_source *source = (const lac_surface_source *)slot->about;
+    LAC_TRY(source->generate(slot->params, grid, heights, err));
+out:
+    return status;
+}

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every friction law must do, run on each law of the registry in both forms.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "base/vmath.h"
+#include "lacuna/friction.h"
+#include "support/slot.h"
+
+enum { CELLS = 300, TRIALS = 20000 };
+
+// Everything that one evaluation gives, at up to a block of cells.
+typedef struct evaluation {
+    double u[LAC_FRICTION_BLOCK], w[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
+    double out[9][LAC_FRICTION_BLOCK];
+} evaluation;
+
+enum { F, F_U, F_W, G, F_UU, F_UW, F_WW, G_U, G_W, OUTPUTS };
+
+static double uniform(uint64_t i, uint64_t what, double low, double high)
+{
+    return low + (high - low) * lac_random_uniform(11, LAC_STREAM_TEST, i, what);
+}
+
+// Uniform, but every fourth time one of the ends.
+static double biased(uint64_t i, uint64_t what, double low, double high)
+{
+    double side = uniform(i, what + 100, 0, 8);
+    return side < 1 ? low : side < 2 ? high : uniform(i, what, low, high);
+}
+
+static const double ln_slowest = -69.07755278982137, ln_fastest = 6.907755278982137;
+static const double ln_youngest = -27.631021115928547, ln_oldest = 46.051701859880914;
+
+static lac_friction *make(size_t law, int form, size_t n, double a, double b, double dc)
+{
+    lac_slot slot;
+    lac_friction *friction = NULL;
+    assert_int_equal(lac_slot_create(&lac_friction_law_at(law)->about, &slot, NULL), LAC_OK);
+    test_slot_set(&slot, "a", a);
+    test_slot_set(&slot, "b", b);
+    test_slot_set(&slot, "dc", dc);
+    test_slot_set(&slot, "form", form);
+    assert_int_equal(lac_friction_create(&slot, n, &friction, NULL), LAC_OK);
+    lac_slot_clear(&slot);
+    return friction;
+}
+
+// Cells that differ in every parameter, over decades of each.
+static lac_friction *make_varied(size_t law, int form)
+{
+    static const struct {
+        const char *key;
+        double low, high; // decimal exponents
+    } spreads[] = {{"f0", -1, 0.3}, {"a", -3, 0}, {"b", -3, 0}, {"dc", -7, 1}, {"v0", -9, 0}};
+    lac_friction *friction = make(law, form, CELLS, 0.01, 0.015, 1e-4);
+    double values[CELLS];
+    for (size_t k = 0; k < sizeof spreads / sizeof spreads[0]; k++) {
+        for (size_t i = 0; i < CELLS; i++) {
+            values[i] = pow(10, biased(i, k, spreads[k].low, spreads[k].high));
+        }
+        assert_int_equal(lac_friction_set(friction, spreads[k].key, values, NULL), LAC_OK);
+    }
+    return friction;
+}
+
+static void evaluate(const lac_friction *friction, size_t first, size_t n, evaluation *e)
+{
+    lac_vexp(n, e->u, e->v);
+    lac_friction_evaluate(
+        friction, first, n, e->u, e->w, e->v,
+        &(lac_friction_values){
+            .f = e->out[F], .f_u = e->out[F_U], .f_w = e->out[F_W], .g = e->out[G]},
+        &(lac_friction_slopes){.f_uu = e->out[F_UU],
+                               .f_uw = e->out[F_UW],
+                               .f_ww = e->out[F_WW],
+                               .g_u = e->out[G_U],
+                               .g_w = e->out[G_W]});
+}
+
+// A rate and a state of any size for a cell. Half of the states make f of the order of a, where
+// the regularised strength bends.
+static void draw(const lac_friction *friction, uint64_t trial, size_t cell, double *u, double *w)
+{
+    *u = biased(trial, 10, ln_slowest, ln_fastest);
+    *w = biased(trial, 11, ln_youngest, ln_oldest);
+    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    if (trial % 2 == 0) {
+        double plain = a * uniform(trial, 12, -4, 4);
+        *w = (plain - friction->constant[cell] - a * *u) / b;
+        *w = fmin(fmax(*w, ln_youngest), ln_oldest);
+    }
+}
+
+typedef void check(size_t law, int form);
+
+static void on_every_law_and_form(check *run)
+{
+    size_t law = 0;
+    for (; lac_friction_law_at(law) != NULL; law++) {
+        run(law, LAC_FORM_PLAIN);
+        run(law, LAC_FORM_REGULARISED);
+    }
+    assert_true(law >= 2);
+}
+
+static void check_steady(size_t law, int form)
+{
+    lac_friction *friction = make_varied(law, form);
+    for (size_t i = 0; i < CELLS; i++) {
+        evaluation e;
+        e.u[0] = biased(i, 1, ln_slowest, ln_fastest);
+        e.w[0] = lac_friction_steady_state(friction, i, e.u[0]);
+        evaluate(friction, i, 1, &e);
+        double renewal = e.v[0] / friction->column[LAC_DC][i]; // [1/s]
+        assert_true(fabs(e.out[G][0]) <= 1e-12 * renewal);
+        e.w[0] += 0.1; // too old: the state falls
+        evaluate(friction, i, 1, &e);
+        assert_true(e.out[G][0] < -0.01 * renewal);
+    }
+    lac_friction_free(friction);
+}
+
+static void steady_at_its_steady_state(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_steady);
+}
+
+static void assert_finite_everywhere(const lac_friction *friction)
+{
+    for (double u = ln_slowest; u <= ln_fastest + 1e-9; u += (ln_fastest - ln_slowest) / 33) {
+        for (double w = ln_youngest; w <= ln_oldest + 1e-9; w += (ln_oldest - ln_youngest) / 37) {
+            evaluation e = {.u = {u}, .w = {w}};
+            evaluate(friction, 0, 1, &e);
+            for (size_t k = 0; k < OUTPUTS; k++) {
+                assert_true(isfinite(e.out[k][0]));
+            }
+            assert_true(e.out[F_U][0] >= 0 && e.out[F_W][0] >= 0);
+            assert_true(friction->form == LAC_FORM_PLAIN || e.out[F][0] >= 0);
+        }
+    }
+}
+
+static void check_finite(size_t law, int form)
+{
+    static const double effect[] = {0, 1e-300, 1e-12, 1e-4, 0.01, 1, 1e3};
+    enum { EFFECTS = sizeof effect / sizeof effect[0] };
+    for (size_t i = 0; i < EFFECTS; i++) {
+        for (size_t j = 0; j < EFFECTS; j++) {
+            for (double dc = 1e-12; dc < 1e7; dc *= 1e6) {
+                lac_friction *friction = make(law, form, 1, effect[i], effect[j], dc);
+                assert_finite_everywhere(friction);
+                lac_friction_free(friction);
+            }
+        }
+    }
+}
+
+static void finite_over_the_whole_range(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_finite);
+}
+
+// (out_k(x + h) - out_k(x - h))/2h in the direction of u or w.
+static void difference(const lac_friction *friction, size_t cell, const evaluation *at,
+                       bool along_u, double h, double slope[OUTPUTS])
+{
+    evaluation up = {.u = {at->u[0]}, .w = {at->w[0]}}, down = up;
+    (along_u ? up.u : up.w)[0] += h;
+    (along_u ? down.u : down.w)[0] -= h;
+    double width = along_u ? up.u[0] - down.u[0] : up.w[0] - down.w[0];
+    evaluate(friction, cell, 1, &up);
+    evaluate(friction, cell, 1, &down);
+    for (size_t k = 0; k < OUTPUTS; k++) {
+        slope[k] = (up.out[k][0] - down.out[k][0]) / width;
+    }
+}
+
+static void assert_slope(const char *name, double analytic, double numeric, double tolerance)
+{
+    if (!(fabs(analytic - numeric) <= tolerance)) {
+        fail_msg("%s = %.12g, by differences %.12g (tolerance %g)", name, analytic, numeric,
+                 tolerance);
+    }
+}
+
+static void check_slopes_at(const lac_friction *friction, size_t cell, const evaluation *e)
+{
+    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    double by_u[OUTPUTS], by_w[OUTPUTS];
+    // along w the regularised strength bends over a/b
+    difference(friction, cell, e, true, 1e-4, by_u);
+    difference(friction, cell, e, false, 1e-4 * fmin(1, a / b), by_w);
+    assert_slope("f_u", e->out[F_U][0], by_u[F], 1e-6 * a);
+    assert_slope("f_w", e->out[F_W][0], by_w[F], 1e-6 * b);
+    assert_slope("f_uu", e->out[F_UU][0], by_u[F_U], 1e-6 * a);
+    assert_slope("f_uw", e->out[F_UW][0], by_u[F_W], 1e-6 * b);
+    assert_slope("f_uw", e->out[F_UW][0], by_w[F_U], 1e-6 * b);
+    assert_slope("f_ww", e->out[F_WW][0], by_w[F_W], 1e-6 * b * b / a);
+
+    difference(friction, cell, e, false, 1e-4, by_w);
+    double g_u = e->out[G_U][0], g_w = e->out[G_W][0];
+    double rounding = 1e-9 * (fabs(e->out[G][0]) + fabs(g_u) + fabs(g_w));
+    assert_slope("g_u", g_u, by_u[G], 1e-6 * fabs(g_u) + rounding);
+    assert_slope("g_w", g_w, by_w[G], 1e-6 * fabs(g_w) + rounding);
+}
+
+static void check_derivatives(size_t law, int form)
+{
+    lac_friction *friction = make_varied(law, form);
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        size_t cell = trial % CELLS;
+        evaluation e;
+        draw(friction, trial, cell, &e.u[0], &e.w[0]);
+        evaluate(friction, cell, 1, &e);
+        check_slopes_at(friction, cell, &e);
+    }
+    lac_friction_free(friction);
+}
+
+static void derivatives_equal_differences(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_derivatives);
+}
+
+static void assert_equals_single_cells(const lac_friction *friction, size_t first, size_t n)
+{
+    evaluation all, one;
+    for (size_t i = 0; i < n; i++) {
+        draw(friction, first + i, first + i, &all.u[i], &all.w[i]);
+    }
+    evaluate(friction, first, n, &all);
+    for (size_t i = 0; i < n; i++) {
+        one.u[0] = all.u[i];
+        one.w[0] = all.w[i];
+        evaluate(friction, first + i, 1, &one);
+        for (size_t k = 0; k < OUTPUTS; k++) {
+            assert_memory_equal(&one.out[k][0], &all.out[k][i], sizeof(double));
+        }
+        double f = lac_friction_coefficient(friction, first + i, one.u[0], one.w[0]);
+        assert_memory_equal(&f, &one.out[F][0], sizeof f);
+    }
+}
+
+static void check_blocks(size_t law, int form)
+{
+    lac_friction *friction = make_varied(law, form);
+    assert_equals_single_cells(friction, 0, LAC_FRICTION_BLOCK);
+    assert_equals_single_cells(friction, CELLS - LAC_FRICTION_BLOCK, LAC_FRICTION_BLOCK);
+    for (size_t n = 0; n < 20; n++) {
+        assert_equals_single_cells(friction, 3 * n, n);
+    }
+    // without slopes the rest is the same
+    evaluation e, bare;
+    draw(friction, 5, 5, &e.u[0], &e.w[0]);
+    evaluate(friction, 5, 1, &e);
+    lac_friction_evaluate(
+        friction, 5, 1, e.u, e.w, e.v,
+        &(lac_friction_values){
+            .f = bare.out[F], .f_u = bare.out[F_U], .f_w = bare.out[F_W], .g = bare.out[G]},
+        NULL);
+    for (size_t k = F; k <= G; k++) {
+        assert_memory_equal(&e.out[k][0], &bare.out[k][0], sizeof(double));
+    }
+    lac_friction_free(friction);
+}
+
+static void block_equals_single_cells(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_blocks);
+}
+
+static void check_state_for(size_t law, int form)
+{
+    lac_friction *friction = make_varied(law, form);
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        size_t cell = trial % CELLS;
+        double u, w;
+        draw(friction, trial, cell, &u, &w);
+        double f = lac_friction_coefficient(friction, cell, u, w);
+        if (form == LAC_FORM_REGULARISED && f < 1e-300) {
+            continue; // underflow: any younger state does as well
+        }
+        double found = lac_friction_state_for(friction, cell, u, f);
+        double again = lac_friction_coefficient(friction, cell, u, found);
+        // f in terms of ln theta is good to the rounding of its terms
+        assert_true(fabs(again - f) <= 1e-10 * fabs(f) + 1e-12);
+        assert_true(form == LAC_FORM_PLAIN || fabs(again / f - 1) <= 1e-9);
+    }
+    lac_friction_free(friction);
+}
+
+static void check_rate_for(size_t law, int form)
+{
+    static const double damping[] = {0, 1e-6, 1, 4.5e6, 1e12};
+    lac_friction *friction = make_varied(law, form);
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        size_t cell = trial % CELLS;
+        double u, w, eta = damping[trial / 2 % 5];
+        double pressure = pow(10, biased(trial, 20, 0, 9));
+        draw(friction, trial, cell, &u, &w);
+        double friction_part = pressure * lac_friction_coefficient(friction, cell, u, w);
+        double tau = friction_part + eta * exp(u);
+        if (form == LAC_FORM_REGULARISED && tau < 1e-290) {
+            continue;
+        }
+        double found = lac_friction_rate_for(friction, cell, w, tau, pressure, eta);
+        double viscous = eta * exp(found);
+        double residual =
+            pressure * lac_friction_coefficient(friction, cell, found, w) + viscous - tau;
+        assert_true(fabs(residual) <= 1e-11 * (fabs(friction_part) + viscous) + 1e-13 * pressure);
+        assert_true(form == LAC_FORM_PLAIN || fabs(residual) <= 1e-9 * tau);
+    }
+    lac_friction_free(friction);
+}
+
+static void state_and_rate_invert_the_coefficient(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_state_for);
+    on_every_law_and_form(check_rate_for);
+}
+
+static void check_hostile(size_t law, int form)
+{
+    static const double values[] = {0,      -0.0, 1,    -1,  1e-300, 1e300,    -1e300,
+                                    5e-324, 1e6,  -700, 700, NAN,    INFINITY, -INFINITY};
+    enum { COUNT = sizeof values / sizeof values[0] };
+    static const double effects[] = {0, 5e-324, 1e-290, 0.01, 1e3};
+    for (size_t i = 0; i < COUNT * COUNT * COUNT * COUNT; i++) {
+        double w = values[i % COUNT], tau = values[i / COUNT % COUNT];
+        double pressure = values[i / COUNT / COUNT % COUNT],
+               eta = values[i / COUNT / COUNT / COUNT];
+        if (i % 97 != 0 && (fabs(w) > 1e3 || isnan(w))) {
+            continue; // a sample of those is enough
+        }
+        lac_friction *friction = make(law, form, 1, effects[i % 5], effects[i / 5 % 5], 1e-4);
+        double u = lac_friction_rate_for(friction, 0, w, tau, pressure, eta);
+        bool bad =
+            isnan(w) || isnan(tau) || isnan(pressure) || isnan(eta) || pressure < 0 || eta < 0;
+        assert_true(!bad || isnan(u));
+        lac_friction_free(friction);
+    }
+}
+
+static void rate_for_takes_anything(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_hostile);
+}
+
+static void check_table(size_t law, int form)
+{
+    static const char *const common[] = {"f0", "a", "b", "dc", "v0", "form"};
+    const lac_descriptor *about = &lac_friction_law_at(law)->about;
+    (void)form;
+    assert_true(about->param_count >= 6 && about->params_size >= sizeof(lac_friction_params));
+    assert_true(strlen(about->summary) > 0 && strlen(about->reference) > 0);
+    for (size_t i = 0; i < about->param_count; i++) {
+        assert_true(strlen(about->params[i].doc) > 0);
+        assert_true(about->params[i].offset < about->params_size);
+    }
+    for (size_t i = 0; i < 6; i++) {
+        assert_string_equal(about->params[i].key, common[i]);
+        assert_true(((about->params[i].flags & LAC_CELLWISE) != 0) == (i < LAC_COMMON_COLUMNS));
+    }
+}
+
+static void tables_start_with_the_common_parameters(void **state)
+{
+    (void)state;
+    on_every_law_and_form(check_table);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tables_start_with_the_common_parameters),
+        cmocka_unit_test(steady_at_its_steady_state),
+        cmocka_unit_test(finite_over_the_whole_range),
+        cmocka_unit_test(derivatives_equal_differences),
+        cmocka_unit_test(block_equals_single_cells),
+        cmocka_unit_test(state_and_rate_invert_the_coefficient),
+        cmocka_unit_test(rate_for_takes_anything),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/block.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void must(lac_status status, const lac_error *err)
+{
+    if (status != LAC_OK) {
+        fprintf(stderr, "fixture: %s\n", err->message);
+        abort();
+    }
+}
+
+block_def block_default(double m, double x)
+{
+    return (block_def){.law = "aging",
+                       .f0 = 0.6,
+                       .a = 0.01,
+                       .b = 0.01 * m,
+                       .dc = 1.0,
+                       .v0 = 1.0,
+                       .pressure = 1e6,
+                       .slip_rate = pow(x, -m),
+                       .x = x};
+}
+
+static lac_slot friction_slot(const block_def *def)
+{
+    lac_error err;
+    lac_slot slot = {0};
+    const lac_friction_law *law = NULL;
+    for (size_t i = 0; (law = lac_friction_law_at(i)) != NULL; i++) {
+        if (strcmp(law->about.name, def->law) == 0) {
+            break;
+        }
+    }
+    must(law != NULL ? LAC_OK : LAC_EINPUT, &(lac_error){"no such law"});
+    must(lac_slot_create(&law->about, &slot, &err), &err);
+    lac_friction_params *p = slot.params;
+    p->f0 = def->f0;
+    p->a = def->a;
+    p->b = def->b;
+    p->dc = def->dc;
+    p->v0 = def->v0;
+    p->form = def->form;
+    return slot;
+}
+
+void block_create(const block_def *def, block *out)
+{
+    lac_error err;
+    *out = (block){0};
+    lac_grid grid = {.nx = 1, .ny = 1, .dx = 1.0, .dy = 1.0, .periodic = true};
+    must(lac_domain_create(&grid, &def->pressure, &out->domain, &err), &err);
+    must(lac_hierarchy_create(out->domain, &out->hierarchy, &err), &err);
+    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN};
+    must(lac_transfer_create(&(lac_slot){0}, &scene, &out->transfer, &err), &err);
+    lac_slot slot = friction_slot(def);
+    must(lac_friction_create(&slot, 1, &out->friction, &err), &err);
+    lac_slot_clear(&slot);
+
+    lac_load_set loads = {.shear = def->shear, .shear_count = def->shear_count};
+    lac_initial_def initial = {
+        .slip_rate = def->slip_rate, .state = LAC_STATE_RATIO, .state_value = def->x};
+    double u;
+    double w;
+    must(
+        lac_initial_solve(&initial, out->domain, out->friction, &loads, def->damping, &u, &w, &err),
+        &err);
+    lac_problem_def problem = {.domain = out->domain,
+                               .friction = out->friction,
+                               .transfer = &out->transfer,
+                               .loads = loads,
+                               .damping = def->damping,
+                               .log_rate = &u,
+                               .log_state = &w};
+    must(lac_problem_create(&problem, &out->problem, &err), &err);
+}
+
+void block_clear(block *b)
+{
+    lac_problem_free(b->problem);
+    lac_friction_free(b->friction);
+    lac_transfer_clear(&b->transfer);
+    lac_hierarchy_free(b->hierarchy);
+    lac_domain_free(b->domain);
+}
+
+double block_steady_rate(const block_def *def)
+{
+    return def->slip_rate * pow(def->x, def->b / def->a);
+}
+
+double block_steady_state(const block_def *def) { return def->dc / block_steady_rate(def); }
+
+static lac_status keep(void *context, const lac_record *line, lac_error *err)
+{
+    history *h = context;
+    if (h->n == h->room) {
+        size_t room = h->room == 0 ? 256 : 2 * h->room;
+        lac_record *more = realloc(h->line, room * sizeof *more);
+        if (more == NULL) {
+            return lac_fail_memory(err);
+        }
+        h->line = more;
+        h->room = room;
+    }
+    h->line[h->n++] = *line;
+    return LAC_OK;
+}
+
+lac_sink history_sink(history *h) { return (lac_sink){.context = h, .record = keep}; }
+
+void history_clear(history *h)
+{
+    free(h->line);
+    *h = (history){0};
+}
+
+double history_time(const history *h, size_t i)
+{
+    return h->line[i].time_origin + h->line[i].time_local;
+}

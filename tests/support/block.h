@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TESTS_BLOCK_H
+#define LACUNA_TESTS_BLOCK_H
+
+#include "lacuna/run.h"
+
+// One sliding block: a problem of a single cell of 1 m2.
+typedef struct block_def {
+    const char *law;
+    int form;
+    double f0, a, b, dc, v0;
+    double pressure, damping;
+    double slip_rate; // at the start
+    double x;         // theta/theta_ss under the load that follows
+    const lac_slot *shear;
+    size_t shear_count;
+} block_def;
+
+typedef struct block {
+    lac_domain *domain;
+    lac_hierarchy *hierarchy;
+    lac_transfer transfer;
+    lac_friction *friction;
+    lac_problem *problem;
+} block;
+
+// A block whose times are of order one: dc = v0 = 1, sigma = 1 MPa, a = 0.01, b = m a.
+block_def block_default(double m, double x);
+
+void block_create(const block_def *def, block *out);
+void block_clear(block *b);
+
+// theta_ss and v* under the load that the start fixes.
+double block_steady_state(const block_def *def);
+double block_steady_rate(const block_def *def);
+
+// A growing record of a run.
+typedef struct history {
+    size_t n, room;
+    lac_record *line;
+} history;
+
+lac_sink history_sink(history *h);
+void history_clear(history *h);
+// Total time of a record [s].
+double history_time(const history *h, size_t i);
+
+#endif

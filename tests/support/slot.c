@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/slot.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void test_slot_set(lac_slot *slot, const char *key, double value)
+{
+    for (size_t i = 0; i < slot->about->param_count; i++) {
+        const lac_param *param = &slot->about->params[i];
+        if (strcmp(param->key, key) != 0) {
+            continue;
+        }
+        char *at = (char *)slot->params + param->offset;
+        if (param->type == LAC_CHOICE) {
+            memcpy(at, &(int){(int)value}, sizeof(int));
+        } else {
+            memcpy(at, &value, sizeof value);
+        }
+        return;
+    }
+    (void)fprintf(stderr, "%s has no parameter %s\n", slot->about->name, key);
+    abort();
+}

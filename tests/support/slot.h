@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef TEST_SUPPORT_SLOT_H
+#define TEST_SUPPORT_SLOT_H
+
+#include "lacuna/param.h"
+
+/// Sets a real or choice parameter of a slot by its key; fails the program where there is none.
+void test_slot_set(lac_slot *slot, const char *key, double value);
+
+#endif

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/vmath_copies.h"
+
+#define LAC_VMATH_TARGETS
+#define lac_vexp test_default_vexp
+#define lac_vlog test_default_vlog
+#define lac_vasinh test_default_vasinh
+#include "base/vmath.c"
