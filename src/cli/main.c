@@ -21,7 +21,7 @@ static const cli_command commands[] = {
      "kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SET, cli_run},
-    {"check", "CASE", "validate a case, print it resolved and what it will cost",
+    {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
@@ -31,7 +31,7 @@ static const cli_command commands[] = {
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
-    {"describe", "[KIND [NAME]]", "models and sections: parameters, units, ranges, references",
+    {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
      "lacuna describe friction aging", 0, 2, 0, cli_describe},
 };

@@ -525,9 +525,9 @@ class New(Case):
     def test_new_check_run(self):
         for kind in ("block", "joint", "slope"):
             with self.subTest(kind):
-                self.expect(0, "new", kind, "--kind", kind)
-                self.assertEqual(self.expect(0, "check", kind + ".yaml").stderr, "")
-                out = self.expect(0, "run", kind + ".yaml", "--json", "--force").stdout
+                self.expect(0, "new", "my-" + kind, "--kind", kind)
+                self.assertEqual(self.expect(0, "check", f"my-{kind}.yaml").stderr, "")
+                out = self.expect(0, "run", f"my-{kind}.yaml", "--json").stdout
                 done = json.loads(out)
                 self.assertEqual(done["status"], "complete")
                 self.assertIs(done["failed"], True)
