@@ -11,13 +11,15 @@
 #include "lacuna/surface.h"
 #include "lacuna/transfer.h"
 
-// Measured: the program with its libraries, a grid cell while the contact is solved, a contact
-// cell while it is integrated.
-static const double base_bytes = 20e6, grid_cell_bytes = 200, contact_cell_bytes = 700;
+// Measured on one core: memory of the program with its libraries, of a grid cell while the
+// contact is solved, of a contact cell while it is integrated; time of a grid cell, and of a step
+// of a contact cell.
+static const double base_bytes = 24e6, grid_cell_bytes = 75, contact_cell_bytes = 550;
+static const double grid_cell_seconds = 2e-6, cell_step_seconds = 0.2e-6;
 
 // Steps of a run in which the cells move together, and of one cell that fails alone
 // (docs/theory/creep.md).
-enum { SMOOTH_STEPS = 400, STEPS_PER_FAILURE = 80 };
+enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
 
 // Grids above this are not synthesised only to be estimated.
 static const double largest_surface = 1 << 22;
@@ -54,11 +56,13 @@ static double rms_slope(const lac_grid *grid, const double *h)
     return sqrt(sum / (double)lac_grid_cells(grid));
 }
 
-// Persson (2001), doi 10.1063/1.1388626: A/A_nom = erf(sqrt(2) p/(E* h')).
+// A/A_nom = kappa p/(E* h') at light load, kappa = 2.2 by simulation: Hyun et al. (2004), doi
+// 10.1103/PhysRevE.70.026117; taken to full contact by the error function, as Persson (2001).
 static double contact_fraction(const lac_case *c, double slope)
 {
+    const double kappa = 2.2, pi = 3.141592653589793;
     double e_star = c->material.shear_modulus / (1 - c->material.poisson);
-    return slope > 0 ? erf(sqrt(2) * mean_pressure(c) / (e_star * slope)) : 1;
+    return slope > 0 ? erf(0.5 * sqrt(pi) * kappa * mean_pressure(c) / (e_star * slope)) : 1;
 }
 
 static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_estimate *e,
@@ -128,14 +132,11 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
         e->exact = true;
     }
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
-    e->memory = base_bytes + grid_cell_bytes * e->grid_cells + contact_cell_bytes * cells;
+    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, contact_cell_bytes * cells);
     judge_stability(c, &grid, e);
+    e->steps = e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
+    e->cpu_time = grid_cell_seconds * e->grid_cells + cell_step_seconds * cells * e->steps;
     return status;
-}
-
-static double steps(const cli_estimate *e)
-{
-    return e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * e->contact_cells;
 }
 
 void cli_estimate_print(const cli_estimate *e)
@@ -147,6 +148,7 @@ void cli_estimate_print(const cli_estimate *e)
                e->contact_cells, 2 * e->contact_cells);
     }
     printf("#   memory          %.2g MB\n", e->memory / 1e6);
+    printf("#   time            about %.1g s on one core\n", e->cpu_time);
     if (isnan(e->stiffness_ratio)) {
         printf("#   steps           hundreds (no cell can fail on its own)\n");
         return;
@@ -155,7 +157,7 @@ void cli_estimate_print(const cli_estimate *e)
     if (e->stable) {
         printf("#   steps           hundreds (the cells hold each other: smooth creep)\n");
     } else {
-        printf("#   steps           up to %.1g (cells fail one by one, %d steps each)\n", steps(e),
+        printf("#   steps           up to %.1g (cells fail one by one, %d steps each)\n", e->steps,
                STEPS_PER_FAILURE);
     }
 }
@@ -172,8 +174,9 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_boolean(json, "contact_cells_exact", e->exact);
     cli_json_number(json, "unknowns", 2 * round(e->contact_cells));
     cli_json_number(json, "memory_bytes", round(e->memory));
+    cli_json_number(json, "cpu_time_s", e->cpu_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
     cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
-    cli_json_number(json, "steps", steps(e));
+    cli_json_number(json, "steps", e->steps);
     cli_json_close(json, '}');
 }

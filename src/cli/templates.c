@@ -22,7 +22,7 @@
 
 #define TIME                                                                                       \
     "\n"                                                                                           \
-    "# Failure is the first time that the mean slip rate passes this value; the run ends there.\n" \
+    "# Failure: the mean slip rate passes this value for the first time; the run ends there.\n" \
     "# `end` is when it ends otherwise, counted from the start.\n"
 
 static const char block[] =
@@ -44,7 +44,7 @@ static const char block[] =
          "  state: {ratio_to_steady: 0.9}\n" TIME "time:\n"
          "  start: \"2024-01-01T00:00:00Z\"\n"
          "  end: \"30 day\"\n"
-         "  failure: {mean_slip_rate: \"1 m/s\"}\n";
+         "  failure: {mean_slip_rate: \"1 cm/s\"}\n";
 
 // The parts that the rough joints share.
 #define TOUCH                                                                            \
@@ -66,9 +66,9 @@ static const char joint[] = HEAD
     "# computed with. More levels: finer, slower.\n"
     "interface:\n"
     "  size: \"0.5 m\"\n"
-    "  levels: 6\n"
-    "  surface:                         # heights of the two faces, one minus the other\n"
-    "    self-affine: {hurst: 0.8, rms_height: \"0.3 mm\", rolloff: \"0.2 m\", seed: 1}\n" TOUCH
+    "  levels: 7\n"
+    "  surface:                         # what is left where the faces do not fit\n"
+    "    self-affine: {hurst: 0.8, rms_height: \"0.03 mm\", rolloff: \"0.2 m\", seed: 1}\n" TOUCH
     "\n"
     "# Pressure that holds the joint closed. Its shear load follows from `initial`.\n"
     "load:\n"
@@ -83,8 +83,8 @@ static const char joint[] = HEAD
     "  state: {ratio_to_steady: 0.9}\n"
     "  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}\n" ELASTIC TIME "time:\n"
     "  start: \"2024-01-01T00:00:00Z\"    # or a bare 0\n"
-    "  end: \"300 day\"\n"
-    "  failure: {mean_slip_rate: \"1 m/s\"}\n"
+    "  end: \"60 day\"\n"
+    "  failure: {mean_slip_rate: \"1 cm/s\"}\n"
     "\n"
     "solver: {method: bdf, rtol: 1e-6}   # rtol: relative tolerance, smaller is finer\n"
     "\n"
@@ -97,15 +97,15 @@ static const char slope[] = HEAD
     "# computed with. More levels: finer, slower.\n"
     "interface:\n"
     "  size: \"256 m\"\n"
-    "  levels: 6\n"
-    "  surface:                         # heights of the two faces, one minus the other\n"
-    "    self-affine: {hurst: 0.8, rms_height: \"0.1 m\", rolloff: \"64 m\", seed: 1}\n" TOUCH "\n"
+    "  levels: 7\n"
+    "  surface:                         # what is left where the faces do not fit\n"
+    "    self-affine: {hurst: 0.8, rms_height: \"2 cm\", rolloff: \"64 m\", seed: 1}\n" TOUCH "\n"
     "# Weight of the rock above as a pressure, and water in the joint that takes some off.\n"
     "# The shear load follows from `initial`.\n"
     "load:\n"
     "  normal: {pressure: \"3 MPa\"}\n"
     "  pore_pressure: [{constant: {value: \"0.2 MPa\"}}]\n" LAW
-    "    dc: \"5 cm\"                     # slip that renews the contacts\n"
+    "    dc: \"2 cm\"                     # slip that renews the contacts\n"
     "    v0: \"1 um/s\"                   # reference slip rate\n"
     "\n"
     "# At the start the cells creep at about this rate, each a little differently, with their\n"
@@ -115,8 +115,8 @@ static const char slope[] = HEAD
     "  state: {ratio_to_steady: 0.9}\n"
     "  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}\n" ELASTIC TIME "time:\n"
     "  start: \"2024-01-01T00:00:00Z\"    # or a bare 0\n"
-    "  end: \"20 year\"\n"
-    "  failure: {mean_slip_rate: \"1 m/s\"}\n"
+    "  end: \"1 year\"\n"
+    "  failure: {mean_slip_rate: \"1 cm/s\"}\n"
     "\n"
     "solver: {method: bdf, rtol: 1e-6}   # rtol: relative tolerance, smaller is finer\n"
     "\n"
