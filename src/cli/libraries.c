@@ -16,12 +16,16 @@ const char *cli_libraries(char *text, size_t size)
 {
     char sundials[32] = "";
     (void)SUNDIALSGetVersion(sundials, (int)sizeof sundials);
-    // "4.9.0 of Aug 20 2022 ..." and "fftw-3.3.10-sse2-avx"
-    const char *netcdf = nc_inq_libvers(), *fftw = strchr(fftw_version, '-');
+    const char *fftw = strchr(fftw_version, '-'); // "fftw-3.3.10-sse2-avx"
     fftw = fftw == NULL ? fftw_version : fftw + 1;
-    (void)snprintf(text, size,
-                   "SUNDIALS %s, netCDF %.*s, FFTW %.*s, GSL %s, libyaml %s, UDUNITS 2, Random123",
-                   sundials, (int)strcspn(netcdf, " "), netcdf, (int)strcspn(fftw, "-"), fftw,
-                   gsl_version, yaml_get_version_string());
+    (void)snprintf(text, size, "SUNDIALS %s, FFTW %.*s, GSL %s, libyaml %s, UDUNITS 2, Random123",
+                   sundials, (int)strcspn(fftw, "-"), fftw, gsl_version, yaml_get_version_string());
+    return text;
+}
+
+const char *cli_netcdf_version(char *text, size_t size)
+{
+    const char *version = nc_inq_libvers(); // "4.9.0 of Aug 20 2022 ..."
+    (void)snprintf(text, size, "%.*s", (int)strcspn(version, " "), version);
     return text;
 }

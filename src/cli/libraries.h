@@ -4,8 +4,12 @@
 
 #include <stddef.h>
 
-/// The libraries that the program runs with and their versions, on one line.
+/// The libraries that the program runs with and their versions, on one line; without netCDF,
+/// whose version stands in every file anyway.
 /// @return text, which also stands in `text`
 const char *cli_libraries(char *text, size_t size);
+
+/// Version of netCDF.
+const char *cli_netcdf_version(char *text, size_t size);
 
 #endif

@@ -104,8 +104,9 @@ static void print_command_help(const cli_command *command)
 
 static void print_version(void)
 {
-    char text[256];
-    printf("lacuna %s\n%s\n", LACUNA_VERSION, cli_libraries(text, sizeof text));
+    char text[256], netcdf[32];
+    printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, cli_libraries(text, sizeof text),
+           cli_netcdf_version(netcdf, sizeof netcdf));
 }
 
 static lac_status dispatch(const cli_request *request, lac_error *err)
@@ -169,5 +170,9 @@ int main(int argc, char **argv)
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);
+    if (status == LAC_EIO) {
+        // HDF5's handlers at exit would stumble over a file that could not be closed.
+        _exit(exit_status(status));
+    }
     return exit_status(status);
 }
