@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE // strtod_l
+#endif
+#include "base/units.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <udunits2.h>
+
+enum { MAX_QUANTITY = 128, MAX_UNIT = 64, MAX_NAME = 32, MAX_EXPONENT_DIGITS = 2 };
+
+struct lac_units {
+    ut_system *system;
+    locale_t c_locale; ///< numbers are read alike whatever LC_NUMERIC says
+};
+
+static const struct {
+    const char *unit, *name;
+} dimensions[] = {
+    {"m", "a length such as \"1 m\""},
+    {"s", "a time such as \"1 day\""},
+    {"Pa", "a pressure such as \"1 MPa\""},
+    {"m/s", "a speed such as \"1 mm/day\""},
+    {"kg/m3", "a density such as \"2700 kg/m3\""},
+    {"Pa/m", "a stiffness such as \"1 MPa/m\""},
+    {"Pa/s", "a stress rate such as \"1 kPa/day\""},
+    {"rad", "an angle such as \"30 degree\""},
+    {"N", "a force such as \"1 kN\""},
+    {"m/s2", "an acceleration such as \"1 m/s2\""},
+    {"1/s", "a rate such as \"1 day-1\""},
+    {"1", "a number such as 0.5"},
+};
+
+// "a length such as "1 m"" for the unit of a key.
+static const char *dimension_text(const char *unit, char *text, size_t size)
+{
+    for (size_t i = 0; i < sizeof dimensions / sizeof dimensions[0]; i++) {
+        if (strcmp(dimensions[i].unit, unit) == 0) {
+            return dimensions[i].name;
+        }
+    }
+    (void)snprintf(text, size, "a quantity such as \"1 %s\"", unit);
+    return text;
+}
+
+static lac_status refuse(lac_error *err, const char *unit, const char *why)
+{
+    char text[96];
+    return lac_fail(err, LAC_EINPUT, "must be %s%s%s", dimension_text(unit, text, sizeof text),
+                    why[0] == '\0' ? "" : "; ", why);
+}
+
+static bool one_of(const char *word, const char *const *list)
+{
+    for (; *list != NULL; list++) {
+        if (strcmp(word, *list) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool ends_with(const char *word, const char *tail)
+{
+    size_t n = strlen(word);
+    size_t m = strlen(tail);
+    return n >= m && strcmp(word + n - m, tail) == 0;
+}
+
+static bool is_angle_name(const char *name)
+{
+    static const char *const names[] = {"rad",
+                                        "radian",
+                                        "radians",
+                                        "degree",
+                                        "degrees",
+                                        "arcdeg",
+                                        "\xc2\xb0",
+                                        "arc_min",
+                                        "arcmin",
+                                        "arcminute",
+                                        "arc_minute",
+                                        "arcsec",
+                                        "arc_second",
+                                        "arcsecond",
+                                        "angular_degree",
+                                        "angular_minute",
+                                        "angular_second",
+                                        "circle",
+                                        "turn",
+                                        "revolution",
+                                        "grade",
+                                        "cycle",
+                                        "sr",
+                                        "steradian",
+                                        NULL};
+    return one_of(name, names) || (ends_with(name, "rad") && strlen(name) == 4);
+}
+
+// A prefix on a calendar unit is legal UDUNITS and never meant: "dday" is a deci-day.
+static bool is_prefixed_calendar(const char *name)
+{
+    static const char *const units[] = {"day",     "days",      "hour",       "hours",
+                                        "week",    "weeks",     "min",        "minute",
+                                        "minutes", "fortnight", "fortnights", NULL};
+    static const char *const plain[] = {
+        "arc_minute",   "arcminute",     "arcminutes", "angular_minute",  "arcmin",
+        "sidereal_day", "sidereal_hour", "arc_min",    "sidereal_minute", NULL};
+    static const char *const symbols[] = {"dd", "md",  "hd",  "kd", "mh", "dh", "hh",
+                                          "kh", "dad", "dah", "ud", "uh", NULL};
+    if (one_of(name, plain)) {
+        return false;
+    }
+    for (const char *const *unit = units; *unit != NULL; unit++) {
+        if (ends_with(name, *unit) && strcmp(name, *unit) != 0) {
+            return true;
+        }
+    }
+    return one_of(name, symbols);
+}
+
+// Why a unit's name is refused although UDUNITS may know it; NULL where it isn't.
+static const char *name_refused(const char *name)
+{
+    static const char *const time_stamps[] = {"since", "after", "from", "ref", "at", NULL};
+    static const char *const ares[] = {"a", "ka", "Ma", "Ga", "are", "ares", NULL};
+    static const char *const tons[] = {"ton", "tons", NULL};
+    if (one_of(name, ares)) {
+        return "\"a\" is the are, an area: write year";
+    }
+    if (strstr(name, "month") != NULL) {
+        return "a month has no fixed length: write days";
+    }
+    if (one_of(name, tons)) {
+        return "\"ton\" is ambiguous: write tonne";
+    }
+    if (is_prefixed_calendar(name)) {
+        return "days, hours, minutes and weeks take no prefix";
+    }
+    return one_of(name, time_stamps) ? "a unit is needed, not a point in time" : NULL;
+}
+
+static bool starts_name(char c)
+{
+    return isalpha((unsigned char)c) || c == '%' || c == '_' || (unsigned char)c >= 0x80;
+}
+
+// Reads an exponent, [^][+-]digits or **digits, if there is one.
+static bool read_exponent(const char **at)
+{
+    const char *p = *at;
+    bool marked = *p == '^' || (p[0] == '*' && p[1] == '*');
+    p += marked ? (*p == '^' ? 1 : 2) : 0;
+    bool is_signed = *p == '-' || *p == '+';
+    p += is_signed ? 1 : 0;
+    size_t digits = 0;
+    while (isdigit((unsigned char)p[digits])) {
+        digits++;
+    }
+    if (digits == 0) {
+        return !marked && !is_signed;
+    }
+    *at = p + digits;
+    return digits <= MAX_EXPONENT_DIGITS;
+}
+
+// What a unit's text was found to hold.
+typedef struct scan {
+    bool angle;
+    const char *why; ///< why it is refused; NULL
+} scan;
+
+static bool read_name(const char **at, scan *found)
+{
+    char name[MAX_NAME];
+    size_t n = 0;
+    while (starts_name((*at)[n])) {
+        n++;
+    }
+    if (n == 0 || n >= sizeof name) {
+        return false;
+    }
+    memcpy(name, *at, n);
+    name[n] = '\0';
+    *at += n;
+    found->why = name_refused(name);
+    found->angle = found->angle || is_angle_name(name);
+    return found->why == NULL && read_exponent(at);
+}
+
+// Whether the text is a product of named units with whole exponents. UDUNITS reads much more:
+// "m0.5" is 0.5 m, "10 m" a unit of ten metres, "" is 1.
+static bool scan_unit(const char *text, scan *found)
+{
+    const char *at = text;
+    bool wanted = true; // a factor must follow
+    *found = (scan){.angle = false};
+    if (strlen(text) > MAX_UNIT) {
+        return false;
+    }
+    while (*at != '\0') {
+        if (*at == ' ') {
+            at++;
+        } else if (*at == '/' || *at == '.' || *at == '*') {
+            if (wanted) {
+                return false;
+            }
+            wanted = true;
+            at++;
+        } else if (at == text && *at == '1' && strchr(" /", at[1]) != NULL) {
+            wanted = false;
+            at++;
+        } else if (!starts_name(*at) || !read_name(&at, found)) {
+            return false;
+        } else {
+            wanted = false;
+        }
+    }
+    return !wanted;
+}
+
+// UDUNITS' own parser, in the C locale. NULL where it doesn't know the text.
+static ut_unit *parse_unit(const lac_units *units, const char *text)
+{
+    locale_t before = uselocale(units->c_locale);
+    ut_unit *unit = ut_parse(units->system, text, UT_UTF8);
+    (void)uselocale(before);
+    return unit;
+}
+
+lac_status lac_units_create(lac_units **out, lac_error *err)
+{
+    *out = NULL;
+    lac_units *units = calloc(1, sizeof *units);
+    if (units == NULL) {
+        return lac_fail_memory(err);
+    }
+    units->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (units->c_locale == (locale_t)0) {
+        lac_units_free(units);
+        return lac_fail_memory(err);
+    }
+    (void)ut_set_error_message_handler(ut_ignore);
+    locale_t before = uselocale(units->c_locale);
+    units->system = ut_read_xml(NULL);
+    (void)uselocale(before);
+    if (units->system == NULL) {
+        lac_units_free(units);
+        return lac_fail(err, LAC_EIO, "the units database of UDUNITS-2 cannot be read");
+    }
+    *out = units;
+    return LAC_OK;
+}
+
+void lac_units_free(lac_units *units)
+{
+    if (units == NULL) {
+        return;
+    }
+    if (units->system != NULL) {
+        ut_free_system(units->system);
+    }
+    if (units->c_locale != (locale_t)0) {
+        freelocale(units->c_locale);
+    }
+    free(units);
+}
+
+lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
+                             double *scale, double *offset, lac_error *err)
+{
+    scan found = {.angle = false};
+    bool wants_angle = strcmp(to, "rad") == 0;
+    bool known = scan_unit(from, &found);
+    ut_unit *a = known ? parse_unit(units, from) : NULL;
+    ut_unit *b = a != NULL ? parse_unit(units, to) : NULL;
+    cv_converter *converter = NULL;
+    // To UDUNITS an angle is a number; to a reader it is not.
+    bool plain = strcmp(to, "1") == 0 || wants_angle;
+    if (b != NULL && (!plain || found.angle == wants_angle)) {
+        converter = ut_get_converter(a, b);
+    }
+    lac_status status = LAC_OK;
+    if (converter == NULL) {
+        status = refuse(err, to, found.why != NULL ? found.why : "");
+    } else {
+        *offset = cv_convert_double(converter, 0.0);
+        *scale = cv_convert_double(converter, 1.0) - *offset;
+        cv_free(converter);
+    }
+    ut_free(b);
+    ut_free(a);
+    return status;
+}
+
+// End of a decimal number; `text` itself where there is none. No hex, no nan, no inf.
+static const char *number_end(const char *text)
+{
+    const char *p = text + (*text == '-' || *text == '+' ? 1 : 0);
+    size_t digits = 0;
+    for (; isdigit((unsigned char)*p); p++) {
+        digits++;
+    }
+    if (*p == '.') {
+        for (p++; isdigit((unsigned char)*p); p++) {
+            digits++;
+        }
+    }
+    if (digits == 0) {
+        return text;
+    }
+    if (*p == 'e' || *p == 'E') {
+        const char *q = p + 1 + (p[1] == '-' || p[1] == '+' ? 1 : 0);
+        if (isdigit((unsigned char)*q)) {
+            while (isdigit((unsigned char)*q)) {
+                q++;
+            }
+            p = q;
+        }
+    }
+    return p;
+}
+
+lac_status lac_units_parse(const lac_units *units, const char *text, const char *unit,
+                           double *value, lac_error *err)
+{
+    char copy[MAX_QUANTITY];
+    text += strspn(text, " ");
+    size_t n = strlen(text);
+    while (n > 0 && text[n - 1] == ' ') {
+        n--;
+    }
+    if (n == 0 || n >= sizeof copy) {
+        return refuse(err, unit, "");
+    }
+    memcpy(copy, text, n);
+    copy[n] = '\0';
+
+    const char *end = number_end(copy);
+    if (end == copy) {
+        return refuse(err, unit, "");
+    }
+    errno = 0;
+    char *read = NULL;
+    double number = strtod_l(copy, &read, units->c_locale);
+    if (read != end) {
+        return refuse(err, unit, "");
+    }
+    if (errno == ERANGE || !isfinite(number)) {
+        return refuse(err, unit, "the number cannot be represented");
+    }
+    const char *tail = end + strspn(end, " ");
+    double scale = 1.0;
+    double offset = 0.0;
+    if (*tail != '\0') {
+        lac_status status = lac_units_convert(units, tail, unit, &scale, &offset, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    if (offset != 0.0) {
+        return refuse(err, unit, "");
+    }
+    double product = number * scale;
+    if (!isfinite(product) || (product == 0.0 && number != 0.0)) {
+        return refuse(err, unit, "the number cannot be represented");
+    }
+    *value = product;
+    return LAC_OK;
+}
