@@ -75,6 +75,11 @@ lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double val
 lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
                           lac_error *err);
 
+/// Looks at what HDF5 would believe unseen.
+/// @param size  of the file [bytes]
+/// @return LAC_OK; LAC_EIO where the file is damaged; LAC_ENOMEM
+lac_status lac_nc_heap(const char *path, size_t size, lac_error *err);
+
 /// The global attributes that every file of Lacuna carries.
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err);

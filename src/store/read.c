@@ -49,6 +49,10 @@ static lac_status open_input(lac_input *in, const char *path, lac_error *err)
         return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(ENOENT));
     }
     in->size = (size_t)info.st_size;
+    status = lac_nc_heap(path, in->size, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     int code = nc_open(path, NC_NOWRITE, &in->id);
     if (code != NC_NOERR) {
         return fail_open(in, code, err);
@@ -98,6 +102,29 @@ static double fill_of(const lac_input *in, int id, nc_type type)
                              : (double)NC_FILL_INT64;
 }
 
+// Compares with the checksum that the run left, if the series is still as long as then.
+static lac_status check_values(const lac_input *in, int id, const char *name, const double *values,
+                               lac_error *err)
+{
+    char text[64] = "";
+    size_t length = 0;
+    size_t count = 0;
+    uint64_t expected = 0;
+    uint64_t hash = 0;
+    if (nc_inq_attlen(in->id, id, LAC_CHECKSUM, &length) != NC_NOERR || length >= sizeof text ||
+        nc_get_att_text(in->id, id, LAC_CHECKSUM, text) != NC_NOERR ||
+        sscanf(text, "%zu values, %" SCNx64, &count, &expected) != 2 || count != in->records) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; i < in->records; i++) {
+        hash = lac_column_hash(hash, values[i]);
+    }
+    return hash == expected
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: %s differs from its checksum: damaged, or edited",
+                          in->path, name);
+}
+
 // The values of a variable over `time`, NaN where missing.
 static lac_status read_variable(const lac_input *in, const char *name, double *values,
                                 lac_error *err)
@@ -125,6 +152,10 @@ static lac_status read_variable(const lac_input *in, const char *name, double *v
     }
     if (code != NC_NOERR) {
         return fail_read(in, code, err, name);
+    }
+    lac_status status = check_values(in, id, name, values, err);
+    if (status != LAC_OK) {
+        return status;
     }
     double fill = fill_of(in, id, type);
     for (size_t i = 0; i < in->records; i++) {

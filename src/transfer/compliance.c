@@ -11,23 +11,27 @@ enum { MAX_ITERATIONS = 1000 };
 
 struct lac_compliance {
     size_t n;
-    uint32_t *at; // [n] index of each contact cell in the transform's grid
+    size_t *at; // [n] index of each contact cell in the transform's grid
     lac_fft *fft;
-    double *stiffness;               // [ny * nkx] S of each mode [Pa/m], 0 for the mean
+    double *stiffness;               // [ny * nkx] S/N of each mode [Pa/m], 0 for the mean
+    double *compliance;              // [ny * nkx] 1/(S N) of each mode [m/Pa], 0 for the mean
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
 };
 
-// S = G/2 (ky^2 + kx^2/(1 - nu))/|k|
-static void fill_stiffness(lac_compliance *c, const lac_grid *grid, double g, double nu)
+// S = G/2 (ky^2 + kx^2/(1 - nu))/|k|, with the 1/N of the transforms
+static void fill_modes(lac_compliance *c, const lac_grid *grid, double g, double nu)
 {
     const double tau = 6.283185307179586476925286766559;
     const lac_fft *fft = c->fft;
+    double cells = (double)fft->nx * (double)fft->ny;
     for (size_t j = 0; j < fft->ny; j++) {
         double ky = tau * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
         for (size_t i = 0; i < fft->nkx; i++) {
             double kx = tau * (double)i / ((double)fft->nx * grid->dx);
             double k = hypot(kx, ky);
-            c->stiffness[j * fft->nkx + i] = k > 0 ? g / 2 * (ky * ky + kx * kx / (1 - nu)) / k : 0;
+            double s = k > 0 ? g / 2 * (ky * ky + kx * kx / (1 - nu)) / k : 0;
+            c->stiffness[j * fft->nkx + i] = s / cells;
+            c->compliance[j * fft->nkx + i] = s > 0 ? 1 / (s * cells) : 0;
         }
     }
 }
@@ -46,9 +50,11 @@ lac_status lac_compliance_create(const lac_domain *domain, double shear_modulus,
     c->n = n;
     LAC_TRY(lac_fft_create(pad * grid->nx, grid->ny > 1 ? pad * grid->ny : 1, &c->fft, err));
     c->at = malloc(n * sizeof *c->at);
-    c->stiffness = malloc(c->fft->ny * c->fft->nkx * sizeof *c->stiffness);
+    size_t modes = c->fft->ny * c->fft->nkx;
+    c->stiffness = malloc(modes * sizeof *c->stiffness);
+    c->compliance = malloc(modes * sizeof *c->compliance);
     c->vectors = malloc(4 * n * sizeof *c->vectors);
-    if (c->at == NULL || c->stiffness == NULL || c->vectors == NULL) {
+    if (c->at == NULL || c->stiffness == NULL || c->compliance == NULL || c->vectors == NULL) {
         status = lac_fail_memory(err);
         goto out;
     }
@@ -58,9 +64,9 @@ lac_status lac_compliance_create(const lac_domain *domain, double shear_modulus,
     c->q = c->p + n;
     for (size_t i = 0; i < n; i++) {
         size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
-        c->at[i] = (uint32_t)(y * c->fft->nx + x);
+        c->at[i] = y * c->fft->nx + x;
     }
-    fill_stiffness(c, grid, shear_modulus, poisson);
+    fill_modes(c, grid, shear_modulus, poisson);
     *out = c;
     c = NULL;
 out:
@@ -74,6 +80,7 @@ void lac_compliance_free(lac_compliance *c)
         lac_fft_free(c->fft);
         free(c->at);
         free(c->stiffness);
+        free(c->compliance);
         free(c->vectors);
         free(c);
     }
@@ -100,7 +107,8 @@ static double dot(size_t n, const double *x, const double *y)
     return sum;
 }
 
-static void to_spectrum(lac_compliance *c, const double *x)
+// y = Q R F^-1 symbol F R^T x: zeros in the gaps, restriction R, mean removed by Q.
+static void filter(lac_compliance *c, const double *symbol, const double *x, double *y)
 {
     lac_fft *fft = c->fft;
     memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
@@ -108,37 +116,26 @@ static void to_spectrum(lac_compliance *c, const double *x)
         fft->real[c->at[i]] = x[i];
     }
     lac_fft_forward(fft);
-}
-
-static void from_spectrum(lac_compliance *c, double *y)
-{
-    lac_fft *fft = c->fft;
+    for (size_t i = 0; i < fft->ny * fft->nkx; i++) {
+        fft->spectrum[i] *= symbol[i];
+    }
     lac_fft_inverse(fft);
-    double scale = 1 / ((double)fft->nx * (double)fft->ny);
     for (size_t i = 0; i < c->n; i++) {
-        y[i] = scale * fft->real[c->at[i]];
+        y[i] = fft->real[c->at[i]];
     }
     remove_mean(c->n, y);
 }
 
-// y = Q R F^-1 S^-1 F R^T x: slip under a traction, less its mean.
-static void comply(lac_compliance *c, const double *x, double *y)
+// Slip under a traction.
+static void comply(lac_compliance *c, const double *traction, double *slip)
 {
-    to_spectrum(c, x);
-    for (size_t i = 0; i < c->fft->ny * c->fft->nkx; i++) {
-        c->fft->spectrum[i] *= c->stiffness[i] > 0 ? 1 / c->stiffness[i] : 0;
-    }
-    from_spectrum(c, y);
+    filter(c, c->compliance, traction, slip);
 }
 
-// y = Q R F^-1 S F R^T x: the inverse on full contact, the preconditioner elsewhere.
-static void precondition(lac_compliance *c, const double *x, double *y)
+// The inverse on full contact; elsewhere near enough to it to precondition.
+static void precondition(lac_compliance *c, const double *slip, double *traction)
 {
-    to_spectrum(c, x);
-    for (size_t i = 0; i < c->fft->ny * c->fft->nkx; i++) {
-        c->fft->spectrum[i] *= c->stiffness[i];
-    }
-    from_spectrum(c, y);
+    filter(c, c->stiffness, slip, traction);
 }
 
 lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double tolerance,
