@@ -37,7 +37,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     if (json && (status == LAC_OK || status == LAC_EINPUT)) {
         write_json(&report, scene, status == LAC_OK ? &estimate : NULL, err);
     } else if (status == LAC_OK) {
-        fputs(scene, stdout);
+        printf("%s", scene);
         cli_estimate_print(&estimate);
     }
     free(scene);

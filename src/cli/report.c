@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report.h"
 
+#include "cli/words.h"
+
 void cli_report_print(const lac_case_report *report, const cli_request *request)
 {
     for (size_t i = 0; i < report->count; i++) {
         const lac_case_issue *issue = &report->issue[i];
-        char text[2048];
+        char text[2000];
         if (!issue->warning || !cli_given(request, CLI_OPT_QUIET)) {
-            fprintf(stderr, "lacuna: %s%s\n", issue->warning ? "warning: " : "",
-                    lac_case_issue_format(issue, text, sizeof text));
+            cli_note("%s%s", issue->warning ? "warning: " : "",
+                     lac_case_issue_format(issue, text, sizeof text));
         }
     }
 }

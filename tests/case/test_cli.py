@@ -121,14 +121,14 @@ class Usage(Case):
         self.expect_line(2, "no command given; see lacuna --help")
 
     def test_unknown_command_names_the_nearest(self):
-        self.expect_line(2, '"rnu": unknown command, the nearest is run', "rnu", "block.yaml")
+        self.expect_line(2, '"rnu" is no command; did you mean "run"?', "rnu", "block.yaml")
 
     def test_unknown_option_names_the_nearest(self):
-        self.expect_line(2, "--forse: unknown option, the nearest is --force", "run", "--forse",
+        self.expect_line(2, '"--forse" is no option; did you mean "--force"?', "run", "--forse",
                          "block.yaml")
-        self.expect_line(2, "--outptu: unknown option, the nearest is --output", "run",
+        self.expect_line(2, '"--outptu" is no option; did you mean "--output"?', "run",
                          "--outptu=x.nc", "block.yaml")
-        self.expect_line(2, "-x: unknown option; see lacuna --help", "-x", "run", "block.yaml")
+        self.expect_line(2, '"-x" is no option; see lacuna --help', "-x", "run", "block.yaml")
 
     def test_missing_value(self):
         self.expect_line(2, "--output: needs a value: --output FILE", "run", "block.yaml", "-o")
@@ -547,8 +547,10 @@ class New(Case):
 
     def test_wrong(self):
         self.expect(3, "new", "absent/x")
-        self.expect_line(2, '--kind: "blok" must be block, joint or slope; nearest: block', "new",
+        self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
                          "--kind", "blok")
+        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, joint, slope', "new",
+                         "--kind", "dam")
 
 
 class Describe(Case):
@@ -591,9 +593,10 @@ class Describe(Case):
     def test_unknown(self):
         done = self.expect(2, "describe", "frction")
         self.assertEqual(done.stderr,
-                         'lacuna: describe: "frction": unknown kind, the nearest is friction\n')
+                         'lacuna: describe: "frction" is no kind or section; did you mean '
+                         '"friction"?\n')
         done = self.expect(2, "describe", "friction", "ageing")
-        self.assertIn("the nearest is aging", done.stderr)
+        self.assertIn('did you mean "aging"?', done.stderr)
 
 
 def block_failure_time():
