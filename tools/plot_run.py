@@ -217,7 +217,7 @@ def draw_rate(axes, run, observed, window):
             last = rate
     axes.set_ylabel("slip rate (m/s)")
     axes.set_title("slip rate")
-    axes.legend(loc="upper left")
+    axes.legend(loc="best")
     time_axis(axes, run, window)
     mark_failure(axes, run)
 
