@@ -379,7 +379,7 @@ class Compare(Case):
     def setUp(self):
         super().setUp()
         self.write("series.csv", SERIES)
-        self.write("compare.yaml", BLOCK + 'compare: [{path: series.csv, time: date, velocity: '
+        self.write("compare.yaml", BLOCK + 'compare: [{file: series.csv, time: date, velocity: '
                    '"rate_mm_per_day:mm/day", displacement: "disp_mm:mm", label: a prism}]\n')
 
     def test_table(self):
