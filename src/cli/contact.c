@@ -86,7 +86,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     LAC_TRY(cli_case_read(request, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));
     LAC_TRY(write_file(request, c, &contact, path, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         write_result(&contact, path);

@@ -217,6 +217,13 @@ class Cases(Case):
         self.assertIn("changed", scene)
         self.assertRegex(scene, r"dc: .*0?\.?007|dc: .*7e-0?3")
 
+    def test_check_builds_a_small_scene(self):
+        """What only shows when the scene is built."""
+        done = self.expect(2, "check", "block.yaml", "--set",
+                           "load.pore_pressure=[{constant: {value: 4 MPa}}]")
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertTrue(done.stderr.startswith("lacuna: block.yaml: "), done.stderr)
+
     def test_set_reports_its_key(self):
         done = self.expect(2, "check", "block.yaml", "--set", "friction.aging.dcc=1")
         self.assertIn("friction.aging.dcc", done.stderr)
@@ -270,6 +277,13 @@ class Runs(Case):
         self.assertGreaterEqual(done["max_slip_rate_m_s"], 0.999)
         self.assertTrue(0 < done["failure_time_s"] < 30 * 86400)
         self.assertEqual(done["output"], "block.nc")
+
+    def test_json_escapes(self):
+        title = 'quote " backslash \\ tab \t new\nline \u00e9 \u2192 \U0001f600'
+        text = json.dumps(title, ensure_ascii=False)
+        done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
+                                      "title=" + text).stdout)
+        self.assertEqual(done["title"], title)
 
     def test_failure_time_of_a_block(self):
         done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
@@ -365,7 +379,7 @@ class Compare(Case):
     def setUp(self):
         super().setUp()
         self.write("series.csv", SERIES)
-        self.write("compare.yaml", BLOCK + 'compare: [{path: series.csv, time: date, velocity: '
+        self.write("compare.yaml", BLOCK + 'compare: [{file: series.csv, time: date, velocity: '
                    '"rate_mm_per_day:mm/day", displacement: "disp_mm:mm", label: a prism}]\n')
 
     def test_table(self):
