@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -53,8 +54,12 @@ static void derive(lac_friction *friction)
 static lac_status allocate(lac_friction *friction, lac_error *err)
 {
     size_t n = friction->n, columns = friction->columns;
+    size_t row = (columns + DERIVED_COLUMNS) * sizeof(double);
+    if (n > SIZE_MAX / row) {
+        return lac_fail_memory(err);
+    }
     friction->column = calloc(columns, sizeof *friction->column);
-    double *all = calloc(n, (columns + DERIVED_COLUMNS) * sizeof *all);
+    double *all = calloc(n, row);
     if (friction->column == NULL || all == NULL) {
         free(all);
         return lac_fail_memory(err);

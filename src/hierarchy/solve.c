@@ -72,26 +72,42 @@ static void weigh(const lac_partition *part, const double *g, double *w)
     }
 }
 
-// m_c = m_B + r_c g_c, r_c = y_c + mu_B - t_c m_B; mu_c = mu_B - k r_c g_c.
-// m replaces t and mu replaces y.
-static void pass_down(const lac_partition *part, double k, const double *g, const double *m_b,
-                      const double *mu_b, double *t, double *y)
+// b_B = mu_B + k m_B: all that the children of B need to know.
+static void offer(const lac_partition *part, double k, const double *m, const double *mu, double *b)
 {
     for (uint32_t c = 0; c < part->count; c++) {
-        uint32_t b = part->parent[c];
-        double step = (y[c] + mu_b[b] - t[c] * m_b[b]) * g[c];
-        t[c] = m_b[b] + step;
-        y[c] = mu_b[b] - k * step;
+        b[c] = mu[c] + k * m[c];
     }
 }
 
-// The same for the cells: x_i = m_B + (y_i + mu_B - D_i m_B) g_i.
-static void finish(const lac_partition *cells, const double *g, const double *m_b,
-                   const double *mu_b, const double *diagonal, const double *y, double *x)
+// m_c = g_c (y_c + b_B), mu_c = g_c (t_c b_B - k y_c); a single child has its parent's.
+// m replaces t and mu replaces y.
+static void pass_down(const lac_partition *part, double k, const double *g, const double *b,
+                      const double *m_b, const double *mu_b, double *t, double *y)
+{
+    for (uint32_t c = 0; c < part->count; c++) {
+        double from_above = b[part->parent[c]];
+        double m = g[c] * (y[c] + from_above);
+        y[c] = g[c] * (t[c] * from_above - k * y[c]);
+        t[c] = m;
+    }
+    for (uint32_t i = 0; i < part->singles; i++) {
+        uint32_t parent = part->single[i];
+        t[part->child[parent]] = m_b[parent];
+        y[part->child[parent]] = mu_b[parent];
+    }
+}
+
+// The same for the cells: x_i = g_i (y_i + b_B).
+static void finish(const lac_partition *cells, const double *g, const double *b, const double *m_b,
+                   const double *y, double *x)
 {
     for (uint32_t i = 0; i < cells->count; i++) {
-        uint32_t b = cells->parent[i];
-        x[i] = m_b[b] + (y[i] + mu_b[b] - diagonal[i] * m_b[b]) * g[i];
+        x[i] = g[i] * (y[i] + b[cells->parent[i]]);
+    }
+    for (uint32_t i = 0; i < cells->singles; i++) {
+        uint32_t parent = cells->single[i];
+        x[cells->child[parent]] = m_b[parent];
     }
 }
 
@@ -143,9 +159,11 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
     for (size_t j = root - 1; j > 0; j--) {
         uint32_t count = part[j].count;
         g -= count;
-        pass_down(&part[j], k[part[j].level], g, t, r, t - count, r - count);
+        offer(&part[j + 1], k[part[j].level], t, r, w);
+        pass_down(&part[j], k[part[j].level], g, w, t, r, t - count, r - count);
         t -= count, r -= count;
     }
-    finish(&part[0], g_cell, t, r, diagonal, y, x);
+    offer(&part[1], k[part[0].level], t, r, w);
+    finish(&part[0], g_cell, w, t, y, x);
     return true;
 }

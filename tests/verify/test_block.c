@@ -403,8 +403,8 @@ static void damped(void **state)
     double reference = -def.pressure * def.a / v_end + def.damping * log(v_end);
     for (size_t i = 0; i + 1 < h.n; i++) {
         double v = h.line[i].seen.mean_rate;
-        double dt = (end->time_origin - h.line[i].time_origin) +
-                    (end->time_local - h.line[i].time_local);
+        double dt =
+            (end->time_origin - h.line[i].time_origin) + (end->time_local - h.line[i].time_local);
         double now = -def.pressure * def.a / v + def.damping * log(v);
         assert_true(fabs(reference - now - slope * dt) < 1e-6 * (reference - now) + 1e-3);
     }

@@ -235,8 +235,8 @@ static void slow_end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(growth_rate),       cmocka_unit_test(stable_above_and_unstable_below),
-        cmocka_unit_test(slow_start),        cmocka_unit_test(slow_start_damped),
+        cmocka_unit_test(growth_rate), cmocka_unit_test(stable_above_and_unstable_below),
+        cmocka_unit_test(slow_start),  cmocka_unit_test(slow_start_damped),
         cmocka_unit_test(slow_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

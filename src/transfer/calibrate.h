@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TRANSFER_CALIBRATE_H
+#define LACUNA_TRANSFER_CALIBRATE_H
+
+#include "lacuna/transfer.h"
+
+/// Stiffness of one level as the elastic half-space has it on a domain.
+typedef struct lac_calibration {
+    double stiffness; ///< k_l [Pa/m]; 0 where the level ties no blocks
+    double error;     ///< standard error of the random probes [Pa/m]; 0 where all vectors were used
+    size_t solves;    ///< inversions of the compliance
+} lac_calibration;
+
+/// k_l = trace((P_l - P_{l+1}) K)/rank(P_l - P_{l+1}) with the K of the elastic half-space on the
+/// scene's contact domain; docs/theory/transfer.md, equation 13. About 1 % accurate.
+/// @param seed    of the random probes
+/// @param levels  [lac_hierarchy_levels]; overwritten
+/// @return LAC_OK; LAC_EINPUT (no material); LAC_ENUMERIC; LAC_ENOMEM
+/// @cost   some ten to fifty inversions a level
+lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
+                                 lac_calibration *levels, lac_error *err);
+
+#endif

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/hierarchy.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "transfer/calibrate.h"
+#include "transfer/kinds.h"
+
+typedef struct hierarchy {
+    const lac_hierarchy *h;
+    size_t levels;
+    double k[]; // [levels] stiffness of each level [Pa/m]
+} hierarchy;
+
+static const char *const stiffness_choices[] = {"elastic", NULL};
+
+static const lac_param params[] = {
+    {.key = "stiffness",
+     .unit = "1",
+     .fallback = NAN,
+     .offset = offsetof(lac_transfer_hierarchy, stiffness),
+     .type = LAC_CHOICE,
+     .flags = LAC_OPTIONAL,
+     .choices = stiffness_choices,
+     .doc = "elastic: of every level, from the elastic half-space on this contact domain"},
+    {.key = "k0",
+     .unit = "Pa/m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e30,
+     .offset = offsetof(lac_transfer_hierarchy, k0),
+     .flags = LAC_OPTIONAL,
+     .doc = "stiffness of the finest level, where it is given instead of elastic"},
+    {.key = "ratio",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e3,
+     .offset = offsetof(lac_transfer_hierarchy, ratio),
+     .flags = LAC_OPTIONAL,
+     .doc = "with k0: stiffness of a level over that of the next finer one (0.5 if absent, the "
+            "elastic scaling; 0: only the finest level)"},
+    {.key = "seed",
+     .unit = "1",
+     .fallback = 1,
+     .min = 0,
+     .max = 0x1p53,
+     .offset = offsetof(lac_transfer_hierarchy, seed),
+     .type = LAC_INTEGER,
+     .doc = "of the random probes that calibrate the elastic stiffness"},
+};
+
+static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
+{
+    bool elastic = p->stiffness >= 0;
+    bool given = !isnan(p->k0);
+    if (elastic && given) {
+        return lac_fail(err, LAC_EINPUT, "give either stiffness: elastic or k0, not both");
+    }
+    if (!elastic && !given) {
+        return lac_fail(err, LAC_EINPUT, "give stiffness: elastic, or k0 (and ratio)");
+    }
+    if (elastic && !isnan(p->ratio)) {
+        return lac_fail(err, LAC_EINPUT, "ratio goes with k0, not with stiffness: elastic");
+    }
+    if (given && !(p->k0 >= 0 && isfinite(p->k0))) {
+        return lac_fail(err, LAC_EINPUT, "k0 %g Pa/m: must be finite and >= 0", p->k0);
+    }
+    if (!isnan(p->ratio) && !(p->ratio >= 0 && p->ratio <= 1e3)) {
+        return lac_fail(err, LAC_EINPUT, "ratio %g: must be >= 0 and <= 1000", p->ratio);
+    }
+    return LAC_OK;
+}
+
+static lac_status calibrate(const lac_transfer_hierarchy *p, const lac_transfer_scene *scene,
+                            hierarchy *self, lac_error *err)
+{
+    lac_calibration *levels = calloc(self->levels + 1, sizeof *levels);
+    if (levels == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_calibrate_elastic(scene, (uint64_t)p->seed, levels, err);
+    for (size_t l = 0; l < self->levels; l++) {
+        self->k[l] = levels[l].stiffness;
+    }
+    free(levels);
+    return status;
+}
+
+static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
+                         lac_error *err)
+{
+    const lac_transfer_hierarchy *p = given;
+    lac_status status = LAC_OK;
+    hierarchy *self = NULL;
+    LAC_TRY(check(p, err));
+    size_t levels = lac_hierarchy_levels(scene->hierarchy);
+    self = calloc(1, sizeof *self + levels * sizeof *self->k);
+    if (self == NULL) {
+        return lac_fail_memory(err);
+    }
+    self->h = scene->hierarchy;
+    self->levels = levels;
+    if (p->stiffness >= 0) {
+        LAC_TRY(calibrate(p, scene, self, err));
+    }
+    for (size_t l = 0; l < levels && p->stiffness < 0; l++) {
+        self->k[l] = p->k0 * pow(isnan(p->ratio) ? 0.5 : p->ratio, (double)l);
+    }
+    *state = self;
+    self = NULL;
+out:
+    free(self);
+    return status;
+}
+
+static size_t work(const void *state)
+{
+    const hierarchy *self = state;
+    return lac_hierarchy_work(self->h);
+}
+
+static void apply(const void *state, const double *slip, double *force, double *scratch)
+{
+    const hierarchy *self = state;
+    lac_hierarchy_apply(self->h, self->k, slip, force, scratch);
+}
+
+static bool solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                  double *x, double *scratch)
+{
+    const hierarchy *self = state;
+    return lac_hierarchy_solve(self->h, self->k, k_mean, diagonal, y, x, scratch);
+}
+
+static double stiffness(const void *state, size_t level)
+{
+    const hierarchy *self = state;
+    return level < self->levels ? self->k[level] : 0;
+}
+
+const lac_transfer_kind lac_hierarchy_kind = {
+    .about = {.name = "hierarchy",
+              .summary = "at every scale a block's slip relative to its parent's is resisted",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof *params,
+              .params_size = sizeof(lac_transfer_hierarchy)},
+    .create = create,
+    .free = free,
+    .work = work,
+    .apply = apply,
+    .solve = solve,
+    .stiffness = stiffness,
+};

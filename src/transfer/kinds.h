@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TRANSFER_KINDS_H
+#define LACUNA_TRANSFER_KINDS_H
+
+#include "lacuna/transfer.h"
+
+extern const lac_transfer_kind lac_hierarchy_kind;
+extern const lac_transfer_kind lac_none_kind;
+
+#endif

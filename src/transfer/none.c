@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "transfer/kinds.h"
+
+typedef struct none {
+    size_t n;
+} none;
+
+static lac_status create(const void *params, const lac_transfer_scene *scene, void **state,
+                         lac_error *err)
+{
+    (void)params;
+    none *self = malloc(sizeof *self);
+    if (self == NULL) {
+        return lac_fail_memory(err);
+    }
+    self->n = scene->domain->n;
+    *state = self;
+    return LAC_OK;
+}
+
+static size_t work(const void *state)
+{
+    (void)state;
+    return 0;
+}
+
+static void apply(const void *state, const double *slip, double *force, double *scratch)
+{
+    const none *self = state;
+    (void)slip;
+    (void)scratch;
+    memset(force, 0, self->n * sizeof *force);
+}
+
+static bool good(double pivot) { return pivot > 0 && pivot <= DBL_MAX; }
+
+// (D + k_mean P_m) x = y. The cells together act as one of D = t = n / sum g, g = 1/D, and
+// right-hand side sum g y / sum g: m = mean x = sum g y / sum g / (t + k_mean), then
+// x = g (y - k_mean m). Sums of positive g only, so nothing cancels (Sherman-Morrison would).
+static bool solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                  double *x, double *scratch)
+{
+    const none *self = state;
+    (void)scratch;
+    if (self->n == 1) {
+        x[0] = y[0] / (diagonal[0] + k_mean);
+        return good(diagonal[0] + k_mean);
+    }
+    double sum = 0, sum_y = 0;
+    bool ok = true;
+    for (size_t i = 0; i < self->n; i++) {
+        double g = 1 / diagonal[i];
+        ok &= good(diagonal[i]);
+        sum += g;
+        sum_y += g * y[i];
+    }
+    double pivot = (double)self->n / sum + k_mean;
+    if (!ok || !good(pivot)) {
+        return false;
+    }
+    double mu = -k_mean * (sum_y / sum / pivot);
+    for (size_t i = 0; i < self->n; i++) {
+        x[i] = (y[i] + mu) / diagonal[i];
+    }
+    return true;
+}
+
+static double stiffness(const void *state, size_t level)
+{
+    (void)state;
+    (void)level;
+    return 0;
+}
+
+const lac_transfer_kind lac_none_kind = {
+    .about = {.name = "none", .summary = "cells do not feel each other's slip", .reference = ""},
+    .create = create,
+    .free = free,
+    .work = work,
+    .apply = apply,
+    .solve = solve,
+    .stiffness = stiffness,
+};

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "transfer/kinds.h"
+
+static const lac_transfer_kind *const registry[] = {
+    &lac_hierarchy_kind,
+    &lac_none_kind,
+};
+
+const lac_transfer_kind *lac_transfer_kind_at(size_t index)
+{
+    return index < sizeof registry / sizeof *registry ? registry[index] : NULL;
+}

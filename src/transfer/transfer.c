@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/transfer.h"
+
+#include "transfer/kinds.h"
+
+lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
+                               lac_transfer *transfer, lac_error *err)
+{
+    // The descriptor is the first member of the kind's row.
+    const lac_transfer_kind *kind = &lac_none_kind;
+    if (slot->about != NULL) {
+        kind = (const void *)slot->about;
+    }
+    *transfer = (lac_transfer){.kind = kind};
+    lac_status status = kind->create(slot->params, scene, &transfer->state, err);
+    if (status != LAC_OK) {
+        *transfer = (lac_transfer){0};
+        return lac_fail_within(err, status, "transfer %s", kind->about.name);
+    }
+    return LAC_OK;
+}
+
+void lac_transfer_clear(lac_transfer *transfer)
+{
+    if (transfer->kind != NULL) {
+        transfer->kind->free(transfer->state);
+    }
+    *transfer = (lac_transfer){0};
+}

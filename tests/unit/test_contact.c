@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "base/rng.h"
+#include "lacuna/contact.h"
+#include "lacuna/surface.h"
+
+enum { MOST = 96 * 96 };
+
+typedef struct fixture {
+    double h[MOST], p[MOST], gap[MOST];
+    lac_contact_def def;
+    lac_contact_report report;
+    lac_error err;
+} fixture;
+
+static int set_up(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    if (f == NULL) {
+        return -1;
+    }
+    f->def = lac_contact_default();
+    f->def.grid = (lac_grid){8, 8, 1.0, 1.0, true};
+    f->def.heights = f->h;
+    f->def.e_star = 40e9;
+    f->def.mean_pressure = 1e6;
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    free(*state);
+    return 0;
+}
+
+static lac_status solve(fixture *f)
+{
+    f->err.message[0] = '\0';
+    return lac_contact_solve(&f->def, f->p, f->gap, &f->report, &f->err);
+}
+
+static void must_solve(fixture *f)
+{
+    if (solve(f) != LAC_OK) {
+        fail_msg("%s", f->err.message);
+    }
+}
+
+static double mean(const double *x, size_t n)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i];
+    }
+    return sum / (double)n;
+}
+
+static double rms(const double *x, size_t n)
+{
+    double m = mean(x, n);
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += (x[i] - m) * (x[i] - m);
+    }
+    return sqrt(sum / (double)n);
+}
+
+// p >= 0, g >= 0 where p = 0, p g = 0, and the load: each to the tolerance it was solved to.
+static void check_solution(const fixture *f)
+{
+    size_t n = lac_grid_cells(&f->def.grid);
+    double scale = rms(f->h, n);
+    double load = f->def.mean_pressure;
+    double pg = 0.0;
+    size_t cells = 0;
+    for (size_t i = 0; i < n; i++) {
+        assert_true(isfinite(f->p[i]) && isfinite(f->gap[i]));
+        assert_true(f->p[i] >= 0.0);
+        assert_true(f->p[i] > 0.0 || f->gap[i] >= -f->def.tolerance * scale);
+        pg += f->p[i] / load * fabs(f->gap[i]) / (double)n;
+        cells += f->p[i] > 0.0 ? 1 : 0;
+    }
+    assert_true(pg <= f->def.tolerance * scale);
+    assert_true(fabs(mean(f->p, n) / load - 1.0) < 1e-12);
+    assert_int_equal(cells, f->report.n_cells);
+    assert_true(fabs(mean(f->gap, n) - f->report.approach) <= 1e-9 * scale);
+}
+
+static void fill_random(fixture *f, uint64_t seed)
+{
+    for (size_t i = 0; i < lac_grid_cells(&f->def.grid); i++) {
+        f->h[i] = lac_random_uniform(seed, LAC_STREAM_TEST, i, 0) * 1e-3;
+    }
+}
+
+static void refuse(fixture *f, const char *word)
+{
+    assert_int_equal(solve(f), LAC_EINPUT);
+    if (strstr(f->err.message, word) == NULL) {
+        fail_msg("\"%s\" does not speak of \"%s\"", f->err.message, word);
+    }
+}
+
+static void wrong_input_is_refused(void **state)
+{
+    fixture *f = *state;
+    const double bad[] = {NAN, INFINITY, -INFINITY};
+    const lac_contact_def good = f->def;
+    for (size_t k = 0; k < 3; k++) {
+        f->h[11] = bad[k];
+        refuse(f, "cell (3, 1)");
+        f->h[11] = 0.0;
+        f->def.mean_pressure = bad[k];
+        refuse(f, "pressure");
+        f->def = good;
+        f->def.e_star = bad[k];
+        refuse(f, "E*");
+        f->def = good;
+        f->def.tolerance = bad[k];
+        refuse(f, "tolerance");
+        f->def = good;
+        f->def.grid.dx = bad[k];
+        refuse(f, "grid");
+        f->def = good;
+    }
+    f->def.mean_pressure = 0.0;
+    refuse(f, "pressure");
+    f->def.mean_pressure = -1.0;
+    refuse(f, "pressure");
+    f->def = good;
+    f->def.grid.nx = 0;
+    refuse(f, "grid");
+    f->def = good;
+    f->def.grid.periodic = false;
+    refuse(f, "periodic");
+    f->def = good;
+    f->def.max_iterations = 0;
+    refuse(f, "iteration");
+    f->def = good;
+    f->h[0] = 1.7e308;
+    f->h[1] = -1.7e308;
+    refuse(f, "rms height");
+}
+
+static void no_convergence_says_how_far_it_got(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){64, 64, 1.0, 1.0, true};
+    fill_random(f, 1);
+    f->def.max_iterations = 2;
+    assert_int_equal(solve(f), LAC_ENUMERIC);
+    assert_non_null(strstr(f->err.message, "after 2 iterations"));
+    assert_non_null(strstr(f->err.message, "complementarity"));
+}
+
+static void flat_surface_is_in_full_contact(void **state)
+{
+    fixture *f = *state;
+    const double heights[] = {0.0, 0.1, -1e300};
+    for (size_t k = 0; k < 3; k++) {
+        for (size_t i = 0; i < 64; i++) {
+            f->h[i] = heights[k];
+        }
+        must_solve(f);
+        for (size_t i = 0; i < 64; i++) {
+            assert_true(fabs(f->p[i] - 1e6) < 1e-3);
+        }
+        assert_int_equal(f->report.n_cells, 64);
+    }
+}
+
+static void one_cell_carries_everything(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){1, 1, 5.0, 5.0, true};
+    f->h[0] = 3.0;
+    must_solve(f);
+    assert_true(f->p[0] == 1e6);
+    assert_true(f->gap[0] == 0.0);
+}
+
+// One cell stands out so far that it alone touches.
+static void single_asperity(void **state)
+{
+    fixture *f = *state;
+    const size_t sides[] = {2, 7, 8, 64, 96};
+    for (size_t k = 0; k < 5; k++) {
+        size_t n = sides[k];
+        memset(f->h, 0, sizeof f->h);
+        f->def.grid = (lac_grid){n, n, 1.0, 1.0, true};
+        f->def.mean_pressure = 1.0;
+        size_t peak = (n / 2) * n + n / 3;
+        f->h[peak] = 1e-3;
+        must_solve(f);
+        check_solution(f);
+        assert_int_equal(f->report.n_cells, 1);
+        assert_true(fabs(f->p[peak] / (double)(n * n) - 1.0) < 1e-12);
+        assert_true(f->gap[0] > 0.0);
+    }
+}
+
+// Uneven cells, odd and prime sides, lines along x and along y, at all loads.
+static void every_shape_of_grid(void **state)
+{
+    fixture *f = *state;
+    const lac_grid grids[] = {
+        {96, 64, 1.0, 1.0, true}, {64, 64, 1.0, 0.3, true},  {48, 80, 0.5, 1.0, true},
+        {31, 37, 1.0, 1.0, true}, {1000, 1, 1.0, 1.0, true}, {1, 512, 1.0, 1.0, true},
+        {2, 2, 1.0, 1.0, true},   {128, 2, 1.0, 1.0, true},  {3, 1, 1.0, 9.0, true},
+    };
+    for (size_t k = 0; k < sizeof grids / sizeof grids[0]; k++) {
+        f->def.grid = grids[k];
+        fill_random(f, k);
+        for (double load = 1e-9; load < 100.0; load *= 10.0) {
+            f->def.mean_pressure = load * f->def.e_star * 1e-3;
+            must_solve(f);
+            check_solution(f);
+        }
+    }
+}
+
+// The solution of a line is that of the plane built by repeating it.
+static void line_equals_grooved_plane(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){64, 1, 1.0, 1.0, true};
+    f->def.tolerance = 1e-12;
+    fill_random(f, 7);
+    must_solve(f);
+    double line[64];
+    memcpy(line, f->p, sizeof line);
+    f->def.grid.ny = 64;
+    for (size_t i = 64; i < 64 * 64; i++) {
+        f->h[i] = f->h[i % 64];
+    }
+    must_solve(f);
+    for (size_t i = 0; i < 64 * 64; i++) {
+        assert_true(fabs(f->p[i] - line[i % 64]) < 1e-6 * f->report.max_pressure);
+    }
+}
+
+// Heights, modulus and load by any power of ten: the same contact.
+static void units_do_not_matter(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){32, 32, 1.0, 1.0, true};
+    fill_random(f, 3);
+    f->def.mean_pressure = 2e-5 * f->def.e_star;
+    must_solve(f);
+    size_t cells = f->report.n_cells;
+    assert_true(cells > 10 && cells < 900);
+    const double scales[] = {1e-150, 1e-30, 1e30, 1e100};
+    for (size_t k = 0; k < 4; k++) {
+        fill_random(f, 3);
+        for (size_t i = 0; i < 32 * 32; i++) {
+            f->h[i] *= scales[k];
+        }
+        f->def.mean_pressure = 2e-5 * f->def.e_star * scales[k];
+        must_solve(f);
+        check_solution(f);
+        assert_int_equal(f->report.n_cells, cells);
+    }
+}
+
+// The least and the greatest loads that numbers hold.
+static void absurd_loads(void **state)
+{
+    fixture *f = *state;
+    const double loads[] = {1e-300, 1e-100, 1e-20, 1e100, 1e300};
+    f->def.grid = (lac_grid){64, 64, 1.0, 1.0, true};
+    for (size_t k = 0; k < 5; k++) {
+        fill_random(f, 5);
+        f->def.mean_pressure = loads[k];
+        must_solve(f);
+        check_solution(f);
+        assert_int_equal(f->report.n_cells, loads[k] < 1.0 ? 1 : 64 * 64);
+    }
+}
+
+// Random self-affine surfaces from a few cells in contact to all of them.
+static void random_surfaces(void **state)
+{
+    fixture *f = *state;
+    const lac_surface_source *source = lac_surface_source_at(0);
+    lac_slot slot = {0};
+    f->def.grid = (lac_grid){64, 64, 1.0, 1.0, true};
+    assert_int_equal(lac_slot_create(&source->about, &slot, &f->err), LAC_OK);
+    int64_t most = 0;
+    for (int64_t seed = 1; seed <= 12; seed++) {
+        lac_self_affine *params = slot.params;
+        params->seed = seed;
+        params->rms_height = 0.1;
+        params->hurst = (double)seed / 12.0;
+        params->rolloff = seed % 3 == 0 ? (double)NAN : 16.0;
+        assert_int_equal(lac_surface_generate(&slot, &f->def.grid, f->h, &f->err), LAC_OK);
+        for (double load = 1e-5; load < 30.0; load *= 3.0) {
+            f->def.mean_pressure = load * 0.1 * f->def.e_star;
+            f->def.tolerance = seed % 2 == 0 ? 1e-8 : 1e-12;
+            must_solve(f);
+            check_solution(f);
+            most = f->report.iterations > most ? f->report.iterations : most;
+        }
+        assert_int_equal(f->report.n_cells, 64 * 64);
+    }
+    lac_slot_clear(&slot);
+    print_message("most iterations %lld\n", (long long)most);
+    assert_true(most < 100);
+}
+
+static void report_and_gap_may_be_left_out(void **state)
+{
+    fixture *f = *state;
+    fill_random(f, 1);
+    assert_int_equal(lac_contact_solve(&f->def, f->p, NULL, NULL, NULL), LAC_OK);
+    assert_true(fabs(mean(f->p, 64) - 1e6) < 1e-5);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(wrong_input_is_refused),
+        TEST(no_convergence_says_how_far_it_got),
+        TEST(flat_surface_is_in_full_contact),
+        TEST(one_cell_carries_everything),
+        TEST(single_asperity),
+        TEST(every_shape_of_grid),
+        TEST(line_equals_grooved_plane),
+        TEST(units_do_not_matter),
+        TEST(absurd_loads),
+        TEST(random_surfaces),
+        TEST(report_and_gap_may_be_left_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

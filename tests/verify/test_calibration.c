@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include "support/trees.h"
+#include "transfer/calibrate.h"
+#include "transfer/compliance.h"
+
+static const double tau = 6.283185307179586476925286766559;
+
+// Signed angular wavenumber of mode j of n cells of side d.
+static double wavenumber(size_t j, size_t n, double d)
+{
+    double signed_j = 2 * j <= n ? (double)j : (double)j - (double)n;
+    return tau * signed_j / ((double)n * d);
+}
+
+// Stiffness of a mode of slip along x on two half-spaces [Pa/m].
+static double mode_stiffness(const lac_grid *grid, double g, double nu, size_t i, size_t j)
+{
+    double kx = wavenumber(i, grid->nx, grid->dx), ky = wavenumber(j, grid->ny, grid->dy);
+    double k = sqrt(kx * kx + ky * ky);
+    return k > 0 ? g / 2 * (ky * ky + kx * kx / (1 - nu)) / k : 0;
+}
+
+static lac_domain *domain_on(lac_grid grid, const double *pressure)
+{
+    lac_domain *domain = NULL;
+    assert_int_equal(lac_domain_create(&grid, pressure, &domain, NULL), LAC_OK);
+    return domain;
+}
+
+static lac_domain *random_mask(lac_grid grid, double fraction, uint64_t seed)
+{
+    double *pressure = new_doubles(lac_grid_cells(&grid));
+    for (size_t i = 0; i < lac_grid_cells(&grid); i++) {
+        pressure[i] = draw_uniform(seed, i, 0, 1) < fraction ? 1 : 0;
+    }
+    lac_domain *domain = domain_on(grid, pressure);
+    free(pressure);
+    return domain;
+}
+
+static void calibrate(const lac_domain *domain, double g, double nu, uint64_t seed,
+                      lac_calibration *levels)
+{
+    lac_hierarchy *h = hierarchy_of(domain);
+    lac_transfer_scene scene = {domain, h, g, nu};
+    lac_error err = {""};
+    if (lac_calibrate_elastic(&scene, seed, levels, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    lac_hierarchy_free(h);
+}
+
+// |mean of exp(i theta x) over 2^l cells|^2 = (sin(2^l theta/2)/(2^l sin(theta/2)))^2
+static double box(double theta, size_t level)
+{
+    double side = ldexp(1, (int)level);
+    double s = sin(theta / 2);
+    return fabs(s) < 1e-12 ? 1 : pow(sin(side * theta / 2) / (side * s), 2);
+}
+
+// On full contact K is diagonal in Fourier space: trace(P_l K) = sum over modes of S times the
+// square of the block mean of the mode.
+static double full_trace(const lac_grid *grid, double g, double nu, size_t level)
+{
+    double trace = 0;
+    for (size_t j = 0; j < grid->ny; j++) {
+        for (size_t i = 0; i < grid->nx; i++) {
+            double s = mode_stiffness(grid, g, nu, i, j);
+            double bx = box(tau * (double)i / (double)grid->nx, level);
+            double by = grid->ny > 1 ? box(tau * (double)j / (double)grid->ny, level) : 1;
+            trace += s * bx * by;
+        }
+    }
+    return trace;
+}
+
+static void check_full(lac_grid grid, size_t levels, double nu)
+{
+    lac_domain *domain = random_mask(grid, 2, 1);
+    lac_hierarchy *h = hierarchy_of(domain);
+    lac_calibration found[33];
+    calibrate(domain, 3, nu, 1, found);
+    for (size_t l = 0; l < levels; l++) {
+        double exact = (full_trace(&grid, 3, nu, l) - full_trace(&grid, 3, nu, l + 1)) /
+                       (double)lac_hierarchy_rank(h, l);
+        double error = found[l].stiffness / exact - 1;
+        double scatter = found[l].error / exact;
+        print_message("full %zu x %zu, level %zu: k %.5f exact %.5f, off by %+.2e +- %.1e\n",
+                      grid.nx, grid.ny, l, found[l].stiffness, exact, error, scatter);
+        assert_true(fabs(error) <= 4 * scatter + 1e-9 && scatter <= 0.013);
+    }
+    lac_hierarchy_free(h);
+    lac_domain_free(domain);
+}
+
+static void full_contact_has_a_closed_form(void **state)
+{
+    (void)state;
+    check_full((lac_grid){64, 64, 1, 1, true}, 6, 0);
+    check_full((lac_grid){64, 64, 0.5, 2, true}, 6, 0.25);
+    check_full((lac_grid){256, 1, 1, 1, true}, 8, 0.25);
+}
+
+// C_ij = 1/N sum over modes of cos(k . (x_i - x_j))/S, bordered by the zero net force; column j
+// of K is the solution for the j-th unit slip.
+static void dense_elastic(const lac_domain *domain, double g, double nu, double *dense)
+{
+    const lac_grid *grid = &domain->grid;
+    size_t n = domain->n, m = n + 1;
+    long double *c = calloc(m * m, sizeof *c), *a = calloc(m * m, sizeof *a);
+    long double *x = calloc(m, sizeof *x);
+    assert_true(c != NULL && a != NULL && x != NULL);
+    for (size_t i = 0; i < n; i++) {
+        c[i * m + n] = c[n * m + i] = 1;
+        for (size_t j = 0; j < n; j++) {
+            double di =
+                (double)(domain->index[i] % grid->nx) - (double)(domain->index[j] % grid->nx);
+            double dj =
+                (double)(domain->index[i] / grid->nx) - (double)(domain->index[j] / grid->nx);
+            for (size_t mode = 1; mode < lac_grid_cells(grid); mode++) {
+                size_t p = mode % grid->nx, q = mode / grid->nx;
+                double phase =
+                    (double)p * di / (double)grid->nx + (double)q * dj / (double)grid->ny;
+                c[i * m + j] += cos(tau * phase) / mode_stiffness(grid, g, nu, p, q) /
+                                (double)lac_grid_cells(grid);
+            }
+        }
+    }
+    for (size_t j = 0; j < n; j++) {
+        memcpy(a, c, m * m * sizeof *a);
+        memset(x, 0, m * sizeof *x);
+        x[j] = 1;
+        dense_solve(m, a, x);
+        for (size_t i = 0; i < n; i++) {
+            dense[i * n + j] = (double)x[i];
+        }
+    }
+    free(c);
+    free(a);
+    free(x);
+}
+
+static void check_dense(lac_grid grid, uint64_t seed)
+{
+    lac_domain *domain = random_mask(grid, 0.25, seed);
+    lac_hierarchy *h = hierarchy_of(domain);
+    size_t n = domain->n;
+    double *dense = new_doubles(n * n), *slip = new_doubles(n), *traction = new_doubles(n);
+    double *expected = new_doubles(n), energy, exact_energy = 0;
+    dense_elastic(domain, 2, 0.25, dense);
+
+    lac_compliance *c = NULL;
+    assert_int_equal(lac_compliance_create(domain, 2, 0.25, &c, NULL), LAC_OK);
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = draw_uniform(seed, 5000 + i, -1, 1);
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            expected[i] += dense[i * n + j] * slip[j];
+        }
+        exact_energy += slip[i] * expected[i];
+    }
+    assert_int_equal(lac_compliance_invert(c, slip, 1e-15, traction, &energy, NULL), LAC_OK);
+    assert_true(relative_error(n, traction, expected) < 1e-6);
+    assert_true(fabs(energy / exact_energy - 1) < 1e-12);
+    lac_compliance_free(c);
+
+    lac_calibration found[33];
+    calibrate(domain, 2, 0.25, 1, found);
+    long double *band = calloc(n * n, sizeof *band);
+    assert_non_null(band);
+    for (size_t l = 0; l < lac_hierarchy_levels(h); l++) {
+        double k[33] = {0}, trace = 0;
+        k[l] = 1;
+        dense_hierarchy(domain, lac_hierarchy_levels(h), k, band);
+        for (size_t i = 0; i < n * n; i++) {
+            trace += (double)band[i] * dense[i];
+        }
+        double exact = trace / (double)lac_hierarchy_rank(h, l);
+        print_message(
+            "%zu cells of %zu x %zu, level %zu: k %.5f dense %.5f, off by %+.1e +- %.1e\n", n,
+            grid.nx, grid.ny, l, found[l].stiffness, exact, found[l].stiffness / exact - 1,
+            found[l].error / exact);
+        assert_true(fabs(found[l].stiffness - exact) <= 4 * found[l].error + 2e-3 * exact);
+    }
+    free(band);
+    free(dense);
+    free(slip);
+    free(traction);
+    free(expected);
+    lac_hierarchy_free(h);
+    lac_domain_free(domain);
+}
+
+static void small_domains_agree_with_dense_matrices(void **state)
+{
+    (void)state;
+    check_dense((lac_grid){16, 16, 1, 1, true}, 1);
+    check_dense((lac_grid){16, 12, 2, 0.7, true}, 2);
+    check_dense((lac_grid){64, 1, 1, 1, true}, 3);
+}
+
+// Figures of an earlier, independent prototype (antiplane, contact 0.2), mean of some masks.
+static void random_masks_agree_with_an_earlier_prototype(void **state)
+{
+    (void)state;
+    const double earlier[] = {1.27, 1.03, 0.85, 0.63, 0.46, 0.33};
+    const int masks = 12;
+    double mean[6] = {0};
+    for (int i = 0; i < masks; i++) {
+        lac_domain *domain = random_mask((lac_grid){64, 64, 1, 1, true}, 0.2, (uint64_t)i);
+        lac_calibration found[33];
+        calibrate(domain, 1, 0, 1, found);
+        for (size_t l = 0; l < 6; l++) {
+            mean[l] += found[l].stiffness / masks;
+        }
+        lac_domain_free(domain);
+    }
+    for (size_t l = 0; l < 6; l++) {
+        print_message("level %zu: k %.3f G/r, earlier %.2f\n", l, mean[l], earlier[l]);
+        assert_true(fabs(mean[l] / earlier[l] - 1) < (l < 4 ? 0.03 : 0.08));
+    }
+}
+
+// The standard error is that of the probes: errors over it have unit size.
+static void standard_error_is_honest(void **state)
+{
+    (void)state;
+    lac_grid grid = {32, 32, 1, 1, true};
+    lac_domain *domain = random_mask(grid, 2, 1);
+    double exact = (full_trace(&grid, 1, 0, 1) - full_trace(&grid, 1, 0, 2)) / 192;
+    double squares = 0, worst = 0;
+    const int seeds = 60;
+    for (uint64_t seed = 0; seed < seeds; seed++) {
+        lac_calibration found[33];
+        calibrate(domain, 1, 0, seed, found);
+        double off = found[1].stiffness - exact;
+        squares += off * off / (found[1].error * found[1].error) / seeds;
+        worst = fmax(worst, fabs(off) / exact);
+    }
+    print_message("rms of error/standard error %.2f, worst error %.1f %%\n", sqrt(squares),
+                  100 * worst);
+    assert_true(squares > 0.25 && squares < 1.7 && worst < 0.04);
+    lac_domain_free(domain);
+}
+
+static void stiffness_scales_with_modulus_and_size(void **state)
+{
+    (void)state;
+    lac_domain *a = random_mask((lac_grid){32, 32, 1, 1, true}, 0.3, 4);
+    lac_domain *b = random_mask((lac_grid){32, 32, 5, 5, true}, 0.3, 4);
+    lac_calibration ka[33], kb[33];
+    calibrate(a, 1, 0.2, 1, ka);
+    calibrate(b, 30e9, 0.2, 1, kb);
+    for (size_t l = 0; l < 5; l++) {
+        assert_true(fabs(kb[l].stiffness / ka[l].stiffness / 6e9 - 1) < 1e-9);
+    }
+    lac_domain_free(a);
+    lac_domain_free(b);
+}
+
+// A small patch in a wide gap does not see its images: repeating or not, it is as stiff.
+static void isolated_patches_do_not_feel_the_boundary(void **state)
+{
+    (void)state;
+    lac_grid grid = {64, 64, 1, 1, true};
+    double *pressure = new_doubles(64 * 64);
+    for (size_t i = 0; i < 64; i++) {
+        pressure[(i / 8 + 24) * 64 + i % 8 + 24] = 1;
+    }
+    lac_domain *periodic = domain_on(grid, pressure);
+    grid.periodic = false;
+    lac_domain *alone = domain_on(grid, pressure);
+    lac_calibration a[33], b[33];
+    calibrate(periodic, 1, 0.25, 1, a);
+    calibrate(alone, 1, 0.25, 1, b);
+    for (size_t l = 0; l < 3; l++) {
+        print_message("level %zu: periodic %.4f, alone %.4f\n", l, a[l].stiffness, b[l].stiffness);
+        assert_true(fabs(a[l].stiffness / b[l].stiffness - 1) < 0.01);
+    }
+    assert_true(a[3].stiffness == 0 && b[5].stiffness == 0); // one block: nothing to tie
+    lac_domain_free(periodic);
+    lac_domain_free(alone);
+    free(pressure);
+}
+
+static void one_cell_has_no_stiffness(void **state)
+{
+    (void)state;
+    double pressure[16] = {0};
+    pressure[9] = 1;
+    lac_domain *domain = domain_on((lac_grid){4, 4, 1, 1, true}, pressure);
+    lac_calibration found[33];
+    calibrate(domain, 1, 0.25, 1, found);
+    assert_true(found[0].stiffness == 0 && found[1].stiffness == 0 && found[1].solves == 0);
+    lac_domain_free(domain);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(full_contact_has_a_closed_form),
+        cmocka_unit_test(small_domains_agree_with_dense_matrices),
+        cmocka_unit_test(random_masks_agree_with_an_earlier_prototype),
+        cmocka_unit_test(standard_error_is_honest),
+        cmocka_unit_test(stiffness_scales_with_modulus_and_size),
+        cmocka_unit_test(isolated_patches_do_not_feel_the_boundary),
+        cmocka_unit_test(one_cell_has_no_stiffness),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
