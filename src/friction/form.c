@@ -15,8 +15,8 @@
 #define TAIL 4e8
 // ln X is held below this, so that X^2 stays finite.
 #define LOG_MOST 300.0
-// Above this X, curvatures are 0.
-#define STRAIGHT 1e130
+// Below this 1/sqrt(1 + X^2), curvatures are 0.
+#define STRAIGHT 1e-129
 // Stands in for a = 0, whose limit f = max(F, 0) it reproduces; b^2/a stays finite.
 #define SMALLEST_A 1e-290
 
@@ -50,39 +50,47 @@ static void plain_slopes(const lac_friction *friction, size_t first, size_t n,
 
 static double at_least_smallest(double a) { return a > SMALLEST_A ? a : SMALLEST_A; }
 
-// f_uu = a ds,  f_uw = b ds,  f_ww = b^2/a ds  with  ds = ds/dlnX = X/(1 + X^2)^(3/2)
-static void regularised_slopes(const double *a, const double *b, size_t n, const double *x,
-                               const lac_friction_slopes *slopes)
+// With r = 1/sqrt(1 + X^2), s = X r and ds = ds/dlnX = s r^2:
+// f_uu = a ds,  f_uw = b ds,  f_ww = b^2/a ds
+static void regularised_slopes(const double *a, const double *b, size_t n, const double *s,
+                               const double *r, const lac_friction_slopes *slopes)
 {
+    double *f_uu = slopes->f_uu, *f_uw = slopes->f_uw, *f_ww = slopes->f_ww;
     for (size_t i = 0; i < n; i++) {
-        double square = x[i] * x[i];
-        double ds = x[i] < STRAIGHT ? x[i] / (sqrt(1 + square) * (1 + square)) : 0;
-        slopes->f_uu[i] = a[i] * ds;
-        slopes->f_uw[i] = b[i] * ds;
-        slopes->f_ww[i] = b[i] / at_least_smallest(a[i]) * b[i] * ds;
+        double ds = s[i] * r[i] * r[i];
+        ds = r[i] > STRAIGHT ? ds : 0;
+        f_uu[i] = a[i] * ds;
+        f_uw[i] = b[i] * ds;
+        f_ww[i] = b[i] / at_least_smallest(a[i]) * b[i] * ds;
     }
 }
 
-// f = a asinh(X),  f_u = a s,  f_w = b s  with  s = X/sqrt(1 + X^2)
-// On entry values->f holds the plain coefficient; X and asinh(X) pass through f_u and f_w.
+// f = a asinh(X),  f_u = a s,  f_w = b s
+// On entry values->f holds the plain coefficient. X, then s, pass through f_u, and asinh(X), then
+// r, through f_w.
 static void regularise(const double *a, const double *b, size_t n,
                        const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    double *x = values->f_u, *angle = values->f_w;
+    double *f = values->f, *f_u = values->f_u, *f_w = values->f_w;
     for (size_t i = 0; i < n; i++) {
-        double log_x = values->f[i] / at_least_smallest(a[i]) - LN_2;
-        x[i] = log_x > LOG_MOST ? LOG_MOST : log_x;
+        double log_x = f[i] / at_least_smallest(a[i]) - LN_2;
+        f_u[i] = log_x > LOG_MOST ? LOG_MOST : log_x;
     }
-    lac_vexp(n, x, x);
-    lac_vasinh(n, x, angle);
+    lac_vexp(n, f_u, f_u);
+    lac_vasinh(n, f_u, f_w);
+    for (size_t i = 0; i < n; i++) {
+        double x = f_u[i], r = 1 / sqrt(1 + x * x);
+        double plain = f[i], bent = a[i] * f_w[i];
+        f[i] = x > TAIL ? plain : bent;
+        f_u[i] = x * r;
+        f_w[i] = r;
+    }
     if (slopes != NULL) {
-        regularised_slopes(a, b, n, x, slopes);
+        regularised_slopes(a, b, n, f_u, f_w, slopes);
     }
     for (size_t i = 0; i < n; i++) {
-        double s = x[i] / sqrt(1 + x[i] * x[i]);
-        values->f[i] = x[i] > TAIL ? values->f[i] : a[i] * angle[i];
-        values->f_u[i] = a[i] * s;
-        values->f_w[i] = b[i] * s;
+        f_w[i] = b[i] * f_u[i];
+        f_u[i] = a[i] * f_u[i];
     }
 }
 

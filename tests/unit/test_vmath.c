@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -65,10 +66,17 @@ static double past_one(double x) { return 1 + x; }
 static double power_of_ten(double x) { return pow(10, x); }
 static double subnormal(double x) { return x * 0x1p-1022; }
 
+// Valgrind computes long double in double.
+static bool long_double_is_longer(void)
+{
+    volatile long double one = 1;
+    return one + 0x1p-60L != one;
+}
+
 static void errors_are_below_1_5_ulp(void **state)
 {
     (void)state;
-    if (LDBL_MANT_DIG < 64) {
+    if (!long_double_is_longer()) {
         skip(); // no better reference here
     }
     assert_accurate(&exponential, -708, 709.78, itself);

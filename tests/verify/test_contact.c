@@ -256,6 +256,30 @@ static void rough_surface_against_reference(void **state)
     free(reference);
 }
 
+// A joint-like surface sampled ever coarser: contact fractions that other codes found.
+static void joint_at_several_resolutions(void **state)
+{
+    (void)state;
+    const double fractions[] = {0.104736, 0.086121, 0.068253, 0.055264};
+    double *h = malloc((size_t)1024 * 1024 * sizeof *h);
+    assert_non_null(h);
+    assert_int_equal(joint_surface(1024, h), 0);
+    for (size_t k = 0; k < 4; k++) {
+        size_t n = (size_t)64 << k;
+        size_t m = 1024 / n;
+        fixture f = make(n, 1e-2);
+        for (size_t i = 0; i < n * n; i++) {
+            f.h[i] = h[i / n * m * 1024 + i % n * m];
+        }
+        solve(&f);
+        double area = (double)f.report.n_cells / (double)(n * n);
+        print_message("J07 at 1/%zu: contact fraction %.6f (%.6f)\n", n, area, fractions[k]);
+        assert_true(fabs(area - fractions[k]) < 6e-7 + 2.0 / (double)(n * n));
+        free(f.h);
+    }
+    free(h);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +289,7 @@ int main(void)
         cmocka_unit_test(rough_surface),
         cmocka_unit_test(rough_surface_at_default_tolerance),
         cmocka_unit_test(rough_surface_against_reference),
+        cmocka_unit_test(joint_at_several_resolutions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <string.h>
+
+#include "cli/command.h"
+#include "cli/parameters.h"
+#include "cli/words.h"
+
+enum { MAX_NAMES = 64 };
+
+static const lac_kind *find_kind(const char *name)
+{
+    const lac_kind *kind;
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        if (strcmp(kind->name, name) == 0 || strcmp(kind->section, name) == 0) {
+            return kind;
+        }
+    }
+    return NULL;
+}
+
+static const lac_section *find_section(const char *name)
+{
+    const lac_section *section;
+    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+        if (strcmp(section->name, name) == 0) {
+            return section;
+        }
+    }
+    return NULL;
+}
+
+static const lac_descriptor *find_model(const lac_kind *kind, const char *name)
+{
+    const lac_descriptor *model;
+    for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
+        if (strcmp(model->name, name) == 0) {
+            return model;
+        }
+    }
+    return NULL;
+}
+
+static lac_status unknown_kind(const char *word, lac_error *err)
+{
+    const char *names[MAX_NAMES];
+    size_t n = 0;
+    for (size_t i = 0; n < MAX_NAMES && lac_kind_at(i) != NULL; i++) {
+        names[n++] = lac_kind_at(i)->name;
+    }
+    for (size_t i = 0; n < MAX_NAMES && lac_section_at(i) != NULL; i++) {
+        names[n++] = lac_section_at(i)->name;
+    }
+    return cli_unknown("describe: ", word, "kind or section", names, n, err);
+}
+
+static lac_status unknown_model(const lac_kind *kind, const char *word, lac_error *err)
+{
+    const char *names[MAX_NAMES];
+    size_t n = 0;
+    while (n < MAX_NAMES && kind->at(n) != NULL) {
+        names[n] = kind->at(n)->name;
+        n++;
+    }
+    char what[80];
+    (void)snprintf(what, sizeof what, "model of %s", kind->name);
+    return cli_unknown("describe: ", word, what, names, n, err);
+}
+
+static void print_kind(const lac_kind *kind)
+{
+    const lac_descriptor *model;
+    printf("%s: %s\n", kind->section, kind->summary);
+    for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
+        cli_row(model->name, "%s", model->summary);
+    }
+}
+
+static void print_overview(void)
+{
+    const lac_kind *kind;
+    const lac_section *section;
+    puts("Models that a case can choose (lacuna describe KIND NAME has their parameters):\n");
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        print_kind(kind);
+    }
+    puts("\nSections of plain parameters (lacuna describe SECTION):");
+    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+        cli_row(section->name, "%s", section->summary);
+    }
+}
+
+static void print_model(const lac_kind *kind, const lac_descriptor *model)
+{
+    printf("%s: {%s: {...}}\n", kind->section, model->name);
+    cli_wrap("  ", model->summary);
+    cli_parameters_print(model->params, model->param_count);
+    if (model->reference != NULL && model->reference[0] != '\0') {
+        puts("  reference:");
+        cli_wrap("    ", model->reference);
+    }
+}
+
+static void write_model(cli_json *json, const lac_descriptor *model)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "name", model->name);
+    cli_json_text(json, "summary", model->summary);
+    cli_json_text(json, "reference", model->reference);
+    cli_parameters_json(json, model->params, model->param_count);
+    cli_json_close(json, '}');
+}
+
+// One kind with all its models, or only the given one.
+static void write_kind(cli_json *json, const lac_kind *kind, const lac_descriptor *only)
+{
+    const lac_descriptor *model;
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "name", kind->name);
+    cli_json_text(json, "section", kind->section);
+    cli_json_text(json, "summary", kind->summary);
+    cli_json_open(json, "models", '[');
+    for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
+        if (only == NULL || only == model) {
+            write_model(json, model);
+        }
+    }
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
+static void write_section(cli_json *json, const lac_section *section)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "name", section->name);
+    cli_json_text(json, "summary", section->summary);
+    cli_parameters_json(json, section->params, section->param_count);
+    cli_json_close(json, '}');
+}
+
+// What is asked about; all NULL: everything.
+typedef struct subject {
+    const lac_kind *kind;
+    const lac_descriptor *model;
+    const lac_section *section;
+} subject;
+
+static void write_json(const subject *s)
+{
+    cli_json json = {.out = stdout};
+    bool all = s->kind == NULL && s->section == NULL;
+    const lac_kind *kind;
+    const lac_section *section;
+    cli_json_open(&json, NULL, '{');
+    cli_json_open(&json, "kinds", '[');
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        if (all || kind == s->kind) {
+            write_kind(&json, kind, s->model);
+        }
+    }
+    cli_json_close(&json, ']');
+    cli_json_open(&json, "sections", '[');
+    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+        if (all || section == s->section) {
+            write_section(&json, section);
+        }
+    }
+    cli_json_close(&json, ']');
+    cli_json_close(&json, '}');
+}
+
+static void print_text(const subject *s)
+{
+    if (s->model != NULL) {
+        print_model(s->kind, s->model);
+        return;
+    }
+    if (s->kind != NULL) {
+        print_kind(s->kind);
+    }
+    if (s->section != NULL) {
+        printf("%s: %s\n", s->section->name, s->section->summary);
+        cli_parameters_print(s->section->params, s->section->param_count);
+    }
+    if (s->kind == NULL && s->section == NULL) {
+        print_overview();
+    }
+}
+
+static lac_status find_subject(const cli_request *request, subject *s, lac_error *err)
+{
+    if (request->count == 0) {
+        return LAC_OK;
+    }
+    s->kind = find_kind(request->argument[0]);
+    s->section = find_section(request->argument[0]);
+    if (s->kind == NULL && s->section == NULL) {
+        return unknown_kind(request->argument[0], err);
+    }
+    if (request->count == 1) {
+        return LAC_OK;
+    }
+    if (s->kind == NULL) {
+        return lac_fail(err, LAC_EINPUT, "describe: %s is a section, it has no models",
+                        request->argument[0]);
+    }
+    s->section = NULL;
+    s->model = find_model(s->kind, request->argument[1]);
+    return s->model != NULL ? LAC_OK : unknown_model(s->kind, request->argument[1], err);
+}
+
+lac_status cli_describe(const cli_request *request, lac_error *err)
+{
+    subject s = {0};
+    lac_status status = find_subject(request, &s, err);
+    if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
+        write_json(&s);
+    } else if (status == LAC_OK) {
+        print_text(&s);
+    }
+    return status;
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/estimate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/contact.h"
+#include "lacuna/friction.h"
+#include "lacuna/load.h"
+#include "lacuna/surface.h"
+#include "lacuna/transfer.h"
+
+// Measured on one core: memory of the program with its libraries, of a grid cell while the
+// contact is solved, of a contact cell while it is integrated; time of a grid cell, and of a step
+// of a contact cell.
+static const double base_bytes = 24e6, grid_cell_bytes = 75, contact_cell_bytes = 550;
+static const double grid_cell_seconds = 2e-6, cell_step_seconds = 0.2e-6;
+
+// Steps of a run in which the cells move together, and of one cell that fails alone
+// (docs/theory/creep.md).
+enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
+
+// Grids above this are not synthesised only to be estimated.
+static const double largest_surface = 1 << 22;
+
+static lac_grid grid_of(const lac_case *c)
+{
+    size_t n = (size_t)1 << c->interface.levels;
+    double side = c->interface.size / (double)n;
+    return (lac_grid){.nx = n,
+                      .ny = c->interface.shape == LAC_LINE ? 1 : n,
+                      .dx = side,
+                      .dy = side,
+                      .periodic = true};
+}
+
+static double mean_pressure(const lac_case *c)
+{
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    return normal->pressure(c->normal.params, c->material.density);
+}
+
+// Mean square gradient by differences to the next cell, periodic.
+static double rms_slope(const lac_grid *grid, const double *h)
+{
+    double sum = 0;
+    for (size_t j = 0; j < grid->ny; j++) {
+        for (size_t i = 0; i < grid->nx; i++) {
+            double here = h[j * grid->nx + i];
+            double right = (h[j * grid->nx + (i + 1) % grid->nx] - here) / grid->dx;
+            double up = (h[(j + 1) % grid->ny * grid->nx + i] - here) / grid->dy;
+            sum += right * right + up * up;
+        }
+    }
+    return sqrt(sum / (double)lac_grid_cells(grid));
+}
+
+// A/A_nom = kappa p/(E* h') at light load, kappa = 2.2 by simulation: Hyun et al. (2004), doi
+// 10.1103/PhysRevE.70.026117; taken to full contact by the error function, as Persson (2001).
+static double contact_fraction(const lac_case *c, double slope)
+{
+    const double kappa = 2.2, pi = 3.141592653589793;
+    double e_star = c->material.shear_modulus / (1 - c->material.poisson);
+    return slope > 0 ? erf(0.5 * sqrt(pi) * kappa * mean_pressure(c) / (e_star * slope)) : 1;
+}
+
+static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_estimate *e,
+                                   lac_error *err)
+{
+    if (e->grid_cells > largest_surface) {
+        return LAC_OK;
+    }
+    double *heights = malloc(lac_grid_cells(grid) * sizeof *heights);
+    if (heights == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_surface_generate(&c->surface, grid, heights, err);
+    if (status == LAC_OK) {
+        e->contact_cells = fmax(1, e->grid_cells * contact_fraction(c, rms_slope(grid, heights)));
+    }
+    free(heights);
+    return status;
+}
+
+static lac_status count_domain(const lac_case *c, const lac_grid *grid, cli_estimate *e,
+                               lac_error *err)
+{
+    lac_domain *domain = NULL;
+    lac_status status = lac_domain_from_source(&c->domain, grid, mean_pressure(c), &domain, err);
+    if (status == LAC_OK) {
+        e->contact_cells = (double)domain->n;
+        e->exact = true;
+    }
+    lac_domain_free(domain);
+    return status;
+}
+
+static double finest_stiffness(const lac_case *c, const lac_grid *grid)
+{
+    if (c->transfer.about == NULL || strcmp(c->transfer.about->name, "hierarchy") != 0) {
+        return 0;
+    }
+    const lac_transfer_hierarchy *params = c->transfer.params;
+    return isnan(params->k0) ? c->material.shear_modulus / grid->dx : params->k0;
+}
+
+// A cell whose neighbours hold it less than k_crit = p (b - a)/dc fails on its own.
+static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimate *e)
+{
+    const lac_friction_params *law = c->friction.params;
+    double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
+    double k_crit = real_pressure * (law->b - law->a) / law->dc;
+    if (k_crit > 0 && !(e->contact_cells <= 1)) {
+        e->stiffness_ratio = finest_stiffness(c, grid) / k_crit;
+    }
+    e->stable = !(e->stiffness_ratio < 1);
+}
+
+lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
+{
+    lac_grid grid = grid_of(c);
+    lac_status status = LAC_OK;
+    *e = (cli_estimate){
+        .grid_cells = (double)lac_grid_cells(&grid), .contact_cells = NAN, .stiffness_ratio = NAN};
+    if (c->surface.about != NULL) {
+        status = estimate_surface(c, &grid, e, err);
+    } else if (c->domain.about != NULL) {
+        status = count_domain(c, &grid, e, err);
+    } else {
+        e->contact_cells = e->grid_cells;
+        e->exact = true;
+    }
+    double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
+    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, contact_cell_bytes * cells);
+    judge_stability(c, &grid, e);
+    e->steps = e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
+    e->cpu_time = grid_cell_seconds * e->grid_cells + cell_step_seconds * cells * e->steps;
+    return status;
+}
+
+void cli_estimate_print(const cli_estimate *e)
+{
+    puts("\n# What it will cost, roughly");
+    printf("#   grid            %.0f cells\n", e->grid_cells);
+    if (!isnan(e->contact_cells)) {
+        printf("#   contact         %s%.3g cells, %.3g unknowns\n", e->exact ? "" : "about ",
+               e->contact_cells, 2 * e->contact_cells);
+    }
+    printf("#   memory          %.2g MB\n", e->memory / 1e6);
+    printf("#   time            about %.1g s on one core\n", e->cpu_time);
+    if (isnan(e->stiffness_ratio)) {
+        printf("#   steps           hundreds (no cell can fail on its own)\n");
+        return;
+    }
+    printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
+    if (e->stable) {
+        printf("#   steps           hundreds (the cells hold each other: smooth creep)\n");
+    } else {
+        printf("#   steps           up to %.1g (cells fail one by one, %d steps each)\n", e->steps,
+               STEPS_PER_FAILURE);
+    }
+}
+
+void cli_estimate_json(cli_json *json, const cli_estimate *e)
+{
+    if (e == NULL) {
+        cli_json_null(json, "estimate");
+        return;
+    }
+    cli_json_open(json, "estimate", '{');
+    cli_json_number(json, "grid_cells", e->grid_cells);
+    cli_json_number(json, "contact_cells", round(e->contact_cells));
+    cli_json_boolean(json, "contact_cells_exact", e->exact);
+    cli_json_number(json, "unknowns", 2 * round(e->contact_cells));
+    cli_json_number(json, "memory_bytes", round(e->memory));
+    cli_json_number(json, "cpu_time_s", e->cpu_time);
+    cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
+    cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
+    cli_json_number(json, "steps", e->steps);
+    cli_json_close(json, '}');
+}

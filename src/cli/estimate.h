@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_ESTIMATE_H
+#define LACUNA_CLI_ESTIMATE_H
+
+#include "cli/json.h"
+#include "lacuna/case.h"
+
+/// What a case will cost, without solving its contact.
+typedef struct cli_estimate {
+    double grid_cells;
+    double contact_cells;   ///< NaN: not estimated
+    bool exact;             ///< contact_cells is a count, not an estimate
+    double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
+    bool stable;            ///< a >= b, or one block, or k_0 > k_crit: no cell fails on its own
+    double steps;
+    double memory;   ///< peak [bytes]
+    double cpu_time; ///< [s]
+} cli_estimate;
+
+/// Estimates the cost; generates the surface (not its contact), so that it is a check too.
+/// @return LAC_OK; what the surface or domain source returns; LAC_ENOMEM
+lac_status cli_estimate_make(const lac_case *c, cli_estimate *estimate, lac_error *err);
+
+/// As comment lines of YAML.
+void cli_estimate_print(const cli_estimate *estimate);
+
+/// As an object under `estimate`; NULL writes null.
+void cli_estimate_json(cli_json *json, const cli_estimate *estimate);
+
+#endif

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/history.h"
+
+#include <stdlib.h>
+
+static bool grow(double **array, size_t room)
+{
+    double *grown = realloc(*array, room * sizeof *grown);
+    if (grown == NULL) {
+        return false;
+    }
+    *array = grown;
+    return true;
+}
+
+static lac_status make_room(cli_history *h, lac_error *err)
+{
+    if (h->n < h->room) {
+        return LAC_OK;
+    }
+    size_t room = h->room > 0 ? 2 * h->room : 1024;
+    if (!grow(&h->time, room) || !grow(&h->slip, room) || !grow(&h->rate, room)) {
+        return lac_fail_memory(err);
+    }
+    h->room = room;
+    return LAC_OK;
+}
+
+static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
+{
+    lac_status status = make_room(h, err);
+    if (status == LAC_OK) {
+        h->time[h->n] = h->clock + record->time_origin + record->time_local;
+        h->slip[h->n] = record->seen.mean_slip;
+        h->rate[h->n] = record->seen.mean_rate;
+        h->n++;
+    }
+    return status;
+}
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    cli_history *h = context;
+    if (!h->begun) {
+        h->first = *record;
+        h->begun = true;
+    }
+    h->last = *record;
+    lac_status status = h->keep ? keep_record(h, record, err) : LAC_OK;
+    if (status == LAC_OK && h->next.record != NULL) {
+        status = h->next.record(h->next.context, record, err);
+    }
+    return status;
+}
+
+static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.snapshot != NULL ? h->next.snapshot(h->next.context, snapshot, err) : LAC_OK;
+}
+
+lac_sink cli_history_sink(cli_history *history)
+{
+    return (lac_sink){.context = history, .record = on_record, .snapshot = on_snapshot};
+}
+
+lac_history cli_history_view(const cli_history *history)
+{
+    return (lac_history){
+        .n = history->n, .time = history->time, .slip = history->slip, .rate = history->rate};
+}
+
+void cli_history_clear(cli_history *history)
+{
+    free(history->time);
+    free(history->slip);
+    free(history->rate);
+    *history = (cli_history){0};
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/json.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included).
+static size_t utf8_length(const unsigned char *s)
+{
+    static const struct {
+        unsigned char first, last, low, high; // first byte; range of the second
+        size_t length;
+    } forms[] = {
+        {0x00, 0x7f, 0, 0, 1},       {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
+        {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
+        {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4},
+    };
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        if (s[0] < forms[i].first || s[0] > forms[i].last) {
+            continue;
+        }
+        size_t length = forms[i].length;
+        if (length > 1 && (s[1] < forms[i].low || s[1] > forms[i].high)) {
+            return 0;
+        }
+        for (size_t k = 2; k < length; k++) {
+            if ((s[k] & 0xc0) != 0x80) {
+                return 0;
+            }
+        }
+        return length;
+    }
+    return 0;
+}
+
+// Text goes through here: what cannot be written shows up when the stream is flushed.
+static void put(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void put(FILE *out, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    (void)vfprintf(out, format, args);
+    va_end(args);
+}
+
+static void write_character(FILE *out, const unsigned char *s, size_t length)
+{
+    if (length == 0) {
+        put(out, "\\ufffd");
+    } else if (*s == '"' || *s == '\\') {
+        put(out, "\\%c", *s);
+    } else if (*s == '\n') {
+        put(out, "\\n");
+    } else if (*s < 0x20 || *s == 0x7f) {
+        put(out, "\\u%04x", (unsigned)*s);
+    } else {
+        (void)fwrite(s, 1, length, out);
+    }
+}
+
+static void write_string(FILE *out, const char *text)
+{
+    put(out, "\"");
+    for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
+        size_t length = utf8_length(s);
+        write_character(out, s, length);
+        s += length > 0 ? length : 1;
+    }
+    put(out, "\"");
+}
+
+static void start_value(cli_json *json, const char *key)
+{
+    if (json->depth > 0) {
+        put(json->out, "%s\n%*s", json->filled ? "," : "", 2 * json->depth, "");
+    }
+    if (key != NULL) {
+        write_string(json->out, key);
+        put(json->out, ": ");
+    }
+    json->filled = true;
+}
+
+void cli_json_open(cli_json *json, const char *key, char bracket)
+{
+    start_value(json, key);
+    put(json->out, "%c", bracket);
+    json->depth++;
+    json->filled = false;
+}
+
+void cli_json_close(cli_json *json, char bracket)
+{
+    json->depth--;
+    if (json->filled) {
+        put(json->out, "\n%*s", 2 * json->depth, "");
+    }
+    put(json->out, "%c", bracket);
+    if (json->depth == 0) {
+        put(json->out, "\n");
+    }
+    json->filled = true;
+}
+
+void cli_json_number(cli_json *json, const char *key, double value)
+{
+    start_value(json, key);
+    if (!isfinite(value)) {
+        put(json->out, "null");
+        return;
+    }
+    char text[40];
+    int digits = 1;
+    do {
+        (void)snprintf(text, sizeof text, "%.*g", digits, value);
+    } while (digits++ < 17 && strtod(text, NULL) != value);
+    put(json->out, "%s", text);
+}
+
+void cli_json_integer(cli_json *json, const char *key, int64_t value)
+{
+    start_value(json, key);
+    put(json->out, "%" PRId64, value);
+}
+
+void cli_json_boolean(cli_json *json, const char *key, bool value)
+{
+    start_value(json, key);
+    put(json->out, "%s", value ? "true" : "false");
+}
+
+void cli_json_null(cli_json *json, const char *key)
+{
+    start_value(json, key);
+    put(json->out, "null");
+}
+
+void cli_json_text(cli_json *json, const char *key, const char *text)
+{
+    if (text == NULL) {
+        cli_json_null(json, key);
+        return;
+    }
+    start_value(json, key);
+    write_string(json->out, text);
+}

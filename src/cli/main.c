@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <errno.h>
+#include <fcntl.h>
+#include <omp.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/command.h"
+#include "cli/exits.h"
+#include "cli/libraries.h"
+#include "cli/signals.h"
+#include "cli/words.h"
+#include "lacuna/version.h"
+
+enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
+
+static const cli_command commands[] = {
+    {"run", "CASE", "integrate a case in time, write a netCDF time series",
+     "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
+     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed; a second one "
+     "kills it. SIGUSR1 prints how far it is.\n",
+     "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SET, cli_run},
+    {"check", "CASE", "validate a case, print it and what it will cost",
+     "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
+    {"contact", "CASE", "press the surface, measure its contact, and stop",
+     "Writes heights, gaps and pressures to -o FILE, else CASE-contact.nc in this folder.\n",
+     "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1, CLI_OPT_WRITES | CLI_OPT_SET,
+     cli_contact},
+    {"new", "[NAME]", "write a commented case file to start from",
+     "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
+     "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
+    {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
+     "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
+     "lacuna describe friction aging", 0, 2, 0, cli_describe},
+};
+
+const cli_command *cli_command_at(size_t index)
+{
+    return index < sizeof commands / sizeof *commands ? &commands[index] : NULL;
+}
+
+const cli_command *cli_command_find(const char *name)
+{
+    const cli_command *command;
+    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+        if (strcmp(command->name, name) == 0) {
+            return command;
+        }
+    }
+    return NULL;
+}
+
+// The exit status of a result: the one place that says so.
+static int exit_status(lac_status status)
+{
+    switch (status) {
+    case LAC_OK:
+        return CLI_EXIT_DONE;
+    case LAC_EINPUT:
+        return CLI_EXIT_WRONG;
+    case LAC_EIO:
+        return CLI_EXIT_FILE;
+    case LAC_EINTERRUPT:
+        return CLI_EXIT_INTERRUPTED;
+    case LAC_ENUMERIC:
+    case LAC_ENOMEM:
+        break;
+    }
+    return CLI_EXIT_FAILED;
+}
+
+static void print_exit_statuses(void)
+{
+    puts("Exit status: 0 done, 1 the computation failed, 2 the request is wrong,\n"
+         "             3 a file could not be read or written, 4 interrupted.");
+}
+
+static void print_help(void)
+{
+    const cli_command *command;
+    puts("Lacuna: creep, acceleration and failure of rough rock joints.\n\n"
+         "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
+    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+        printf("  %-8s %-13s %s\n", command->name, command->arguments, command->summary);
+    }
+    puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
+    cli_options_help(CLI_OPT_COMMON);
+    puts("\nexample: lacuna new && lacuna run case.yaml");
+    print_exit_statuses();
+}
+
+static void print_command_help(const cli_command *command)
+{
+    printf("usage: lacuna %s %s [OPTIONS]\n\n%s\n", command->name, command->arguments,
+           command->summary);
+    cli_wrap("", command->notes);
+    puts("");
+    cli_options_help(command->options | CLI_OPT_COMMON);
+    printf("\nexample: %s\n", command->example);
+    print_exit_statuses();
+}
+
+static void print_version(void)
+{
+    char text[256], netcdf[32];
+    printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, cli_libraries(text, sizeof text),
+           cli_netcdf_version(netcdf, sizeof netcdf));
+}
+
+static lac_status dispatch(const cli_request *request, lac_error *err)
+{
+    if (cli_given(request, CLI_OPT_VERSION)) {
+        print_version();
+        return LAC_OK;
+    }
+    if (cli_given(request, CLI_OPT_HELP)) {
+        if (request->command == NULL) {
+            print_help();
+        } else {
+            print_command_help(request->command);
+        }
+        return LAC_OK;
+    }
+    // One thread unless asked for more: two that share a busy core are slower than one.
+    omp_set_num_threads(request->threads > 0 ? request->threads : 1);
+    return request->command->run(request, err);
+}
+
+// A standard stream that was closed would be taken by the first file opened: occupy it, so that
+// using it is an error instead.
+static void occupy_standard_streams(void)
+{
+    for (int fd = 0; fd <= 2; fd++) {
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
+            (void)open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
+// What could not be printed shows up here at the latest.
+static lac_status flush_results(lac_error *err)
+{
+    errno = 0;
+    bool failed = ferror(stdout) != 0;
+    if (fflush(stdout) != 0 || failed) {
+        return lac_fail(err, LAC_EIO, "standard output: %s",
+                        errno != 0 ? strerror(errno) : "could not be written");
+    }
+    return LAC_OK;
+}
+
+int main(int argc, char **argv)
+{
+    lac_error err = {0};
+    cli_request request;
+    occupy_standard_streams();
+    cli_signals_install();
+    lac_status status = cli_request_read(argc, argv, &request, &err);
+    if (status == LAC_OK) {
+        status = dispatch(&request, &err);
+    }
+    if (status != LAC_OK && err.message[0] != '\0') {
+        cli_note("%s", err.message);
+    }
+    lac_status flushed = flush_results(&err);
+    if (flushed != LAC_OK) {
+        cli_note("%s", err.message);
+        status = status == LAC_OK ? flushed : status;
+    }
+    cli_request_clear(&request);
+    if (status == LAC_EIO) {
+        // HDF5's handlers at exit would stumble over a file that could not be closed.
+        _exit(exit_status(status));
+    }
+    return exit_status(status);
+}

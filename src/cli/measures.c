@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/measures.h"
+
+#include <math.h>
+
+#include "base/units.h"
+#include "cli/words.h"
+
+static double fraction(const lac_scene_contact *contact)
+{
+    return (double)contact->domain->n / (double)lac_grid_cells(&contact->grid);
+}
+
+// Over the cells that touch.
+static double mean_real_pressure(const lac_domain *domain)
+{
+    double sum = 0;
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += domain->pressure[i];
+    }
+    return sum / (double)domain->n;
+}
+
+static double max_pressure(const lac_domain *domain)
+{
+    double largest = 0;
+    for (size_t i = 0; i < domain->n; i++) {
+        largest = fmax(largest, domain->pressure[i]);
+    }
+    return largest;
+}
+
+static const char *weakness(const lac_box_count *boxes)
+{
+    if (boxes->few_cells) {
+        return " (weak: fewer than 500 cells)";
+    }
+    return boxes->dense ? " (more than 30 % of the area: not a fractal set)" : "";
+}
+
+void cli_measures_print(const lac_scene_contact *contact)
+{
+    const lac_grid *grid = &contact->grid;
+    char side[32];
+    cli_row("grid", "%zu x %zu cells of %s", grid->nx, grid->ny,
+            lac_units_format(grid->dx, "m", side, sizeof side));
+    cli_row("contact cells", "%zu (%.3g %% of the area)", contact->domain->n,
+            100 * fraction(contact));
+    cli_row_quantity("mean real pressure", mean_real_pressure(contact->domain), "Pa");
+    cli_row_quantity("largest pressure", max_pressure(contact->domain), "Pa");
+    if (contact->counted) {
+        cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
+                weakness(&contact->boxes));
+    } else if (lac_grid_cells(grid) > 1) {
+        cli_row("D_box", "none: the grid is too small to count boxes");
+    }
+}
+
+void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
+{
+    const lac_box_count *boxes = &contact->boxes;
+    bool counted = contact->counted;
+    cli_json_integer(json, "n_cells", (int64_t)contact->domain->n);
+    cli_json_open(json, "grid", '[');
+    cli_json_integer(json, NULL, (int64_t)contact->grid.nx);
+    cli_json_integer(json, NULL, (int64_t)contact->grid.ny);
+    cli_json_close(json, ']');
+    cli_json_number(json, "cell_size_m", contact->grid.dx);
+    cli_json_number(json, "contact_fraction", fraction(contact));
+    cli_json_number(json, "max_pressure_Pa", max_pressure(contact->domain));
+    cli_json_number(json, "mean_real_pressure_Pa", mean_real_pressure(contact->domain));
+    cli_json_number(json, "d_box", counted ? boxes->dimension : NAN);
+    cli_json_number(json, "d_box_error", counted ? boxes->error : NAN);
+    cli_json_boolean(json, "d_box_weak", counted && (boxes->few_cells || boxes->dense));
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_MEASURES_H
+#define LACUNA_CLI_MEASURES_H
+
+#include "cli/json.h"
+#include "lacuna/scene.h"
+
+/// Rows on the contact: grid, cells, fraction, pressures, D_box with what weakens it.
+void cli_measures_print(const lac_scene_contact *contact);
+
+/// The same as keys of an open object.
+void cli_measures_json(cli_json *json, const lac_scene_contact *contact);
+
+#endif

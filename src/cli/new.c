@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/command.h"
+#include "cli/json.h"
+#include "cli/templates.h"
+#include "cli/words.h"
+
+static const cli_template *find_template(const char *kind, lac_error *err)
+{
+    const char *names[8];
+    size_t n = 0;
+    for (; n < 8 && cli_templates[n].kind != NULL; n++) {
+        names[n] = cli_templates[n].kind;
+        if (strcmp(names[n], kind) == 0) {
+            return &cli_templates[n];
+        }
+    }
+    (void)cli_unknown("--kind: ", kind, "kind of case", names, n, err);
+    return NULL;
+}
+
+static bool ends_with(const char *text, const char *ending)
+{
+    size_t n = strlen(text), m = strlen(ending);
+    return n > m && strcmp(text + n - m, ending) == 0;
+}
+
+// NAME, with .yaml where it has no such ending; the caller frees.
+static char *file_name(const char *name)
+{
+    bool whole = ends_with(name, ".yaml") || ends_with(name, ".yml");
+    size_t size = strlen(name) + sizeof ".yaml";
+    char *path = malloc(size);
+    if (path != NULL) {
+        (void)snprintf(path, size, "%s%s", name, whole ? "" : ".yaml");
+    }
+    return path;
+}
+
+static lac_status write_text(const char *path, const char *text, bool force, lac_error *err)
+{
+    FILE *file = fopen(path, force ? "w" : "wx");
+    if (file == NULL && errno == EEXIST) {
+        return lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path);
+    }
+    if (file == NULL) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    bool written = fputs(text, file) >= 0;
+    if (fclose(file) != 0 || !written) {
+        lac_status status = lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+        (void)unlink(path);
+        return status;
+    }
+    return LAC_OK;
+}
+
+lac_status cli_new(const cli_request *request, lac_error *err)
+{
+    const cli_template *chosen =
+        find_template(request->kind != NULL ? request->kind : "joint", err);
+    if (chosen == NULL) {
+        return LAC_EINPUT;
+    }
+    char *path = file_name(request->count > 0 ? request->argument[0] : "case");
+    if (path == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
+    if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
+        cli_json json = {.out = stdout};
+        cli_json_open(&json, NULL, '{');
+        cli_json_text(&json, "output", path);
+        cli_json_text(&json, "kind", chosen->kind);
+        cli_json_close(&json, '}');
+    } else if (status == LAC_OK) {
+        printf("%s written; next: lacuna run %s\n", path, path);
+    }
+    free(path);
+    return status;
+}

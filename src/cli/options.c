@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/command.h"
+#include "cli/words.h"
+
+typedef struct option {
+    unsigned bit;
+    char letter;       // '\0': none
+    const char *name;  // without the dashes
+    const char *value; // what its value is called; NULL: takes none
+    const char *doc;
+} option;
+
+static const option table[] = {
+    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the netCDF file"},
+    {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
+    {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
+    {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
+    {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
+    {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
+    {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
+    {CLI_OPT_VERBOSE, 'v', "verbose", NULL, "say what is being done"},
+    {CLI_OPT_THREADS, '\0', "threads", "N", "threads to compute with (default 1)"},
+    {CLI_OPT_NO_PROGRESS, '\0', "no-progress", NULL, "no progress bar"},
+    {CLI_OPT_VERSION, '\0', "version", NULL, "version, and those of the libraries"},
+    {CLI_OPT_HELP, 'h', "help", NULL, "this text"},
+};
+
+enum { OPTIONS = sizeof table / sizeof *table };
+
+void cli_options_help(unsigned mask)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if ((table[i].bit & mask) == 0) {
+            continue;
+        }
+        char left[40], letter[5] = "    ";
+        if (table[i].letter != '\0') {
+            (void)snprintf(letter, sizeof letter, "-%c, ", table[i].letter);
+        }
+        (void)snprintf(left, sizeof left, "%s--%s %s", letter, table[i].name,
+                       table[i].value == NULL ? "" : table[i].value);
+        printf("  %-23s %s\n", left, table[i].doc);
+    }
+}
+
+// What is left of the command line while it is read.
+typedef struct cursor {
+    int argc, at;
+    char **argv;
+    bool only_arguments; // after "--"
+} cursor;
+
+static const option *find_name(const char *name, size_t length)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+static const option *find_letter(char letter)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if (letter != '\0' && table[i].letter == letter) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+static lac_status unknown_name(const char *name, size_t length, lac_error *err)
+{
+    const char *names[OPTIONS];
+    char dashed[OPTIONS][24], given[64];
+    (void)snprintf(given, sizeof given, "--%.*s", (int)(length < 60 ? length : 60), name);
+    for (size_t i = 0; i < OPTIONS; i++) {
+        (void)snprintf(dashed[i], sizeof dashed[i], "--%s", table[i].name);
+        names[i] = dashed[i];
+    }
+    return cli_unknown("", given, "option", names, OPTIONS, err);
+}
+
+static lac_status add_override(cli_request *request, const char *text, lac_error *err)
+{
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text) {
+        return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", text);
+    }
+    size_t n = request->set_count;
+    lac_override *grown = realloc(request->overrides, (n + 1) * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    request->overrides = grown;
+    char *copy = strdup(text);
+    if (copy == NULL) {
+        return lac_fail_memory(err);
+    }
+    copy[equals - text] = '\0';
+    grown[n] = (lac_override){.key = copy, .value = copy + (equals - text) + 1};
+    request->set_count = n + 1;
+    return LAC_OK;
+}
+
+static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
+{
+    char *end;
+    long n = strtol(text, &end, 10);
+    if (end == text || *end != '\0' || n < 1 || n > 1024) {
+        return lac_fail(err, LAC_EINPUT, "--threads: \"%s\" must be a number from 1 to 1024", text);
+    }
+    request->threads = (int)n;
+    return LAC_OK;
+}
+
+static lac_status apply(cli_request *request, const option *o, const char *value, lac_error *err)
+{
+    request->given |= o->bit;
+    if (o->value != NULL && value[0] == '\0') {
+        return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
+                        o->value);
+    }
+    switch (o->bit) {
+    case CLI_OPT_OUTPUT:
+        request->output = value;
+        break;
+    case CLI_OPT_UNTIL:
+        request->until = value;
+        break;
+    case CLI_OPT_KIND:
+        request->kind = value;
+        break;
+    case CLI_OPT_SET:
+        return add_override(request, value, err);
+    case CLI_OPT_THREADS:
+        return set_threads(request, value, err);
+    default:
+        break;
+    }
+    return LAC_OK;
+}
+
+// The next word as an option's value; "" where there is none.
+static const char *next_word(cursor *c) { return c->at < c->argc ? c->argv[c->at++] : ""; }
+
+static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
+{
+    size_t length = strcspn(name, "=");
+    const option *o = find_name(name, length);
+    if (o == NULL) {
+        return unknown_name(name, length, err);
+    }
+    const char *value = "";
+    if (name[length] == '=') {
+        value = name + length + 1;
+        if (o->value == NULL) {
+            return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
+        }
+    } else if (o->value != NULL) {
+        value = next_word(c);
+    }
+    return apply(request, o, value, err);
+}
+
+// -q, -qv, -o FILE, -oFILE
+static lac_status read_letters(cursor *c, const char *letters, cli_request *request, lac_error *err)
+{
+    for (; *letters != '\0'; letters++) {
+        const option *o = find_letter(*letters);
+        if (o == NULL) {
+            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
+        }
+        if (o->value == NULL) {
+            lac_status status = apply(request, o, "", err);
+            if (status != LAC_OK) {
+                return status;
+            }
+            continue;
+        }
+        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c), err);
+    }
+    return LAC_OK;
+}
+
+static lac_status unknown_command(const char *name, lac_error *err)
+{
+    const char *names[16];
+    size_t n = 0;
+    while (n < 16 && cli_command_at(n) != NULL) {
+        names[n] = cli_command_at(n)->name;
+        n++;
+    }
+    return cli_unknown("", name, "command", names, n, err);
+}
+
+static lac_status read_argument(const char *word, cli_request *request, lac_error *err)
+{
+    if (request->command == NULL) {
+        if (strcmp(word, "help") == 0) {
+            request->given |= CLI_OPT_HELP;
+            return LAC_OK;
+        }
+        request->command = cli_command_find(word);
+        return request->command != NULL ? LAC_OK : unknown_command(word, err);
+    }
+    if (request->count >= request->command->most) {
+        return lac_fail(err, LAC_EINPUT, "%s: \"%.60s\" is one argument too many",
+                        request->command->name, word);
+    }
+    request->argument[request->count++] = word;
+    return LAC_OK;
+}
+
+static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
+{
+    const char *word = c->argv[c->at++];
+    if (c->only_arguments || word[0] != '-' || word[1] == '\0') {
+        return read_argument(word, request, err);
+    }
+    if (strcmp(word, "--") == 0) {
+        c->only_arguments = true;
+        return LAC_OK;
+    }
+    return word[1] == '-' ? read_long(c, word + 2, request, err)
+                          : read_letters(c, word + 1, request, err);
+}
+
+// The whole must make sense: a command, its arguments, no option that it does not take.
+static lac_status check_request(const cli_request *request, lac_error *err)
+{
+    const cli_command *command = request->command;
+    if (cli_given(request, CLI_OPT_HELP) || cli_given(request, CLI_OPT_VERSION)) {
+        return LAC_OK;
+    }
+    if (command == NULL) {
+        return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
+    }
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if ((table[i].bit & request->given & ~(command->options | CLI_OPT_COMMON)) != 0) {
+            return lac_fail(err, LAC_EINPUT, "--%s: not an option of %s; see lacuna %s --help",
+                            table[i].name, command->name, command->name);
+        }
+    }
+    if (request->count < command->least) {
+        return lac_fail(err, LAC_EINPUT, "%s: %s is missing; see lacuna %s --help", command->name,
+                        command->arguments, command->name);
+    }
+    return LAC_OK;
+}
+
+// The command line as one text, for the file's history.
+static char *join(int argc, char **argv)
+{
+    size_t size = sizeof "lacuna";
+    for (int i = 1; i < argc; i++) {
+        size += strlen(argv[i]) + 3;
+    }
+    char *text = malloc(size);
+    if (text == NULL) {
+        return NULL;
+    }
+    size_t used = (size_t)snprintf(text, size, "lacuna");
+    for (int i = 1; i < argc; i++) {
+        const char *quote = strpbrk(argv[i], " \t\"$*;&|<>()") != NULL ? "'" : "";
+        used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
+    }
+    return text;
+}
+
+lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err)
+{
+    *request = (cli_request){.command_line = join(argc, argv)};
+    if (request->command_line == NULL) {
+        return lac_fail_memory(err);
+    }
+    cursor c = {.argc = argc, .at = 1, .argv = argv};
+    while (c.at < c.argc) {
+        lac_status status = read_word(&c, request, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    return check_request(request, err);
+}
+
+void cli_request_clear(cli_request *request)
+{
+    for (size_t i = 0; i < request->set_count; i++) {
+        free((char *)request->overrides[i].key);
+    }
+    free(request->overrides);
+    free(request->command_line);
+    *request = (cli_request){0};
+}

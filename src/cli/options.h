@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_OPTIONS_H
+#define LACUNA_CLI_OPTIONS_H
+
+#include <stdio.h>
+
+#include "lacuna/case.h"
+
+typedef struct cli_command cli_command;
+
+/// Options, as bits: which were given, and which a command takes.
+enum {
+    CLI_OPT_OUTPUT = 1 << 0,
+    CLI_OPT_FORCE = 1 << 1,
+    CLI_OPT_UNTIL = 1 << 2,
+    CLI_OPT_KIND = 1 << 3,
+    CLI_OPT_SET = 1 << 4,
+    CLI_OPT_JSON = 1 << 5,
+    CLI_OPT_QUIET = 1 << 6,
+    CLI_OPT_VERBOSE = 1 << 7,
+    CLI_OPT_THREADS = 1 << 8,
+    CLI_OPT_NO_PROGRESS = 1 << 9,
+    CLI_OPT_HELP = 1 << 10,
+    CLI_OPT_VERSION = 1 << 11,
+    CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
+                     CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
+};
+
+enum { CLI_MAX_ARGUMENTS = 2 };
+
+/// What the command line asks for. Texts are borrowed from argv unless said.
+typedef struct cli_request {
+    const cli_command *command; ///< NULL: only --help or --version
+    unsigned given;             ///< CLI_OPT_*
+    size_t count;               ///< arguments after the command
+    const char *argument[CLI_MAX_ARGUMENTS];
+    const char *output, *until, *kind;
+    int threads;             ///< 0: not given
+    size_t set_count;        ///< --set, in order
+    lac_override *overrides; ///< [set_count]; keys owned, values point into them
+    char *command_line;      ///< owned
+} cli_request;
+
+/// Reads the command line; options may stand before or after the command and its arguments.
+/// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM
+lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err);
+
+/// Frees what the request owns.
+void cli_request_clear(cli_request *request);
+
+/// Whether an option was given.
+static inline bool cli_given(const cli_request *request, unsigned option)
+{
+    return (request->given & option) != 0;
+}
+
+/// Prints the help lines of the options in `mask` on stdout.
+void cli_options_help(unsigned mask);
+
+#endif

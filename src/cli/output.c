@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/output.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+// Folder/name.ext -> name + ending
+static char *name_after(const char *case_path, const char *ending)
+{
+    const char *slash = strrchr(case_path, '/');
+    const char *name = slash == NULL ? case_path : slash + 1;
+    const char *dot = strrchr(name, '.');
+    size_t stem = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    size_t size = stem + strlen(ending) + 1;
+    char *path = malloc(size);
+    if (path != NULL) {
+        (void)snprintf(path, size, "%.*s%s", (int)stem, name, ending);
+    }
+    return path;
+}
+
+static bool is_same_file(const char *path, const struct stat *other)
+{
+    struct stat one;
+    return path != NULL && stat(path, &one) == 0 && one.st_dev == other->st_dev &&
+           one.st_ino == other->st_ino;
+}
+
+// --force must not destroy what the run reads.
+static bool is_input(const lac_case *c, const struct stat *file)
+{
+    bool same = is_same_file(c->path, file);
+    for (size_t i = 0; i < c->compare_count; i++) {
+        same = same || is_same_file(c->compare[i].path, file);
+    }
+    return same;
+}
+
+static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,
+                                 const struct stat *file, lac_error *err)
+{
+    if (S_ISDIR(file->st_mode)) {
+        return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
+    }
+    if (is_input(c, file)) {
+        return lac_fail(err, LAC_EINPUT, "%s: is read by this case, must not be the output", path);
+    }
+    if (!cli_given(request, CLI_OPT_FORCE)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: exists already; --force replaces it, -o names another file", path);
+    }
+    if (access(path, W_OK) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    return LAC_OK;
+}
+
+static lac_status check_folder(const char *path, lac_error *err)
+{
+    char *folder = strdup(path);
+    if (folder == NULL) {
+        return lac_fail_memory(err);
+    }
+    char *slash = strrchr(folder, '/');
+    if (slash != NULL) {
+        slash[slash == folder ? 1 : 0] = '\0';
+    }
+    int failed = access(slash == NULL ? "." : folder, W_OK | X_OK);
+    free(folder);
+    return failed == 0 ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+}
+
+lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
+                           const char *ending, char **path, lac_error *err)
+{
+    const char *given = request->output != NULL ? request->output : configured;
+    *path = given != NULL ? strdup(given) : name_after(c->path, ending);
+    if (*path == NULL) {
+        return lac_fail_memory(err);
+    }
+    struct stat file;
+    if (stat(*path, &file) == 0) {
+        return check_existing(request, c, *path, &file, err);
+    }
+    if (errno != ENOENT) {
+        return lac_fail(err, LAC_EIO, "%s: %s", *path, strerror(errno));
+    }
+    return check_folder(*path, err);
+}
+
+// The seed of the surface or domain, wherever its table keeps it.
+static int64_t find_seed(const lac_slot *slot)
+{
+    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
+        const lac_param *param = &slot->about->params[i];
+        if (param->type == LAC_INTEGER && strcmp(param->key, "seed") == 0) {
+            int64_t seed;
+            memcpy(&seed, (const char *)slot->params + param->offset, sizeof seed);
+            return seed;
+        }
+    }
+    return INT64_MIN;
+}
+
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
+                              const char *libraries)
+{
+    const lac_slot *source = c->surface.about != NULL ? &c->surface : &c->domain;
+    return (lac_provenance){
+        .title = c->title,
+        .institution = c->institution,
+        .references = c->references,
+        .case_text = case_text,
+        .command_line = request->command_line,
+        .libraries = libraries,
+        .seed = find_seed(source),
+        .now = (double)time(NULL),
+    };
+}

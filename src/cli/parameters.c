@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/parameters.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "cli/words.h"
+
+static bool is_required(const lac_param *param)
+{
+    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
+}
+
+static bool is_number(const lac_param *param)
+{
+    return param->type == LAC_REAL || param->type == LAC_INTEGER;
+}
+
+// Ranges beyond what anything measures mean "no limit".
+static bool is_bounded(double limit) { return fabs(limit) < DBL_MAX / 2; }
+
+static const char *format_number(const lac_param *param, double value, char *text, size_t size)
+{
+    if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
+        return lac_units_format(value, param->unit, text, size);
+    }
+    (void)snprintf(text, size, "%.10g", value);
+    return text;
+}
+
+static const char *format_default(const lac_param *param, char *text, size_t size)
+{
+    if (is_required(param)) {
+        return "required";
+    }
+    if (isnan(param->fallback)) {
+        return "optional";
+    }
+    char value[64];
+    if (param->type == LAC_CHOICE) {
+        (void)snprintf(value, sizeof value, "%s", param->choices[(int)param->fallback]);
+    } else {
+        (void)format_number(param, param->fallback, value, sizeof value);
+    }
+    (void)snprintf(text, size, "default %s", value);
+    return text;
+}
+
+static void append(char *text, size_t size, const char *more)
+{
+    size_t used = strlen(text);
+    (void)snprintf(text + used, size - used, "%s", more);
+}
+
+// "a or b", "> 0 m, <= 1 km"; nothing for texts, whose doc says what they are
+static void format_range(const lac_param *param, char *text, size_t size)
+{
+    char number[64];
+    text[0] = '\0';
+    if (param->type == LAC_CHOICE) {
+        for (size_t i = 0; param->choices[i] != NULL; i++) {
+            append(text, size, i > 0 ? " or " : "");
+            append(text, size, param->choices[i]);
+        }
+        return;
+    }
+    if (!is_number(param)) {
+        append(text, size, param->type == LAC_PATH ? "a path" : "");
+        return;
+    }
+    if (is_bounded(param->min)) {
+        append(text, size, (param->flags & LAC_ABOVE_MIN) != 0 ? "> " : ">= ");
+        append(text, size, format_number(param, param->min, number, sizeof number));
+    }
+    if (is_bounded(param->max)) {
+        append(text, size, text[0] != '\0' ? ", <= " : "<= ");
+        append(text, size, format_number(param, param->max, number, sizeof number));
+    }
+    append(text, size, text[0] != '\0' ? "" : "any number");
+}
+
+void cli_parameters_print(const lac_param *params, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const lac_param *param = &params[i];
+        bool cellwise = (param->flags & LAC_CELLWISE) != 0;
+        const char *unit = strcmp(param->unit, "1") == 0 ? "" : param->unit;
+        char fallback[96], range[256];
+        format_range(param, range, sizeof range);
+        printf("  %-14s %-6s %s%s%s%s\n", param->key, is_number(param) ? unit : "",
+               format_default(param, fallback, sizeof fallback), range[0] != '\0' ? "; " : "",
+               range, cellwise ? "; may vary by cell" : "");
+        cli_wrap("                        ", param->doc);
+    }
+}
+
+static const char *type_name(const lac_param *param)
+{
+    static const char *const names[] = {
+        [LAC_REAL] = "real", [LAC_INTEGER] = "integer", [LAC_CHOICE] = "choice",
+        [LAC_TEXT] = "text", [LAC_PATH] = "path",
+    };
+    return names[param->type];
+}
+
+static void write_limits(cli_json *json, const lac_param *param)
+{
+    bool number = is_number(param);
+    if (param->type == LAC_CHOICE && !isnan(param->fallback)) {
+        cli_json_text(json, "default", param->choices[(int)param->fallback]);
+    } else {
+        cli_json_number(json, "default", number ? param->fallback : NAN);
+    }
+    cli_json_number(json, "min", number && is_bounded(param->min) ? param->min : NAN);
+    cli_json_number(json, "max", number && is_bounded(param->max) ? param->max : NAN);
+    cli_json_boolean(json, "above_min", (param->flags & LAC_ABOVE_MIN) != 0);
+}
+
+static void write_parameter(cli_json *json, const lac_param *param)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "key", param->key);
+    cli_json_text(json, "type", type_name(param));
+    cli_json_text(json, "unit", is_number(param) ? param->unit : NULL);
+    cli_json_boolean(json, "required", is_required(param));
+    write_limits(json, param);
+    cli_json_boolean(json, "cellwise", (param->flags & LAC_CELLWISE) != 0);
+    if (param->type == LAC_CHOICE) {
+        cli_json_open(json, "choices", '[');
+        for (size_t i = 0; param->choices[i] != NULL; i++) {
+            cli_json_text(json, NULL, param->choices[i]);
+        }
+        cli_json_close(json, ']');
+    }
+    cli_json_text(json, "doc", param->doc);
+    cli_json_close(json, '}');
+}
+
+void cli_parameters_json(cli_json *json, const lac_param *params, size_t count)
+{
+    cli_json_open(json, "parameters", '[');
+    for (size_t i = 0; i < count; i++) {
+        write_parameter(json, &params[i]);
+    }
+    cli_json_close(json, ']');
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/progress.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/units.h"
+#include "cli/signals.h"
+#include "cli/words.h"
+
+double cli_clock(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void cli_progress_start(cli_progress *progress, const cli_request *request)
+{
+    const char *term = getenv("TERM"), *no_colour = getenv("NO_COLOR");
+    bool terminal = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
+    *progress = (cli_progress){
+        .bar = terminal && !cli_given(request, CLI_OPT_QUIET | CLI_OPT_NO_PROGRESS),
+        .colour = no_colour == NULL || no_colour[0] == '\0',
+        .started = cli_clock(),
+    };
+}
+
+// 0 to 1
+static double fraction(const lac_progress *now)
+{
+    double x = now->end > 0 ? now->time / now->end : 0;
+    return x < 0 ? 0 : x > 1 ? 1 : x;
+}
+
+// "12.3 day of 200 day, 1.2 cm/week, 345 steps"
+static const char *describe(const lac_progress *now, char *text, size_t size)
+{
+    char time[32], end[32], rate[32];
+    (void)snprintf(text, size, "%s of %s, mean slip rate %s, %" PRId64 " steps",
+                   lac_units_format(now->time, "s", time, sizeof time),
+                   lac_units_format(now->end, "s", end, sizeof end),
+                   lac_units_format(now->mean_rate, "m/s", rate, sizeof rate), now->steps);
+    return text;
+}
+
+static int terminal_width(void)
+{
+    struct winsize size;
+    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? size.ws_col : 80;
+}
+
+static void draw(cli_progress *progress, const lac_progress *now)
+{
+    enum { BAR = 20 };
+    static const char full[] = "####################", empty[] = "--------------------";
+    char text[160];
+    int done = (int)(BAR * fraction(now)), room = terminal_width() - BAR - 10;
+    const char *on = progress->colour ? "\033[32m" : "", *off = progress->colour ? "\033[0m" : "";
+    (void)fprintf(stderr, "\r[%s%.*s%s%.*s] %3.0f %% %.*s\033[K", on, done, full, off, BAR - done,
+                  empty, 100 * fraction(now), room > 0 ? room : 0,
+                  describe(now, text, sizeof text));
+    (void)fflush(stderr);
+    progress->drawn = true;
+}
+
+void cli_progress_show(cli_progress *progress, const lac_progress *now)
+{
+    const double interval = 0.1;
+    if (cli_signals_take_report()) {
+        char text[160];
+        cli_progress_clear(progress);
+        cli_note("%s, %.1f s so far", describe(now, text, sizeof text),
+                 cli_clock() - progress->started);
+    }
+    if (!progress->bar) {
+        return;
+    }
+    double clock = cli_clock();
+    if (clock - progress->last >= interval) {
+        progress->last = clock;
+        draw(progress, now);
+    }
+}
+
+void cli_progress_clear(cli_progress *progress)
+{
+    if (progress->drawn) {
+        (void)fputs("\r\033[K", stderr);
+        progress->drawn = false;
+    }
+}
+
+void cli_say(const cli_request *request, const char *format, ...)
+{
+    if (!cli_given(request, CLI_OPT_VERBOSE) || cli_given(request, CLI_OPT_QUIET)) {
+        return;
+    }
+    va_list args;
+    va_start(args, format);
+    cli_note_list(format, args);
+    va_end(args);
+}

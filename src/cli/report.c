@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/report.h"
+
+#include "cli/words.h"
+
+void cli_report_print(const lac_case_report *report, const cli_request *request)
+{
+    for (size_t i = 0; i < report->count; i++) {
+        const lac_case_issue *issue = &report->issue[i];
+        char text[2000];
+        if (!issue->warning || !cli_given(request, CLI_OPT_QUIET)) {
+            cli_note("%s%s", issue->warning ? "warning: " : "",
+                     lac_case_issue_format(issue, text, sizeof text));
+        }
+    }
+}
+
+static void write_issue(cli_json *json, const lac_case_issue *issue)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "file", issue->file);
+    if (issue->line > 0) {
+        cli_json_integer(json, "line", (int64_t)issue->line);
+    } else {
+        cli_json_null(json, "line");
+    }
+    cli_json_text(json, "key", issue->key);
+    cli_json_text(json, "value", issue->value);
+    cli_json_text(json, "message", issue->message);
+    cli_json_close(json, '}');
+}
+
+void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings)
+{
+    cli_json_open(json, key, '[');
+    for (size_t i = 0; i < report->count; i++) {
+        if (report->issue[i].warning == warnings) {
+            write_issue(json, &report->issue[i]);
+        }
+    }
+    cli_json_close(json, ']');
+}
+
+lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_report *report,
+                         lac_error *err)
+{
+    lac_case_report own = {0};
+    lac_case_report *all = report != NULL ? report : &own;
+    lac_status status =
+        lac_case_read(request->argument[0], request->overrides, request->set_count, c, all, err);
+    cli_report_print(all, request);
+    if (all->errors > 0) {
+        err->message[0] = '\0'; // said already, line by line
+    }
+    lac_case_report_clear(&own);
+    return status;
+}
+
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err)
+{
+    return status == LAC_OK || c == NULL ? status : lac_fail_within(err, status, "%s", c->path);
+}

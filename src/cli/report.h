@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_REPORT_H
+#define LACUNA_CLI_REPORT_H
+
+#include "cli/json.h"
+#include "cli/options.h"
+
+/// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
+void cli_report_print(const lac_case_report *report, const cli_request *request);
+
+/// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
+void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings);
+
+/// Reads the request's case and prints what is wrong with it.
+/// @param report  kept for the caller, who clears it; NULL where only errors are to be printed
+/// @return what lac_case_read returns
+lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_report *report,
+                         lac_error *err);
+
+/// Puts the case's name before the message of what went wrong with its scene.
+/// @param c  NULL: the case could not be read, and the message says so already
+/// @return status, unchanged
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err);
+
+#endif

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "cli/command.h"
+#include "cli/libraries.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "cli/report.h"
+#include "cli/run_outcome.h"
+#include "cli/signals.h"
+
+enum { RECORDS_BETWEEN_SYNCS = 64 };
+
+// Everything that a run holds.
+typedef struct run_job {
+    const cli_request *request;
+    lac_case *source;
+    cli_compare compare;
+    lac_scene *scene;
+    lac_store *store;
+    cli_history history;
+    cli_progress progress;
+    char *path, *case_text;
+    double started;
+} run_job;
+
+static void job_clear(run_job *job)
+{
+    lac_store_free(job->store);
+    lac_scene_free(job->scene);
+    cli_history_clear(&job->history);
+    cli_compare_clear(&job->compare);
+    free(job->path);
+    free(job->case_text);
+    lac_case_free(job->source);
+}
+
+// --until as seconds since the start of the run.
+static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
+{
+    double date;
+    if (c->dated && lac_date_parse(text, &date)) {
+        *until = date - c->start_date;
+        return LAC_OK;
+    }
+    lac_units *units = NULL;
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_units_parse(units, text, "s", until, err);
+    }
+    lac_units_free(units);
+    return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
+}
+
+static lac_status shorten(const char *text, lac_case *c, lac_error *err)
+{
+    double until = NAN;
+    if (text == NULL) {
+        return LAC_OK;
+    }
+    lac_status status = parse_until(text, c, &until, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (!(until > 0) || until > c->run.end) {
+        char end[64];
+        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
+                        lac_units_format(c->run.end, "s", end, sizeof end));
+    }
+    c->run.end = until;
+    return LAC_OK;
+}
+
+// All that can be wrong with the request is found here, before anything is computed.
+static lac_status prepare(run_job *job, lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(cli_case_read(job->request, &job->source, NULL, err));
+    LAC_TRY(shorten(job->request->until, job->source, err));
+    LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
+                            err));
+    LAC_TRY(cli_compare_read(job->source, &job->compare, err));
+    job->case_text = lac_case_text(job->source);
+    if (job->case_text == NULL) {
+        status = lac_fail_memory(err);
+    }
+out:
+    return status;
+}
+
+static lac_status open_store(run_job *job, lac_error *err)
+{
+    char libraries[256];
+    const lac_case *c = job->source;
+    lac_store_def def = {
+        .path = job->path,
+        .force = cli_given(job->request, CLI_OPT_FORCE),
+        .provenance = cli_provenance(job->request, c, job->case_text,
+                                     cli_libraries(libraries, sizeof libraries)),
+        .dated = c->dated,
+        .start_date = c->start_date,
+        .domain = job->scene->contact.domain,
+        .hierarchy = job->scene->hierarchy,
+        .fields = c->fields,
+        .compression = c->compression,
+        .sync_every = RECORDS_BETWEEN_SYNCS,
+    };
+    return lac_store_create(&def, &job->store, err);
+}
+
+static bool on_interrupted(void *context)
+{
+    (void)context;
+    return cli_signals_stop();
+}
+
+static void on_progress(void *context, const lac_progress *now) { cli_progress_show(context, now); }
+
+static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err)
+{
+    job->history = (cli_history){
+        .next = lac_store_sink(job->store),
+        .keep = job->compare.count > 0,
+        .clock = job->source->dated ? job->source->start_date : 0,
+    };
+    lac_sink sink = cli_history_sink(&job->history);
+    lac_run_def def = job->source->run;
+    def.interrupted = on_interrupted;
+    def.progress = on_progress;
+    def.context = &job->progress;
+    cli_progress_start(&job->progress, job->request);
+    lac_status status = lac_run(job->scene->problem, &def, &sink, result, err);
+    cli_progress_clear(&job->progress);
+    return status;
+}
+
+static const char *status_word(lac_status status)
+{
+    return status == LAC_OK ? "complete" : status == LAC_EINTERRUPT ? "interrupted" : "failed";
+}
+
+// A run that was refused at its first step leaves no file; any other leaves what it computed.
+static lac_status close_store(run_job *job, lac_status status, const cli_outcome *outcome,
+                              lac_error *err)
+{
+    lac_error late = {0};
+    lac_status finished =
+        lac_store_finish(job->store, outcome->status, &outcome->result, outcome->wall_time, &late);
+    if (status == LAC_EINPUT && outcome->result.steps == 0) {
+        (void)unlink(job->path);
+    }
+    if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
+        *err = late;
+        return finished;
+    }
+    if (status == LAC_EINTERRUPT) {
+        char time[64];
+        return lac_fail(err, status, "interrupted at %s; %s holds the run up to there",
+                        lac_units_format(outcome->result.time, "s", time, sizeof time), job->path);
+    }
+    return status;
+}
+
+static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status)
+{
+    if (cli_given(job->request, CLI_OPT_JSON)) {
+        cli_outcome_json(outcome);
+    } else if (status == LAC_OK || status == LAC_EINTERRUPT) {
+        cli_outcome_print(outcome);
+    }
+}
+
+static lac_status compute(run_job *job, lac_error *err)
+{
+    cli_signals_hold();
+    lac_status status = open_store(job, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    cli_outcome outcome = {
+        .source = job->source,
+        .scene = job->scene,
+        .history = &job->history,
+        .compare = &job->compare,
+        .path = job->path,
+    };
+    cli_say(job->request, "integrating to %g s", job->source->run.end);
+    status = integrate(job, &outcome.result, err);
+    outcome.status = status_word(status);
+    outcome.wall_time = cli_clock() - job->started;
+    status = close_store(job, status, &outcome, err);
+    if (status == LAC_EIO) {
+        outcome.status = "failed"; // the file is not whole
+    }
+    print_outcome(job, &outcome, status);
+    return status;
+}
+
+lac_status cli_run(const cli_request *request, lac_error *err)
+{
+    run_job job = {.request = request, .started = cli_clock()};
+    lac_status status;
+    LAC_TRY(prepare(&job, err));
+    cli_say(request, "building the scene of %s", request->argument[0]);
+    LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
+    cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
+            cli_clock() - job.started);
+    LAC_TRY(compute(&job, err));
+out:
+    job_clear(&job);
+    return status;
+}

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/run_outcome.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "cli/measures.h"
+#include "cli/words.h"
+
+static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
+
+double cli_cpu_time(void)
+{
+    struct rusage usage;
+    (void)getrusage(RUSAGE_SELF, &usage);
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// Linux counts in KiB.
+static int64_t peak_memory(void)
+{
+    struct rusage usage;
+    (void)getrusage(RUSAGE_SELF, &usage);
+    return (int64_t)usage.ru_maxrss * 1024;
+}
+
+static double apparent_friction(const lac_record *record)
+{
+    return record->seen.shear_force / record->seen.normal_force;
+}
+
+static double failure_time(const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->result;
+    return result->failed ? result->failure_origin + result->failure_local : NAN;
+}
+
+// "" where the run has no date or no failure.
+static const char *failure_date(const cli_outcome *outcome, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (outcome->result.failed && outcome->source->dated) {
+        (void)lac_date_format(outcome->source->start_date + failure_time(outcome), text, size);
+    }
+    return text;
+}
+
+static const char *end_reason(const cli_outcome *outcome)
+{
+    if (strcmp(outcome->status, "failed") == 0) {
+        return "error";
+    }
+    switch (outcome->result.end) {
+    case LAC_END_TIME:
+        return "end";
+    case LAC_END_FAILURE:
+        return "failure";
+    case LAC_END_STOP:
+        return "stop_when";
+    case LAC_END_INTERRUPT:
+        break;
+    }
+    return "interrupt";
+}
+
+static void print_failure(const cli_outcome *outcome)
+{
+    char time[64], date[32];
+    if (outcome->result.failed) {
+        (void)lac_units_format(failure_time(outcome), "s", time, sizeof time);
+        (void)failure_date(outcome, date, sizeof date);
+        cli_row("failure", "after %s%s%s", time, date[0] != '\0' ? ", on " : "", date);
+        return;
+    }
+    (void)lac_units_format(outcome->result.time, "s", time, sizeof time);
+    if (strcmp(outcome->status, "complete") != 0) {
+        cli_row("failure", "none by %s, where the run was %s", time,
+                outcome->status[0] == 'f' ? "broken off" : "interrupted");
+    } else if (outcome->result.end == LAC_END_STOP) {
+        cli_row("failure", "none; a limit of time.stop_when was reached after %s", time);
+    } else {
+        cli_row("failure", "none by the end, after %s", time);
+    }
+}
+
+static void print_friction(const cli_history *history)
+{
+    if (history->begun) {
+        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
+                apparent_friction(&history->first), apparent_friction(&history->last));
+    }
+}
+
+static void print_cost(const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->result;
+    char wall[32], cpu[32];
+    cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
+            result->rhs_evaluations);
+    cli_row("balance residual", "%.2g at worst", result->balance_residual);
+    cli_row("time taken", "%s, CPU %s",
+            lac_units_format(outcome->wall_time, "s", wall, sizeof wall),
+            lac_units_format(cli_cpu_time(), "s", cpu, sizeof cpu));
+    cli_row("peak memory", "%.3g MB", (double)peak_memory() / 1e6);
+    cli_row("file", "%s (%s)", outcome->path, outcome->status);
+}
+
+void cli_outcome_print(const cli_outcome *outcome)
+{
+    lac_history run = cli_history_view(outcome->history);
+    if (outcome->source->title != NULL) {
+        puts(outcome->source->title);
+    }
+    cli_measures_print(&outcome->scene->contact);
+    print_friction(outcome->history);
+    print_failure(outcome);
+    cli_row_quantity("mean slip", outcome->result.mean_slip, "m");
+    cli_row_quantity("largest slip rate", outcome->result.max_slip_rate, "m/s");
+    print_cost(outcome);
+    cli_compare_print(outcome->compare, &run);
+}
+
+static void write_failure(cli_json *json, const cli_outcome *outcome)
+{
+    char date[32];
+    (void)failure_date(outcome, date, sizeof date);
+    cli_json_boolean(json, "failed", outcome->result.failed);
+    cli_json_number(json, "failure_time_s", failure_time(outcome));
+    cli_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
+    cli_json_text(json, "ended_by", end_reason(outcome));
+    cli_json_number(json, "time_s", outcome->result.time);
+}
+
+static void write_results(cli_json *json, const cli_outcome *outcome)
+{
+    const cli_history *history = outcome->history;
+    const lac_run_result *result = &outcome->result;
+    cli_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
+    cli_json_number(json, "mean_slip_m", result->mean_slip);
+    cli_json_null(json, "events");
+    cli_json_number(json, "balance_residual", result->balance_residual);
+    cli_json_number(json, "initial_apparent_friction",
+                    history->begun ? apparent_friction(&history->first) : NAN);
+    cli_json_number(json, "apparent_friction",
+                    history->begun ? apparent_friction(&history->last) : NAN);
+}
+
+static void write_cost(cli_json *json, const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->result;
+    cli_json_integer(json, "steps", result->steps);
+    cli_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
+    cli_json_integer(json, "newton_iterations", result->newton_iterations);
+    cli_json_integer(json, "linear_solves", result->linear_solves);
+    cli_json_integer(json, "error_test_fails", result->error_test_fails);
+    cli_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
+    cli_json_number(json, "wall_time_s", outcome->wall_time);
+    cli_json_number(json, "cpu_time_s", cli_cpu_time());
+    cli_json_integer(json, "peak_memory_bytes", peak_memory());
+}
+
+void cli_outcome_json(const cli_outcome *outcome)
+{
+    cli_json json = {.out = stdout};
+    lac_history run = cli_history_view(outcome->history);
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "title", outcome->source->title);
+    cli_json_text(&json, "status", outcome->status);
+    write_failure(&json, outcome);
+    cli_measures_json(&json, &outcome->scene->contact);
+    write_results(&json, outcome);
+    write_cost(&json, outcome);
+    cli_json_text(&json, "output", outcome->path);
+    cli_compare_json(&json, outcome->compare, &run);
+    cli_json_close(&json, '}');
+}

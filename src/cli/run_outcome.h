@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_RUN_OUTCOME_H
+#define LACUNA_CLI_RUN_OUTCOME_H
+
+#include "cli/compare.h"
+#include "cli/history.h"
+#include "lacuna/scene.h"
+
+/// Everything that is said about a run when it is over.
+typedef struct cli_outcome {
+    const lac_case *source;
+    const lac_scene *scene;
+    const cli_history *history;
+    const cli_compare *compare;
+    lac_run_result result;
+    const char *status; ///< as in the file: complete, failed, interrupted
+    const char *path;   ///< of the file
+    double wall_time;   ///< [s]
+} cli_outcome;
+
+/// CPU time of the program so far [s].
+double cli_cpu_time(void);
+
+/// The summary on stdout.
+void cli_outcome_print(const cli_outcome *outcome);
+
+/// The same as one JSON object.
+void cli_outcome_json(const cli_outcome *outcome);
+
+#endif

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/signals.h"
+
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/exits.h"
+
+// Signal handlers can reach nothing but globals: these three are the program's only ones.
+static volatile sig_atomic_t stop_asked, report_asked, held;
+
+static void on_stop(int signal_number)
+{
+    (void)signal_number;
+    if (!held) {
+        static const char line[] = "lacuna: interrupted before anything was written\n";
+        ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
+        (void)written;
+        _exit(CLI_EXIT_INTERRUPTED);
+    }
+    stop_asked = 1;
+}
+
+static void on_report(int signal_number)
+{
+    (void)signal_number;
+    report_asked = 1;
+}
+
+static void install(int signal_number, void (*handler)(int), int flags)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = handler;
+    action.sa_flags = flags;
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(signal_number, &action, NULL);
+}
+
+void cli_signals_install(void)
+{
+    install(SIGINT, on_stop, (int)(SA_RESTART | SA_RESETHAND));
+    install(SIGTERM, on_stop, (int)(SA_RESTART | SA_RESETHAND));
+    install(SIGUSR1, on_report, SA_RESTART);
+    install(SIGPIPE, SIG_IGN, 0);
+}
+
+void cli_signals_hold(void) { held = 1; }
+
+bool cli_signals_stop(void) { return stop_asked != 0; }
+
+bool cli_signals_take_report(void)
+{
+    bool asked = report_asked != 0;
+    report_asked = 0;
+    return asked;
+}

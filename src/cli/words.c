@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/words.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/nearest.h"
+#include "base/units.h"
+
+lac_status cli_unknown(const char *where, const char *word, const char *what,
+                       const char *const *known, size_t count, lac_error *err)
+{
+    const char *near = lac_nearest(word, known, count);
+    if (near != NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where, word,
+                        what, near);
+    }
+    char list[512] = "";
+    for (size_t i = 0, used = 0; i < count && used < sizeof list; i++) {
+        used +=
+            (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
+}
+
+void cli_note_list(const char *format, va_list args)
+{
+    char text[2048];
+    (void)vsnprintf(text, sizeof text, format, args);
+    (void)fprintf(stderr, "lacuna: %s\n", text);
+}
+
+void cli_note(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    cli_note_list(format, args);
+    va_end(args);
+}
+
+void cli_row(const char *label, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    printf("  %-20s ", label);
+    (void)vprintf(format, args);
+    putchar('\n');
+    va_end(args);
+}
+
+void cli_row_quantity(const char *label, double value, const char *unit)
+{
+    char text[64];
+    cli_row(label, "%s", lac_units_format(value, unit, text, sizeof text));
+}
+
+void cli_wrap(const char *indent, const char *text)
+{
+    size_t width = 79 - strlen(indent), column = 0;
+    while (*text != '\0') {
+        size_t word = strcspn(text, " \n");
+        if (column > 0 && column + 1 + word > width) {
+            putchar('\n');
+            column = 0;
+        }
+        if (word > 0) {
+            printf("%s%.*s", column == 0 ? indent : " ", (int)word, text);
+            column += word + (column > 0);
+        }
+        text += word;
+        text += strspn(text, " \n");
+    }
+    if (column > 0) {
+        putchar('\n');
+    }
+}

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file of a solved contact: maps of heights, gaps and pressures, and the box counts.
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "store/nc.h"
+
+enum { ROW_CHUNK_CELLS = 1 << 18 }; // cells a chunk: whole rows, about 2 MB
+
+typedef struct lac_map {
+    lac_nc_var var;
+    const double *values;
+} lac_map;
+
+static lac_status put_axis(const lac_nc *file, const char *name, const char *long_name, size_t n,
+                           double step, int *dim, lac_error *err)
+{
+    const lac_nc_var var = {.name = name, .unit = "m", .long_name = long_name, .type = NC_DOUBLE};
+    const char axis[2] = {name[0] == 'x' ? 'X' : 'Y', '\0'};
+    int id = 0;
+    lac_status status = LAC_OK;
+    double *values = malloc(n * sizeof *values);
+    if (values == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        values[i] = ((double)i + 0.5) * step;
+    }
+    LAC_TRY(lac_nc_dim(file, name, n, dim, err));
+    LAC_TRY(lac_nc_define(file, &var, 1, dim, NULL, 0, &id, err));
+    LAC_TRY(lac_nc_text(file, id, "axis", axis, err));
+    LAC_TRY(lac_nc_check(file->path, nc_put_var_double(file->id, id, values), err, "write", name));
+out:
+    free(values);
+    return status;
+}
+
+static lac_status put_maps(const lac_nc *file, const lac_grid *grid, const lac_map *maps,
+                           size_t count, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    int dims[2] = {0, 0};
+    LAC_TRY(put_axis(file, "y", "position of the cell's centre along y", grid->ny, grid->dy,
+                     &dims[0], err));
+    LAC_TRY(put_axis(file, "x", "position of the cell's centre along x, the direction of slip",
+                     grid->nx, grid->dx, &dims[1], err));
+    size_t rows = ROW_CHUNK_CELLS / grid->nx;
+    rows = rows < 1 ? 1 : rows;
+    const size_t chunk[2] = {rows < grid->ny ? rows : grid->ny,
+                             grid->nx < ROW_CHUNK_CELLS ? grid->nx : ROW_CHUNK_CELLS};
+    for (size_t i = 0; i < count; i++) {
+        int id = 0;
+        if (maps[i].values == NULL) {
+            continue;
+        }
+        LAC_TRY(lac_nc_define(file, &maps[i].var, 2, dims, chunk, 1, &id, err));
+        errno = 0;
+        LAC_TRY(lac_nc_check(file->path, nc_put_var_double(file->id, id, maps[i].values), err,
+                             "write", maps[i].var.name));
+    }
+out:
+    return status;
+}
+
+static lac_status put_report(const lac_nc *file, const lac_grid *grid,
+                             const lac_contact_report *report, lac_error *err)
+{
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {
+        {"contact_fraction", (double)report->n_cells / (double)lac_grid_cells(grid)},
+        {"complementarity_error", report->complementarity_error},
+        {"penetration_m", report->penetration},
+        {"load_error", report->load_error},
+        {"max_pressure_Pa", report->max_pressure},
+        {"approach_m", report->approach},
+    };
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++) {
+        if (isfinite(reals[i].value)) {
+            LAC_TRY(lac_nc_real(file, NC_GLOBAL, reals[i].name, reals[i].value, err));
+        }
+    }
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "n_cells", (long long)report->n_cells, err));
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "iterations", report->iterations, err));
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "operator_products", report->products, err));
+out:
+    return status;
+}
+
+static lac_status put_box_fit(const lac_nc *file, const lac_box_count *boxes, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    if (isfinite(boxes->dimension)) {
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box", boxes->dimension, err));
+    }
+    if (isfinite(boxes->error)) {
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_error", boxes->error, err));
+    }
+    if (boxes->fit_first < boxes->sizes && boxes->fit_last < boxes->sizes) {
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_fit_smallest_cells",
+                            boxes->side[boxes->fit_first], err));
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_fit_largest_cells",
+                            boxes->side[boxes->fit_last], err));
+    }
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "d_box_few_cells", boxes->few_cells, err));
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "d_box_dense", boxes->dense, err));
+out:
+    return status;
+}
+
+static lac_status put_boxes(const lac_nc *file, const lac_box_count *boxes, lac_error *err)
+{
+    const lac_map table[] = {
+        {{.name = "box_side",
+          .unit = "1",
+          .long_name = "side of a box, in cells",
+          .type = NC_DOUBLE},
+         boxes->side},
+        {{.name = "box_count",
+          .unit = "1",
+          .long_name = "boxes that hold a contact cell",
+          .comment = "mean over random origins of the boxes",
+          .coordinates = "box_side",
+          .type = NC_DOUBLE},
+         boxes->count},
+        {{.name = "box_minimum",
+          .unit = "1",
+          .long_name = "least number of boxes that hold a contact cell",
+          .comment = "least over random origins of the boxes",
+          .coordinates = "box_side",
+          .type = NC_DOUBLE},
+         boxes->minimum},
+    };
+    lac_status status = LAC_OK;
+    int dim = 0;
+    LAC_TRY(put_box_fit(file, boxes, err));
+    if (boxes->sizes == 0) {
+        goto out;
+    }
+    LAC_TRY(lac_nc_dim(file, "box", boxes->sizes, &dim, err));
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        int id = 0;
+        LAC_TRY(lac_nc_define(file, &table[i].var, 1, &dim, NULL, 0, &id, err));
+        LAC_TRY(lac_nc_check(file->path, nc_put_var_double(file->id, id, table[i].values), err,
+                             "write", table[i].var.name));
+    }
+out:
+    return status;
+}
+
+lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_grid *grid, const double *heights, const double *gap,
+                             const double *pressure, const lac_contact_report *report,
+                             const lac_box_count *boxes, lac_error *err)
+{
+    const lac_map maps[] = {
+        {{.name = "heights",
+          .unit = "m",
+          .long_name = "composite height of the two surfaces",
+          .comment = "peaks up; contact of the sum on a flat",
+          .type = NC_DOUBLE},
+         heights},
+        {{.name = "gap",
+          .unit = "m",
+          .long_name = "gap between the surfaces under load",
+          .comment = "zero in contact, within the solver's tolerance",
+          .type = NC_DOUBLE},
+         gap},
+        {{.name = "pressure",
+          .unit = "Pa",
+          .long_name = "normal contact pressure",
+          .comment = "exactly zero outside the contact",
+          .type = NC_DOUBLE},
+         pressure},
+    };
+    lac_nc file = {0};
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_create(&file, path, force, err));
+    LAC_TRY(lac_nc_provenance(&file, provenance,
+                              "Contact of a rough rock joint under normal load: maps over the "
+                              "interface, and the box counts of the contact domain.",
+                              err));
+    LAC_TRY(put_maps(&file, grid, maps, sizeof maps / sizeof maps[0], err));
+    if (report != NULL) {
+        LAC_TRY(put_report(&file, grid, report, err));
+    }
+    if (boxes != NULL) {
+        LAC_TRY(put_boxes(&file, boxes, err));
+    }
+    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
+    LAC_TRY(lac_nc_close(&file, err));
+    LAC_TRY(lac_nc_publish(&file, err));
+out:
+    lac_nc_clear(&file);
+    return status;
+}

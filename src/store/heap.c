@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// HDF5's global heap, which links variables to their dimensions, is the one part of a netCDF-4
+// file's structure without a checksum: an object of size 0 in it makes HDF5 1.10 loop for ever.
+// So the heap is walked here before HDF5 sees the file (HDF5 File Format Specification III.E).
+#define _GNU_SOURCE // memmem
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "store/nc.h"
+
+enum {
+    SCAN_MAX = 1 << 26, // the heap is written with the header, near the start
+    HEADER = 16,        // of a heap and of an object in it
+};
+
+static const unsigned char signature[8] = {'G', 'C', 'O', 'L', 1, 0, 0, 0};
+
+static uint64_t little_endian(const unsigned char *bytes, size_t count)
+{
+    uint64_t value = 0;
+    for (size_t i = count; i-- > 0;) {
+        value = value << 8 | bytes[i];
+    }
+    return value;
+}
+
+// Whether the objects of a heap follow one another up to its end. Object 0 is the free space,
+// whose size counts its header.
+static bool is_heap_sound(const unsigned char *heap, size_t size)
+{
+    size_t at = HEADER;
+    while (at + HEADER <= size) {
+        uint64_t index = little_endian(heap + at, 2);
+        uint64_t length = little_endian(heap + at + 8, 8);
+        if (length > size - at || (index == 0 && length < HEADER)) {
+            return false;
+        }
+        at += (size_t)(index == 0 ? length : HEADER + (length + 7) / 8 * 8);
+    }
+    return at <= size;
+}
+
+static bool are_heaps_sound(const unsigned char *bytes, size_t size)
+{
+    const unsigned char *end = bytes + size;
+    const unsigned char *heap = memmem(bytes, size, signature, sizeof signature);
+    while (heap != NULL) {
+        size_t left = (size_t)(end - heap);
+        uint64_t length = left >= HEADER ? little_endian(heap + 8, 8) : 0;
+        // One that runs past what was read is left to HDF5, which bounds it by the file.
+        if (length >= HEADER && length <= left && !is_heap_sound(heap, (size_t)length)) {
+            return false;
+        }
+        heap += sizeof signature;
+        heap = memmem(heap, (size_t)(end - heap), signature, sizeof signature);
+    }
+    return true;
+}
+
+lac_status lac_nc_heap(const char *path, size_t size, lac_error *err)
+{
+    size = size < SCAN_MAX ? size : SCAN_MAX;
+    unsigned char *bytes = malloc(size > 0 ? size : 1);
+    if (bytes == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = LAC_OK;
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
+    }
+    size = fread(bytes, 1, size, file);
+    if (!are_heaps_sound(bytes, size)) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is damaged", path));
+    }
+out:
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    free(bytes);
+    return status;
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "store/nc.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_disk_error(int code)
+{
+    return code == ENOSPC || code == EDQUOT || code == EFBIG || code == EIO || code == EROFS ||
+           code == ENOENT || code == EACCES;
+}
+
+lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *what,
+                        const char *name)
+{
+    // HDF5 says no more than "HDF error"; what the system said is still in errno.
+    int reason = errno;
+    if (code == NC_NOERR) {
+        return LAC_OK;
+    }
+    if (code == NC_ENOMEM || code == ENOMEM) {
+        return lac_fail_memory(err);
+    }
+    const char *why = nc_strerror(code);
+    if (code == NC_EHDFERR) {
+        why = is_disk_error(reason) ? strerror(reason) : "the disk is full or the file is damaged";
+    }
+    return lac_fail(err, LAC_EIO, "%s: cannot %s%s%s: %s", path, what, *name != '\0' ? " " : "",
+                    name, why);
+}
+
+lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *dim, lac_error *err)
+{
+    return lac_nc_check(file->path, nc_def_dim(file->id, name, length, dim), err,
+                        "define the dimension", name);
+}
+
+lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char *text,
+                       lac_error *err)
+{
+    if (text == NULL || *text == '\0') {
+        return LAC_OK;
+    }
+    return lac_nc_check(file->path, nc_put_att_text(file->id, var, name, strlen(text), text), err,
+                        "write the attribute", name);
+}
+
+lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double value, lac_error *err)
+{
+    return lac_nc_check(file->path, nc_put_att_double(file->id, var, name, NC_DOUBLE, 1, &value),
+                        err, "write the attribute", name);
+}
+
+lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
+                          lac_error *err)
+{
+    nc_type type = value >= INT32_MIN && value <= INT32_MAX ? NC_INT : NC_INT64;
+    return lac_nc_check(file->path, nc_put_att_longlong(file->id, var, name, type, 1, &value), err,
+                        "write the attribute", name);
+}
+
+static int define_fill(int file, int id, nc_type type)
+{
+    const double real = NC_FILL_DOUBLE;
+    const int integer = NC_FILL_INT;
+    switch (type) {
+    case NC_DOUBLE:
+        return nc_def_var_fill(file, id, NC_FILL, &real);
+    case NC_INT:
+        return nc_def_var_fill(file, id, NC_FILL, &integer);
+    default:
+        return NC_EBADTYPE;
+    }
+}
+
+static int define_storage(int file, int id, const lac_nc_var *var, const size_t *chunk, int deflate)
+{
+    int code = nc_def_var_chunking(file, id, NC_CHUNKED, chunk);
+    if (code == NC_NOERR && deflate > 0) {
+        code = nc_def_var_deflate(file, id, NC_SHUFFLE, 1, deflate);
+    }
+    // A flipped bit in the data becomes an error of the reader instead of a wrong number. But a
+    // chunk that is written again and again can be torn by a kill, and would then be lost whole.
+    if (code == NC_NOERR && !var->appended) {
+        code = nc_def_var_fletcher32(file, id, NC_FLETCHER32);
+    }
+    if (code == NC_NOERR && var->fill) {
+        code = define_fill(file, id, var->type);
+    }
+    return code;
+}
+
+lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
+                         const size_t *chunk, int deflate, int *id, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    int code = nc_def_var(file->id, var->name, var->type, rank, dims, id);
+    if (code == NC_NOERR && rank > 0) {
+        code = define_storage(file->id, *id, var, chunk, deflate);
+    }
+    LAC_TRY(lac_nc_check(file->path, code, err, "define", var->name));
+    LAC_TRY(lac_nc_text(file, *id, "long_name", var->long_name, err));
+    LAC_TRY(lac_nc_text(file, *id, "units", var->unit, err));
+    LAC_TRY(lac_nc_text(file, *id, "standard_name", var->standard_name, err));
+    LAC_TRY(lac_nc_text(file, *id, "cell_methods", var->cell_methods, err));
+    LAC_TRY(lac_nc_text(file, *id, "coordinates", var->coordinates, err));
+    LAC_TRY(lac_nc_text(file, *id, "comment", var->comment, err));
+out:
+    return status;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_NC_H
+#define LACUNA_STORE_NC_H
+
+#include <netcdf.h>
+
+#include "lacuna/store.h"
+
+/// A netCDF-4 file being made. It is built under a name of its own in the folder of `path` and
+/// takes that path only when it is published, so that a file that cannot be made destroys nothing.
+typedef struct lac_nc {
+    int id;
+    bool open, published;
+    bool force;
+    int reserve; ///< descriptor by which space is reserved; -1: none
+    char *path;  ///< where it will be
+    char *part;  ///< where it is built
+} lac_nc;
+
+/// One variable: all that a reader is told of it. NULL leaves an attribute out.
+typedef struct lac_nc_var {
+    const char *name, *unit, *long_name;
+    const char *standard_name; ///< only where CF has one
+    const char *comment, *coordinates, *cell_methods;
+    nc_type type;
+    bool fill;     ///< may be missing: has a _FillValue
+    bool appended; ///< grows by parts of a chunk
+} lac_nc_var;
+
+/// Turns what netCDF returned into an error: `path: cannot WHAT: why`.
+/// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EIO
+lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *what,
+                        const char *name);
+
+/// Refuses a path that is no file name: empty, a folder, a device, an address (netCDF would open
+/// a connection).
+/// @param exists  set where a file is there
+/// @return LAC_OK; LAC_EIO
+lac_status lac_nc_path(const char *path, bool *exists, lac_error *err);
+
+/// Creates the file under its temporary name.
+/// @return LAC_OK; LAC_EINPUT where `path` exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err);
+
+/// Gives the file its name; it may be open.
+/// @return LAC_OK; LAC_EINPUT where a file has appeared there meanwhile; LAC_EIO
+lac_status lac_nc_publish(lac_nc *file, lac_error *err);
+
+/// Reserves disk space for `bytes` more, and some for what HDF5 needs besides: a disk that fills up
+/// under HDF5's hands leaves a file that cannot be opened.
+/// @return LAC_OK, also where the file system cannot reserve; LAC_EIO where there is no space
+lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
+
+/// Closes the file.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_nc_close(lac_nc *file, lac_error *err);
+
+/// Closes what is open, removes what was not published, frees the names.
+void lac_nc_clear(lac_nc *file);
+
+/// A dimension; length NC_UNLIMITED grows.
+lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *dim,
+                      lac_error *err);
+
+/// Defines a variable with its attributes, checksummed, and compressed where `deflate` > 0.
+/// @param dims, chunk  [rank]; chunk NULL: netCDF's choice
+lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
+                         const size_t *chunk, int deflate, int *id, lac_error *err);
+
+/// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty is left
+/// out.
+lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char *text,
+                       lac_error *err);
+lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double value, lac_error *err);
+lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
+                          lac_error *err);
+
+/// Looks at what HDF5 would believe unseen.
+/// @param size  of the file [bytes]
+/// @return LAC_OK; LAC_EIO where the file is damaged; LAC_ENOMEM
+lac_status lac_nc_heap(const char *path, size_t size, lac_error *err);
+
+/// The global attributes that every file of Lacuna carries.
+lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
+                             const char *summary, lac_error *err);
+
+#endif

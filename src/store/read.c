@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reading back. Nothing a file says is believed before it is bounded by the size of the file.
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "store/columns.h"
+
+// deflate packs at most this many bytes into one.
+enum { DEFLATE_MAX = 1032 };
+
+typedef struct lac_input {
+    int id;
+    bool open;
+    const char *path;
+    size_t size;    ///< of the file [bytes]
+    size_t records; ///< along `time`
+    int time;       ///< dimension
+} lac_input;
+
+static lac_status fail_read(const lac_input *in, int code, lac_error *err, const char *name)
+{
+    return lac_fail(err, LAC_EIO, "%s: cannot read %s: %s", in->path, name,
+                    code == NC_EHDFERR ? "the file is damaged" : nc_strerror(code));
+}
+
+static lac_status fail_open(const lac_input *in, int code, lac_error *err)
+{
+    if (code == NC_ENOTNC) {
+        return lac_fail(err, LAC_EIO, "%s: is not a netCDF file", in->path);
+    }
+    const char *why = code == NC_EHDFERR ? "is damaged, or still being written" : nc_strerror(code);
+    return lac_fail(err, LAC_EIO, "%s: %s", in->path, why);
+}
+
+static lac_status open_input(lac_input *in, const char *path, lac_error *err)
+{
+    *in = (lac_input){.path = path};
+    bool exists = false;
+    lac_status status = lac_nc_path(path, &exists, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    struct stat info;
+    if (!exists || stat(path, &info) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(ENOENT));
+    }
+    in->size = (size_t)info.st_size;
+    status = lac_nc_heap(path, in->size, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    int code = nc_open(path, NC_NOWRITE, &in->id);
+    if (code != NC_NOERR) {
+        return fail_open(in, code, err);
+    }
+    in->open = true;
+    size_t length = 0;
+    if (nc_inq_attlen(in->id, NC_GLOBAL, "lacuna_format_version", &length) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
+    }
+    return LAC_OK;
+}
+
+static lac_status open_series(lac_input *in, const char *path, lac_error *err)
+{
+    lac_status status = open_input(in, path, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (nc_inq_dimid(in->id, "time", &in->time) != NC_NOERR ||
+        nc_inq_dimlen(in->id, in->time, &in->records) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: holds no time series", path);
+    }
+    if (in->records / DEFLATE_MAX > in->size / sizeof(double)) {
+        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu records in %zu bytes", path, in->records,
+                        in->size);
+    }
+    return LAC_OK;
+}
+
+static void close_input(lac_input *in)
+{
+    if (in->open) {
+        (void)nc_close(in->id);
+        in->open = false;
+    }
+}
+
+// What a variable holds where nothing was written, as a double.
+static double fill_of(const lac_input *in, int id, nc_type type)
+{
+    double fill = 0.0;
+    if (nc_get_att_double(in->id, id, "_FillValue", &fill) == NC_NOERR) {
+        return fill;
+    }
+    return type == NC_DOUBLE ? NC_FILL_DOUBLE
+           : type == NC_INT  ? (double)NC_FILL_INT
+                             : (double)NC_FILL_INT64;
+}
+
+// Compares with the checksum that the run left, if the series is still as long as then.
+static lac_status check_values(const lac_input *in, int id, const char *name, const double *values,
+                               lac_error *err)
+{
+    char text[64] = "";
+    size_t length = 0;
+    size_t count = 0;
+    uint64_t expected = 0;
+    uint64_t hash = 0;
+    if (nc_inq_attlen(in->id, id, LAC_CHECKSUM, &length) != NC_NOERR || length >= sizeof text ||
+        nc_get_att_text(in->id, id, LAC_CHECKSUM, text) != NC_NOERR ||
+        sscanf(text, "%zu values, %" SCNx64, &count, &expected) != 2 || count != in->records) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; i < in->records; i++) {
+        hash = lac_column_hash(hash, values[i]);
+    }
+    return hash == expected
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: %s differs from its checksum: damaged, or edited",
+                          in->path, name);
+}
+
+// The values of a variable over `time`, NaN where missing.
+static lac_status read_variable(const lac_input *in, const char *name, double *values,
+                                lac_error *err)
+{
+    int id = 0;
+    int rank = 0;
+    int dims[NC_MAX_VAR_DIMS];
+    nc_type type = NC_NAT;
+    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: has no variable %s", in->path, name);
+    }
+    int code = nc_inq_varndims(in->id, id, &rank);
+    if (code == NC_NOERR && rank == 1) {
+        code = nc_inq_var(in->id, id, NULL, &type, NULL, dims, NULL);
+    }
+    if (code != NC_NOERR) {
+        return fail_read(in, code, err, name);
+    }
+    if (rank != 1 || dims[0] != in->time) {
+        return lac_fail(err, LAC_EIO, "%s: %s does not run over time", in->path, name);
+    }
+    const size_t start = 0;
+    if (in->records > 0) {
+        code = nc_get_vara_double(in->id, id, &start, &in->records, values);
+    }
+    if (code != NC_NOERR) {
+        return fail_read(in, code, err, name);
+    }
+    lac_status status = check_values(in, id, name, values, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    double fill = fill_of(in, id, type);
+    for (size_t i = 0; i < in->records; i++) {
+        values[i] = values[i] == fill ? NAN : values[i];
+    }
+    return LAC_OK;
+}
+
+static bool may_be_missing(size_t column)
+{
+    return strcmp(lac_columns[column].var.name, "step_size") == 0 ||
+           strcmp(lac_columns[column].var.name, "order") == 0;
+}
+
+static bool has_status(const lac_input *in, const char *status)
+{
+    char text[16] = "";
+    size_t length = 0;
+    if (nc_inq_attlen(in->id, NC_GLOBAL, "status", &length) != NC_NOERR || length >= sizeof text ||
+        nc_get_att_text(in->id, NC_GLOBAL, "status", text) != NC_NOERR) {
+        return false;
+    }
+    return strcmp(text, status) == 0;
+}
+
+// The last batch of a run that was killed may be torn, some variables without their values:
+// shortens the series to the records of which everything is there.
+static lac_status drop_torn(lac_input *in, lac_error *err)
+{
+    if (in->records == 0 || !has_status(in, "running")) {
+        return LAC_OK;
+    }
+    lac_status status = LAC_OK;
+    double *values = malloc(in->records * sizeof *values);
+    if (values == NULL) {
+        return lac_fail_memory(err);
+    }
+    size_t whole = in->records;
+    for (size_t c = 0; c < LAC_COLUMNS; c++) {
+        if (may_be_missing(c)) {
+            continue;
+        }
+        LAC_TRY(read_variable(in, lac_columns[c].var.name, values, err));
+        while (whole > 0 && isnan(values[whole - 1])) {
+            whole--;
+        }
+    }
+    in->records = whole;
+out:
+    free(values);
+    return status;
+}
+
+lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
+                          lac_error *err)
+{
+    *values = NULL;
+    *n = 0;
+    lac_input in;
+    lac_status status = LAC_OK;
+    LAC_TRY(open_series(&in, path, err));
+    LAC_TRY(drop_torn(&in, err));
+    *values = malloc((in.records > 0 ? in.records : 1) * sizeof **values);
+    if (*values == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    LAC_TRY(read_variable(&in, variable, *values, err));
+    *n = in.records;
+out:
+    close_input(&in);
+    if (status != LAC_OK) {
+        free(*values);
+        *values = NULL;
+    }
+    return status;
+}
+
+static lac_status read_string(const lac_input *in, const char *name, char *text, size_t size,
+                              lac_error *err)
+{
+    char *string = NULL;
+    int code = nc_get_att_string(in->id, NC_GLOBAL, name, &string);
+    if (code != NC_NOERR || string == NULL) {
+        return fail_read(in, code, err, name);
+    }
+    size_t length = strlen(string);
+    if (length < size) {
+        memcpy(text, string, length + 1);
+    }
+    (void)nc_free_string(1, &string);
+    return length < size ? LAC_OK
+                         : lac_fail(err, LAC_EIO, "%s: the attribute %s is longer than %zu bytes",
+                                    in->path, name, size - 1);
+}
+
+static lac_status read_text(const lac_input *in, const char *name, size_t length, char *text,
+                            size_t size, lac_error *err)
+{
+    if (length >= size || length > in->size) {
+        return lac_fail(err, LAC_EIO, "%s: the attribute %s is longer than %zu bytes", in->path,
+                        name, size - 1);
+    }
+    int code = nc_get_att_text(in->id, NC_GLOBAL, name, text);
+    text[code == NC_NOERR ? length : 0] = '\0';
+    return code == NC_NOERR ? LAC_OK : fail_read(in, code, err, name);
+}
+
+static lac_status read_number(const lac_input *in, const char *name, char *text, size_t size,
+                              lac_error *err)
+{
+    double value = 0.0;
+    int code = nc_get_att_double(in->id, NC_GLOBAL, name, &value);
+    if (code != NC_NOERR) {
+        return fail_read(in, code, err, name);
+    }
+    (void)snprintf(text, size, "%.17g", value);
+    return LAC_OK;
+}
+
+lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
+                                    lac_error *err)
+{
+    text[0] = '\0';
+    lac_input in;
+    nc_type type = NC_NAT;
+    size_t length = 0;
+    lac_status status = LAC_OK;
+    LAC_TRY(open_input(&in, path, err));
+    if (nc_inq_att(in.id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: has no attribute %s", path, name));
+    }
+    if (type == NC_CHAR) {
+        LAC_TRY(read_text(&in, name, length, text, size, err));
+    } else if (length != 1) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: the attribute %s is not one value", path, name));
+    } else if (type == NC_STRING) {
+        LAC_TRY(read_string(&in, name, text, size, err));
+    } else {
+        LAC_TRY(read_number(&in, name, text, size, err));
+    }
+out:
+    close_input(&in);
+    return status;
+}

@@ -1,0 +1,649 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The program as its users meet it: exit statuses, error lines, signals, JSON.
+
+usage: test_cli.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import pty
+import re
+import resource
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from math import exp, log
+
+PROGRAM, SOURCE = "", ""
+
+BLOCK = """\
+lacuna: 1
+title: a block
+interface: {size: "1 m", levels: 0}
+load: {normal: {pressure: "3 MPa"}}
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
+initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.9}}
+time: {start: "2024-01-01T00:00:00Z", end: "30 day"}
+"""
+
+# Cells that nothing holds together fail one by one: a run of minutes, to be stopped.
+LONG = """\
+lacuna: 1
+interface: {size: "1 m", levels: 7, domain: {full: {}}}
+load: {normal: {pressure: "3 MPa"}}
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
+initial:
+  slip_rate: "1 cm/week"
+  state: {ratio_to_steady: 0.9}
+  spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}
+material: {shear_modulus: "20 GPa", poisson: 0.25, shear_speed: "3 km/s"}
+time: {end: "30 day", failure: {mean_slip_rate: "1 km/s"}}
+solver: {rtol: 1e-9}
+"""
+
+SERIES = """\
+# Made for this test. Licence: none needed.
+date,rate_mm_per_day,disp_mm
+2024-01-01T12:00:00Z,1.4,0
+2024-01-02T00:00:00Z,NA,1.1
+2024-01-03T00:00:00Z,2.1,3
+2030-01-01T00:00:00Z,3,9
+"""
+
+
+class Case(unittest.TestCase):
+    """A folder of its own, and ways to call the program in it."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="lacuna-cli-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.write("block.yaml", BLOCK)
+
+    def write(self, name, text):
+        with open(os.path.join(self.folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def exists(self, name):
+        return os.path.exists(self.path(name))
+
+    def files(self):
+        return sorted(os.listdir(self.folder))
+
+    def lacuna(self, *words, **options):
+        options.setdefault("stdout", subprocess.PIPE)
+        return subprocess.run([PROGRAM, *words], cwd=self.folder, stderr=subprocess.PIPE,
+                              stdin=subprocess.DEVNULL, timeout=120, text=True, check=False,
+                              **options)
+
+    def start(self, *words):
+        process = subprocess.Popen([PROGRAM, *words], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def expect(self, status, *words, **options):
+        done = self.lacuna(*words, **options)
+        self.assertEqual(done.returncode, status, f"{words}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def expect_line(self, status, line, *words):
+        """Exit status, exactly this one line on stderr, nothing on stdout."""
+        done = self.expect(status, *words)
+        self.assertEqual(done.stderr, f"lacuna: {line}\n")
+        self.assertEqual(done.stdout, "")
+
+    def status_attribute(self, name):
+        """The file's own word on whether it is whole."""
+        if shutil.which("ncdump"):
+            text = subprocess.run(["ncdump", "-h", self.path(name)], capture_output=True,
+                                  text=True, check=True).stdout
+            return re.search(r':status = "(\w+)"', text).group(1)
+        with open(self.path(name), "rb") as file:
+            data = file.read()
+        found = [s for s in ("complete", "failed", "interrupted") if s.encode() in data]
+        return found[0] if found else "running"
+
+
+class Usage(Case):
+    def test_no_command(self):
+        self.expect_line(2, "no command given; see lacuna --help")
+
+    def test_unknown_command_names_the_nearest(self):
+        self.expect_line(2, '"rnu" is no command; did you mean "run"?', "rnu", "block.yaml")
+
+    def test_unknown_option_names_the_nearest(self):
+        self.expect_line(2, '"--forse" is no option; did you mean "--force"?', "run", "--forse",
+                         "block.yaml")
+        self.expect_line(2, '"--outptu" is no option; did you mean "--output"?', "run",
+                         "--outptu=x.nc", "block.yaml")
+        self.expect_line(2, '"-x" is no option; see lacuna --help', "-x", "run", "block.yaml")
+
+    def test_missing_value(self):
+        self.expect_line(2, "--output: needs a value: --output FILE", "run", "block.yaml", "-o")
+        self.expect_line(2, "--set: needs a value: --set KEY=VALUE", "check", "block.yaml",
+                         "--set")
+
+    def test_value_where_none_belongs(self):
+        self.expect_line(2, '--json: takes no value, not "yes"', "check", "--json=yes",
+                         "block.yaml")
+
+    def test_option_of_another_command(self):
+        self.expect_line(2, "--force: not an option of check; see lacuna check --help", "check",
+                         "block.yaml", "--force")
+
+    def test_arguments(self):
+        self.expect_line(2, "run: CASE is missing; see lacuna run --help", "run")
+        self.expect_line(2, 'check: "b" is one argument too many', "check", "block.yaml", "b")
+
+    def test_threads_must_be_a_number(self):
+        for wrong in ("0", "-1", "x", "1.5", "99999999999999999999"):
+            self.expect_line(2, f'--threads: "{wrong}" must be a number from 1 to 1024', "check",
+                             "block.yaml", f"--threads={wrong}")
+
+    def test_set_needs_an_equals_sign(self):
+        self.expect_line(2, '--set: "solver" must be key.path=value', "check", "block.yaml",
+                         "--set", "solver")
+
+    def test_version_names_the_libraries(self):
+        out = self.expect(0, "--version").stdout
+        self.assertRegex(out, r"^lacuna \d+\.\d+\.\d+\n")
+        for library in ("SUNDIALS", "netCDF", "FFTW", "GSL", "libyaml"):
+            self.assertRegex(out, library + r" \d+\.\d+")
+
+    def test_help_fits_a_screen_and_has_an_example(self):
+        commands = ["run", "check", "contact", "new", "describe"]
+        texts = [self.expect(0, "--help").stdout]
+        texts += [self.expect(0, command, "--help").stdout for command in commands]
+        self.assertEqual(self.expect(0, "help", "run").stdout, texts[1])
+        for text in texts:
+            self.assertIn("example: lacuna", text)
+            self.assertLessEqual(len(text.splitlines()), 24, text)
+            self.assertLessEqual(max(map(len, text.splitlines())), 80, text)
+        for command in commands:
+            self.assertIn(f"  {command} ", texts[0])
+
+
+class Cases(Case):
+    def test_missing_case(self):
+        done = self.expect(3, "check", "absent.yaml")
+        self.assertRegex(done.stderr, r"^lacuna: .*absent\.yaml: .*\n$")
+
+    def test_options_before_and_after(self):
+        self.expect(0, "-q", "check", "block.yaml")
+        self.expect(0, "check", "-qv", "--", "block.yaml")
+
+    def test_check_prints_a_case_that_checks(self):
+        first = self.expect(0, "check", "block.yaml").stdout
+        self.write("again.yaml", first)
+        self.assertEqual(self.expect(0, "check", "again.yaml").stdout, first)
+
+    def test_check_json(self):
+        done = json.loads(self.expect(0, "check", "block.yaml", "--json").stdout)
+        self.assertIs(done["ok"], True)
+        self.assertEqual(done["errors"], [])
+        self.assertIn("aging", done["scene"])
+        self.assertEqual(done["estimate"]["contact_cells"], 1)
+        self.assertEqual(done["estimate"]["unknowns"], 2)
+
+    def test_check_json_lists_errors(self):
+        self.write("bad.yaml", BLOCK.replace("0.1 mm", "-1 um").replace("title", "titel"))
+        out = self.expect(2, "check", "bad.yaml", "--json")
+        done = json.loads(out.stdout)
+        self.assertIs(done["ok"], False)
+        self.assertEqual(len(done["errors"]), 2)
+        self.assertEqual(len(out.stderr.splitlines()), 2)
+        error = done["errors"][1]
+        self.assertEqual((error["file"], error["line"], error["key"], error["value"]),
+                         ("bad.yaml", 5, "friction.aging.dc", "-1 um"))
+        self.assertIn("> 0", error["message"])
+        self.assertIn('lacuna: bad.yaml:5: friction.aging.dc: "-1 um" must be > 0', out.stderr)
+
+    def test_set(self):
+        out = self.expect(0, "check", "block.yaml", "--set", "friction.aging.dc=7 mm", "--set",
+                          "title=changed", "--json").stdout
+        scene = json.loads(out)["scene"]
+        self.assertIn("changed", scene)
+        self.assertRegex(scene, r"dc: .*0?\.?007|dc: .*7e-0?3")
+
+    def test_check_builds_a_small_scene(self):
+        """What only shows when the scene is built."""
+        done = self.expect(2, "check", "block.yaml", "--set",
+                           "load.pore_pressure=[{constant: {value: 4 MPa}}]")
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertTrue(done.stderr.startswith("lacuna: block.yaml: "), done.stderr)
+
+    def test_set_reports_its_key(self):
+        done = self.expect(2, "check", "block.yaml", "--set", "friction.aging.dcc=1")
+        self.assertIn("friction.aging.dcc", done.stderr)
+        self.assertIn("dc", done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+
+    def test_wrong_cases(self):
+        """Each file of tests/case/wrong says in its comments, or beside it, what is wrong."""
+        folder = os.path.join(SOURCE, "tests", "case", "wrong")
+        names = sorted(n for n in os.listdir(folder) if n.endswith(".yaml"))
+        self.assertGreaterEqual(len(names), 30)
+        for name in names:
+            with self.subTest(name):
+                self.check_wrong_case(folder, name)
+
+    def check_wrong_case(self, folder, name):
+        shutil.copytree(folder, self.path("wrong"), dirs_exist_ok=True)
+        where = self.path("wrong")
+        with open(os.path.join(where, name[:-5] + ".expected"), encoding="utf-8") as file:
+            expected = [f"lacuna: {line}" for line in file.read().splitlines() if line]
+        before = sorted(os.listdir(where))
+        for words in (["check", name], ["run", name, "-o", "out.nc"], ["contact", name]):
+            done = subprocess.run([PROGRAM, *words, "-q"], cwd=where, capture_output=True,
+                                  timeout=60, check=False)
+            lines = done.stderr.decode("utf-8", "replace").splitlines()
+            self.assertEqual(done.returncode, 2, lines)
+            self.assertEqual(lines, expected)
+            self.assertEqual(done.stdout, b"")
+        self.assertEqual(sorted(os.listdir(where)), before)
+
+
+class Runs(Case):
+    def test_run_writes_a_whole_file_and_a_summary(self):
+        out = self.expect(0, "run", "block.yaml").stdout
+        self.assertEqual(self.status_attribute("block.nc"), "complete")
+        for label in ("contact cells", "apparent friction", "failure", "balance residual",
+                      "largest slip rate", "peak memory", "block.nc (complete)"):
+            self.assertIn(label, out)
+        self.assertRegex(out, r"failure +after .* on 2024-01-\d\dT\d\d:\d\d:\d\dZ")
+
+    def test_run_json(self):
+        done = json.loads(self.expect(0, "run", "block.yaml", "--json").stdout)
+        for key in ("status", "failed", "failure_time_s", "failure_date", "n_cells", "steps",
+                    "rhs_evaluations", "max_slip_rate_m_s", "mean_slip_m", "events",
+                    "balance_residual", "wall_time_s", "cpu_time_s", "peak_memory_bytes",
+                    "output", "compare"):
+            self.assertIn(key, done)
+        self.assertEqual(done["status"], "complete")
+        self.assertIs(done["failed"], True)
+        self.assertEqual(done["n_cells"], 1)
+        self.assertGreaterEqual(done["max_slip_rate_m_s"], 0.999)
+        self.assertTrue(0 < done["failure_time_s"] < 30 * 86400)
+        self.assertEqual(done["output"], "block.nc")
+
+    def test_json_escapes(self):
+        title = 'quote " backslash \\ tab \t new\nline \u00e9 \u2192 \U0001f600'
+        text = json.dumps(title, ensure_ascii=False)
+        done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
+                                      "title=" + text).stdout)
+        self.assertEqual(done["title"], title)
+
+    def test_failure_time_of_a_block(self):
+        done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
+                                      "solver.rtol=1e-10").stdout)
+        self.assertAlmostEqual(done["failure_time_s"] / block_failure_time(), 1, delta=1e-5)
+
+    def test_no_failure_is_said(self):
+        out = self.expect(0, "run", "block.yaml", "--set", "initial.state.ratio_to_steady=1.5")
+        self.assertRegex(out.stdout, r"failure +none by the end, after 30 day")
+
+    def test_until(self):
+        done = json.loads(self.expect(0, "run", "block.yaml", "--until", "1 hour",
+                                      "--json").stdout)
+        self.assertAlmostEqual(done["time_s"], 3600, delta=1e-3)
+        self.assertIs(done["failed"], False)
+        self.assertIsNone(done["failure_time_s"])
+        self.assertIsNone(done["failure_date"])
+        done = json.loads(self.expect(0, "run", "block.yaml", "--until", "2024-01-01T02:00:00Z",
+                                      "--json", "--force").stdout)
+        self.assertAlmostEqual(done["time_s"], 7200, delta=1e-3)
+
+    def test_wrong_until(self):
+        for wrong in ("0 s", "-1 day", "31 day", "2023-01-01", "3 MPa", "nan", "soon"):
+            done = self.expect(2, "run", "block.yaml", "--until", wrong)
+            self.assertTrue(done.stderr.startswith(f'lacuna: --until: "{wrong}"'), done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+        self.assertFalse(self.exists("block.nc"))
+
+    def test_existing_output_is_kept(self):
+        self.write("block.nc", "precious")
+        line = "block.nc: exists already; --force replaces it, -o names another file"
+        self.expect_line(2, line, "run", "block.yaml")
+        with open(self.path("block.nc"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "precious")
+        self.expect(0, "run", "block.yaml", "--force")
+        self.assertEqual(self.status_attribute("block.nc"), "complete")
+
+    def test_output_must_not_be_an_input(self):
+        self.expect_line(2, "block.yaml: is read by this case, must not be the output", "run",
+                         "block.yaml", "--force", "-o", "block.yaml")
+
+    def test_unwritable_output(self):
+        for name in ("absent/x.nc", ".", "block.yaml/x.nc"):
+            done = self.expect(3, "run", "block.yaml", "-o", name, "--force")
+            self.assertTrue(done.stderr.startswith(f"lacuna: {name}: "), done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+
+    def test_output_file_of_the_case(self):
+        self.expect(0, "run", "block.yaml", "--set", "output.file=named.nc", "--until", "1 hour")
+        self.assertTrue(self.exists("named.nc"))
+
+    def test_file_too_large_is_an_io_failure(self):
+        """A disk that fills up: the file must not pass for a whole one."""
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+        done = self.lacuna("run", "block.yaml", preexec_fn=limit)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+
+    def test_stdout_that_takes_nothing(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = self.expect(3, "describe", stdout=full)
+        self.assertEqual(done.stderr, "lacuna: standard output: No space left on device\n")
+        done = self.lacuna("describe", stdout=None, preexec_fn=lambda: os.close(1))
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("lacuna: standard output: ", done.stderr)
+        read, write = os.pipe()
+        os.close(read)
+        done = self.expect(3, "describe", "--json", stdout=write)
+        os.close(write)
+        self.assertEqual(done.stderr, "lacuna: standard output: Broken pipe\n")
+
+    def test_closed_stdout_does_not_reach_the_file(self):
+        done = self.lacuna("run", "block.yaml", stdout=None, preexec_fn=lambda: os.close(1))
+        self.assertEqual(done.returncode, 3)
+        self.assertEqual(self.status_attribute("block.nc"), "complete")
+
+    def test_threads_do_not_change_the_result(self):
+        results = []
+        for n in ("1", "2"):
+            text = self.expect(0, "run", "block.yaml", "--threads", n, "--json", "--force").stdout
+            results.append(json.loads(text)["failure_time_s"])
+        self.assertEqual(results[0], results[1])
+
+    def test_quiet_and_verbose(self):
+        self.assertEqual(self.expect(0, "run", "block.yaml", "-q").stderr, "")
+        self.assertIn("lacuna: integrating", self.expect(0, "run", "block.yaml", "-v",
+                                                         "--force").stderr)
+
+
+class Compare(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("series.csv", SERIES)
+        self.write("compare.yaml", BLOCK + 'compare: [{file: series.csv, time: date, velocity: '
+                   '"rate_mm_per_day:mm/day", displacement: "disp_mm:mm", label: a prism}]\n')
+
+    def test_table(self):
+        out = self.expect(0, "run", "compare.yaml").stdout
+        self.assertIn("beside a prism: a scene with stated assumptions, not a fit", out)
+        self.assertIn("modelled/observed", out)
+        self.assertIn("2024-01-03T00:00:00Z", out)
+        self.assertIn("Made for this test", out)
+        self.assertRegex(out, r"rate misfit +rms of log10 .* over 2 readings")
+
+    def test_json(self):
+        done = json.loads(self.expect(0, "run", "compare.yaml", "--json").stdout)
+        beside = done["compare"][0]
+        self.assertEqual(beside["label"], "a prism")
+        self.assertEqual(len(beside["readings"]), 4)
+        self.assertEqual(beside["rate_readings"], 2)
+        self.assertEqual(beside["slip_readings"], 3)
+        self.assertIsNone(beside["readings"][3]["modelled_slip_m"])
+        self.assertAlmostEqual(beside["readings"][0]["observed_slip_rate_m_s"], 1.4e-3 / 86400)
+
+    def test_missing_series(self):
+        os.remove(self.path("series.csv"))
+        done = self.lacuna("run", "compare.yaml")
+        self.assertIn(done.returncode, (2, 3))
+        self.assertIn("series.csv", done.stderr)
+        self.assertFalse(self.exists("compare.nc"))
+
+    def test_dates_beside_a_run_without(self):
+        done = self.expect(2, "run", "compare.yaml", "--set", "time.start=0")
+        self.assertIn("time.start", done.stderr)
+        self.assertFalse(self.exists("compare.nc"))
+
+
+class Signals(Case):
+    def begin(self, *words):
+        """A long run whose file is there."""
+        self.write("long.yaml", LONG)
+        process = self.start("run", "long.yaml", *words)
+        deadline = time.monotonic() + 60
+        while not self.exists("long.nc") and time.monotonic() < deadline:
+            time.sleep(0.02)
+        time.sleep(0.5)
+        self.assertIsNone(process.poll(), "the long run is over too soon")
+        return process
+
+    def interrupt(self, number):
+        process = self.begin("--json")
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 4, err)
+        self.assertEqual(self.status_attribute("long.nc"), "interrupted")
+        done = json.loads(out)
+        self.assertEqual(done["status"], "interrupted")
+        self.assertGreater(done["steps"], 0)
+        self.assertRegex(err, r"^lacuna: interrupted at .*; long.nc holds the run up to there\n$")
+
+    def test_sigint(self):
+        self.interrupt(signal.SIGINT)
+
+    def test_sigterm(self):
+        self.interrupt(signal.SIGTERM)
+
+    def test_sigusr1_prints_progress(self):
+        process = self.begin()
+        process.send_signal(signal.SIGUSR1)
+        self.assertTrue(select.select([process.stderr], [], [], 30)[0])
+        self.assertRegex(process.stderr.readline(),
+                         r"^lacuna: .* of 30 day, mean slip rate .*, \d+ steps, .* s so far\n$")
+        self.assertIsNone(process.poll())
+
+    def test_interrupted_before_the_run(self):
+        self.write("long.yaml", LONG.replace("levels: 7", "levels: 10").replace(
+            "domain: {full: {}}",
+            'surface: {self-affine: {hurst: 0.8, rms_height: "1 mm", seed: 1}}'))
+        process = self.start("contact", "long.yaml")
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 4)
+        self.assertEqual(err, "lacuna: interrupted before anything was written\n")
+        self.assertEqual(self.files(), ["block.yaml", "long.yaml"])
+
+
+class Terminal(Case):
+    """The progress bar, on a terminal only."""
+
+    def stderr_of_run(self, *words, **environment):
+        self.write("long.yaml", LONG)
+        master, slave = pty.openpty()
+        process = subprocess.Popen([PROGRAM, "run", "long.yaml", *words], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=slave,
+                                   env={"PATH": os.environ["PATH"], "TERM": "xterm",
+                                        **environment})
+        os.close(slave)
+        text, deadline = b"", time.monotonic() + 3
+        while time.monotonic() < deadline:
+            if select.select([master], [], [], 0.1)[0]:
+                text += os.read(master, 4096)
+        process.kill()
+        process.wait()
+        os.close(master)
+        return text.decode()
+
+    def test_bar(self):
+        text = self.stderr_of_run()
+        self.assertRegex(text, r"\r\[.*\] +\d+ % .* of 30 day")
+        self.assertIn("\033[32m", text)
+
+    def test_no_colour(self):
+        text = self.stderr_of_run(NO_COLOR="1")
+        self.assertRegex(text, r"\r\[[#-]*\] +\d+ %")
+        self.assertNotIn("\033[32m", text)
+
+    def test_no_bar(self):
+        self.assertEqual(self.stderr_of_run("--no-progress"), "")
+        self.assertEqual(self.stderr_of_run("--quiet", "--force"), "")
+        self.assertEqual(self.stderr_of_run("--force", TERM="dumb"), "")
+
+
+class Contact(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("joint.yaml", LONG.replace("levels: 7", "levels: 6").replace(
+            "domain: {full: {}}",
+            'surface: {self-affine: {hurst: 0.8, rms_height: "1 mm", seed: 1}}'))
+
+    def test_text_and_file(self):
+        out = self.expect(0, "contact", "joint.yaml").stdout
+        for label in ("contact cells", "mean real pressure", "iterations", "D_box"):
+            self.assertIn(label, out)
+        self.assertTrue(self.exists("joint-contact.nc"))
+        self.expect(2, "contact", "joint.yaml")
+        self.expect(0, "contact", "joint.yaml", "-o", "other.nc")
+
+    def test_json(self):
+        done = json.loads(self.expect(0, "contact", "joint.yaml", "--json").stdout)
+        for key in ("n_cells", "grid", "contact_fraction", "max_pressure_Pa",
+                    "mean_real_pressure_Pa", "iterations", "complementarity_error",
+                    "penetration_m", "delta_s", "delta_s_error", "d_box", "d_box_error",
+                    "cpu_time_s"):
+            self.assertIn(key, done)
+        self.assertIsNone(done["delta_s"])
+        self.assertLessEqual(done["complementarity_error"], 1e-8)
+        # Every newton of the nominal load is carried by the cells that touch.
+        self.assertAlmostEqual(done["mean_real_pressure_Pa"] * done["contact_fraction"] / 3e6, 1,
+                               delta=1e-7)
+        self.assertAlmostEqual(done["n_cells"] / 64 ** 2, done["contact_fraction"], delta=1e-12)
+
+    def test_a_block_has_no_surface(self):
+        done = json.loads(self.expect(0, "contact", "block.yaml", "--json").stdout)
+        self.assertEqual(done["n_cells"], 1)
+        self.assertIsNone(done["iterations"])
+        self.assertIsNone(done["d_box"])
+
+
+class New(Case):
+    def test_new_check_run(self):
+        for kind in ("block", "joint", "slope"):
+            with self.subTest(kind):
+                self.expect(0, "new", "my-" + kind, "--kind", kind)
+                self.assertEqual(self.expect(0, "check", f"my-{kind}.yaml").stderr, "")
+                out = self.expect(0, "run", f"my-{kind}.yaml", "--json").stdout
+                done = json.loads(out)
+                self.assertEqual(done["status"], "complete")
+                self.assertIs(done["failed"], True)
+                self.assertLess(done["cpu_time_s"], 10)
+
+    def test_default_name_and_overwriting(self):
+        self.expect(0, "new")
+        self.assertTrue(self.exists("case.yaml"))
+        self.expect_line(2, "case.yaml: exists already; --force replaces it", "new")
+        self.expect(0, "new", "--force")
+        self.expect(0, "new", "case.yaml", "--force")
+        self.assertFalse(self.exists("case.yaml.yaml"))
+
+    def test_json(self):
+        done = json.loads(self.expect(0, "new", "x", "--json").stdout)
+        self.assertEqual(done["output"], "x.yaml")
+
+    def test_wrong(self):
+        self.expect(3, "new", "absent/x")
+        self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
+                         "--kind", "blok")
+        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, joint, slope', "new",
+                         "--kind", "dam")
+
+
+class Describe(Case):
+    def test_everything(self):
+        whole = json.loads(self.expect(0, "describe", "--json").stdout)
+        overview = self.expect(0, "describe").stdout
+        self.assertGreaterEqual(len(whole["kinds"]), 5)
+        self.assertGreaterEqual(len(whole["sections"]), 4)
+        for kind in whole["kinds"]:
+            self.assertTrue(kind["summary"])
+            self.describe_kind(kind, overview)
+        for section in whole["sections"]:
+            self.assertIn(section["name"], overview)
+            self.check_parameters(section, self.expect(0, "describe", section["name"]).stdout)
+
+    def describe_kind(self, kind, overview):
+        listing = self.expect(0, "describe", kind["name"]).stdout
+        self.assertGreaterEqual(len(kind["models"]), 1)
+        for model in kind["models"]:
+            self.assertIn(model["name"], overview)
+            self.assertIn(model["name"], listing)
+            text = self.expect(0, "describe", kind["name"], model["name"]).stdout
+            self.check_parameters(model, text)
+
+    def check_parameters(self, owner, text):
+        for parameter in owner["parameters"]:
+            self.assertIn(parameter["key"], text)
+            self.assertTrue(parameter["doc"], parameter)
+            if parameter["type"] in ("real", "integer"):
+                self.assertTrue(parameter["unit"], parameter)
+        self.assertLessEqual(max(map(len, text.splitlines())), 100, text)
+
+    def test_one_model(self):
+        done = json.loads(self.expect(0, "describe", "friction", "aging", "--json").stdout)
+        model = done["kinds"][0]["models"][0]
+        keys = {p["key"]: p for p in model["parameters"]}
+        self.assertEqual(keys["dc"]["unit"], "m")
+        self.assertIs(keys["dc"]["cellwise"], True)
+
+    def test_unknown(self):
+        done = self.expect(2, "describe", "frction")
+        self.assertEqual(done.stderr,
+                         'lacuna: describe: "frction" is no kind or section; did you mean '
+                         '"friction"?\n')
+        done = self.expect(2, "describe", "friction", "ageing")
+        self.assertIn('did you mean "aging"?', done.stderr)
+
+
+def block_failure_time():
+    """Constant load, aging law, no damping: f fixed, so v = v_i (theta_i/theta)^(b/a), and
+    theta follows one equation, integrated here by Runge-Kutta in x = theta/theta_i."""
+    a, b, dc, ratio = 0.010, 0.015, 1e-4, 0.9
+    v = 0.01 / (7 * 86400)
+    theta = ratio ** (1 - b / a) * dc / v
+    target, t, log_theta = 1.0, 0.0, 0.0
+
+    def rate(y):
+        return exp(-y) / theta - v / dc * exp(-b / a * y)
+
+    end = -a / b * log(target / v)
+    while True:
+        step = 1e-3 / abs(rate(log_theta))
+        k1 = rate(log_theta)
+        k2 = rate(log_theta + step / 2 * k1)
+        k3 = rate(log_theta + step / 2 * k2)
+        k4 = rate(log_theta + step * k3)
+        following = log_theta + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        if following <= end:
+            return t + (end - log_theta) / rate(end)
+        log_theta, t = following, t + step
+
+
+def main():
+    global PROGRAM, SOURCE
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    PROGRAM, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+
+
+if __name__ == "__main__":
+    main()

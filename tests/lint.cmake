@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the sources must look like; label `lint`. Each check is shown to fail by lint.selftest.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+set(lint ${CMAKE_SOURCE_DIR}/tools/lint)
+
+function(lacuna_lint name)
+  add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  set_tests_properties(lint.${name} PROPERTIES LABELS lint ENVIRONMENT PYTHONDONTWRITEBYTECODE=1)
+endfunction()
+
+lacuna_lint(selftest ${Python3_EXECUTABLE} ${lint}/selftest.py ${CMAKE_C_COMPILER})
+lacuna_lint(layers ${Python3_EXECUTABLE} ${lint}/layers.py)
+lacuna_lint(sizes ${Python3_EXECUTABLE} ${lint}/sizes.py)
+lacuna_lint(spdx ${Python3_EXECUTABLE} ${lint}/spdx.py)
+
+# Sanitizers, fuzzers and coverage add symbols of their own.
+if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ AND NOT CMAKE_C_FLAGS MATCHES "--coverage")
+  lacuna_lint(symbols ${Python3_EXECUTABLE} ${lint}/symbols.py $<TARGET_FILE:lacuna>)
+endif()
+
+file(GLOB_RECURSE lint_sources CONFIGURE_DEPENDS
+     ${CMAKE_SOURCE_DIR}/include/*.h ${CMAKE_SOURCE_DIR}/src/*.[ch]
+     ${CMAKE_SOURCE_DIR}/tests/*.[ch] ${CMAKE_SOURCE_DIR}/tools/*.[ch])
+
+# Another version of clang-format breaks lines elsewhere.
+find_program(CLANG_FORMAT NAMES clang-format-14 clang-format)
+if(CLANG_FORMAT)
+  execute_process(COMMAND ${CLANG_FORMAT} --version OUTPUT_VARIABLE clang_format_version)
+  if(clang_format_version MATCHES "version 14\\.")
+    lacuna_lint(format ${CLANG_FORMAT} --dry-run -Werror ${lint_sources})
+  endif()
+  add_custom_target(format COMMAND ${CLANG_FORMAT} -i ${lint_sources} VERBATIM)
+endif()
+
+find_program(SHELLCHECK NAMES shellcheck)
+if(SHELLCHECK)
+  lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
+              tools/memcheck tools/bench .ci/run)
+endif()
+
+# Every unit of the compilation database; the options that gcc alone knows are dropped.
+find_program(RUN_CLANG_TIDY NAMES run-clang-tidy-14)
+if(RUN_CLANG_TIDY)
+  set(tidy ${RUN_CLANG_TIDY} -quiet -p ${CMAKE_BINARY_DIR}
+      -extra-arg=-Wno-unknown-warning-option ${CMAKE_SOURCE_DIR}/src/.*)
+  add_custom_target(tidy COMMAND ${tidy} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} VERBATIM)
+  lacuna_lint(tidy ${tidy})
+  set_tests_properties(lint.tidy PROPERTIES TIMEOUT 900 COST 1000)
+endif()

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is left of a file whose writer was killed, whose disk was full, or whose bytes have changed.
+// Each writer and reader runs in a process of its own, so that a crash or a hang is a finding.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/rng.h"
+#include "lacuna/store.h"
+#include "support/scratch.h"
+#include "support/store_records.h"
+
+enum { KILLS = 25, DAMAGED = 300, PATIENCE = 10 /* seconds */ };
+
+static scratch folder;
+
+static int open_scratch(void **state)
+{
+    (void)state;
+    scratch_create(&folder);
+    return 0;
+}
+
+static int close_scratch(void **state)
+{
+    (void)state;
+    scratch_remove(&folder);
+    return 0;
+}
+
+// Waits for a child; its exit status, or 1000 + the signal that ended it.
+static int outcome(pid_t child)
+{
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFSIGNALED(status) ? 1000 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+// Writes records for ever, telling after each one that it is safe.
+static void write_for_ever(const char *path, int pipe_end, int64_t sync_every)
+{
+    lac_store_def def = store_def(path);
+    def.sync_every = sync_every;
+    def.force = true;
+    lac_store *store = NULL;
+    if (lac_store_create(&def, &store, NULL) != LAC_OK) {
+        _exit(1);
+    }
+    lac_sink sink = lac_store_sink(store);
+    for (size_t i = 0;; i++) {
+        lac_record record = record_of(i);
+        if (sink.record(sink.context, &record, NULL) != LAC_OK ||
+            write(pipe_end, &i, sizeof i) != sizeof i) {
+            _exit(1);
+        }
+    }
+}
+
+// Kills a writer after some records; how many it said it had given.
+static size_t kill_writer(const char *path, int64_t sync_every, size_t after, useconds_t later)
+{
+    int ends[2];
+    assert_int_equal(pipe(ends), 0);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        (void)close(ends[0]);
+        write_for_ever(path, ends[1], sync_every);
+    }
+    (void)close(ends[1]);
+    size_t last = 0;
+    while (last + 1 < after) {
+        assert_int_equal(read(ends[0], &last, sizeof last), sizeof last);
+    }
+    (void)usleep(later);
+    assert_int_equal(kill(child, SIGKILL), 0);
+    while (read(ends[0], &last, sizeof last) == sizeof last) {
+    }
+    (void)close(ends[0]);
+    assert_int_equal(outcome(child), 1000 + SIGKILL);
+    return last + 1;
+}
+
+static void synced_records_survive_kill(void **state)
+{
+    (void)state;
+    size_t torn = 0;
+    for (size_t k = 0; k < KILLS; k++) {
+        const size_t batch = k % 2 == 0 ? 1 : 8;
+        const char *path = scratch_path(&folder, "killed.nc");
+        size_t given = kill_writer(path, (int64_t)batch, 20 + 7 * k, (useconds_t)(37 * k));
+        size_t n = 0;
+        lac_error err = {{0}};
+        char text[32];
+        if (check_records(path, &n, &err) != LAC_OK) {
+            fail_msg("%s", err.message);
+        }
+        assert_int_equal(lac_store_read_attribute(path, "status", text, sizeof text, &err), LAC_OK);
+        assert_string_equal(text, "running");
+        // the batch in the making may be lost, and one that was being synced
+        torn += n < given / batch * batch;
+        assert_true(n + batch >= given / batch * batch);
+        assert_true(n <= given + batch);
+    }
+    print_message("%d kills, %zu of them cost a synced batch\n", KILLS, torn);
+}
+
+static void die_of_full_disk(const char *path)
+{
+    const struct rlimit limit = {.rlim_cur = 2000000, .rlim_max = 2000000};
+    (void)signal(SIGXFSZ, SIG_IGN);
+    (void)setrlimit(RLIMIT_FSIZE, &limit);
+    lac_error err = {{0}};
+    lac_store_def def = store_def(path);
+    lac_store *store = NULL;
+    lac_status status = lac_store_create(&def, &store, &err);
+    for (size_t i = 0; i < 100000 && status == LAC_OK; i++) {
+        lac_sink sink = lac_store_sink(store);
+        lac_record record = record_of(i);
+        status = sink.record(sink.context, &record, &err);
+    }
+    if (status != LAC_EIO || strstr(err.message, "full.nc: cannot") == NULL) {
+        _exit(1);
+    }
+    lac_run_result result = run_result();
+    if (lac_store_finish(store, "failed", &result, 1.0, &err) != LAC_EIO) {
+        _exit(2);
+    }
+    lac_store_free(store);
+    _exit(strstr(err.message, "File too large") != NULL ? 0 : 3);
+}
+
+static void full_disk_is_an_error(void **state)
+{
+    (void)state;
+    const char *path = scratch_path(&folder, "full.nc");
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        die_of_full_disk(path);
+    }
+    assert_int_equal(outcome(child), 0);
+    size_t n = 0;
+    lac_error err = {{0}};
+    if (check_records(path, &n, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    print_message("%zu records before the disk was full\n", n);
+    assert_true(n >= 100);
+}
+
+typedef enum verdict { UNHARMED, REFUSED, WRONG } verdict;
+
+static verdict read_damaged(const char *path)
+{
+    (void)alarm(PATIENCE);
+    size_t n = 0;
+    lac_error err = {{0}};
+    char text[64];
+    lac_status status = check_records(path, &n, &err);
+    if (status == LAC_OK) {
+        (void)lac_store_read_attribute(path, "status", text, sizeof text, &err);
+        return n == 1300 ? UNHARMED : WRONG;
+    }
+    return status == LAC_ENUMERIC ? WRONG : REFUSED;
+}
+
+static unsigned char *make_whole(size_t *size)
+{
+    lac_store_def def = store_def(scratch_path(&folder, "whole.nc"));
+    lac_store *store = NULL;
+    assert_int_equal(lac_store_create(&def, &store, NULL), LAC_OK);
+    lac_sink sink = lac_store_sink(store);
+    for (size_t i = 0; i < 1300; i++) {
+        lac_record record = record_of(i);
+        assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
+    }
+    lac_run_result result = run_result();
+    assert_int_equal(lac_store_finish(store, "complete", &result, 1.0, NULL), LAC_OK);
+    lac_store_free(store);
+    return scratch_read(def.path, size);
+}
+
+static uint64_t draw(uint64_t k, uint64_t what)
+{
+    uint64_t words[4];
+    lac_random(1, LAC_STREAM_TEST, k, what, words);
+    return words[0];
+}
+
+// Damage k: cut short, a flipped bit, a run of zeros, or a run of noise.
+static size_t damage(unsigned char *bytes, size_t size, uint64_t k)
+{
+    size_t at = draw(k, 0) % size;
+    size_t length = 1 + draw(k, 1) % 64;
+    switch (k % 4) {
+    case 0:
+        return at;
+    case 1:
+        bytes[at] ^= (unsigned char)(1u << (k / 4 % 8));
+        return size;
+    default:
+        for (size_t i = at; i < size && i < at + length; i++) {
+            bytes[i] = k % 4 == 2 ? 0 : (unsigned char)draw(i, 2);
+        }
+        return size;
+    }
+}
+
+static void damage_never_crashes(void **state)
+{
+    (void)state;
+    size_t size = 0;
+    unsigned char *whole = make_whole(&size);
+    unsigned char *bytes = malloc(size);
+    assert_non_null(bytes);
+    unsigned count[3] = {0, 0, 0};
+    for (uint64_t k = 0; k < DAMAGED; k++) {
+        memcpy(bytes, whole, size);
+        size_t left = damage(bytes, size, k);
+        const char *path = scratch_write(&folder, "damaged.nc", bytes, left);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            _exit((int)read_damaged(path));
+        }
+        int end = outcome(child);
+        if (end > WRONG) {
+            fail_msg("damage %d ended the reader: %d", (int)k, end);
+        }
+        count[end]++;
+    }
+    print_message("of %d damaged files %u were refused, %u read without harm, %u read wrongly\n",
+                  DAMAGED, count[REFUSED], count[UNHARMED], count[WRONG]);
+    assert_true(count[REFUSED] > DAMAGED / 2);
+    assert_int_equal(count[WRONG], 0);
+    free(whole);
+    free(bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(synced_records_survive_kill),
+        cmocka_unit_test(full_disk_is_an_error),
+        cmocka_unit_test(damage_never_crashes),
+    };
+    return cmocka_run_group_tests(tests, open_scratch, close_scratch);
+}

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dependencies go one way, and each library lives in one place.
+
+    layers.py [ROOT]
+
+A module includes public headers of the modules below it only, private headers (src/<module>/*.h)
+only of itself and of base. Third-party headers stand only where HOMES says, never in include/.
+"""
+
+import re
+import sys
+
+import source
+
+# What each module may use, besides base and what those use in turn.
+USES = {
+    "base": [],
+    "surface": [],
+    "contact": ["surface"],
+    "fractal": ["contact"],
+    "hierarchy": ["contact"],
+    "friction": [],
+    "transfer": ["hierarchy"],
+    "load": [],
+    "series": [],
+    "model": ["contact", "hierarchy", "friction", "transfer", "load"],
+    "run": ["model"],
+    "store": ["run", "fractal"],
+    "case": ["surface", "fractal", "series", "store"],
+    "scene": ["case"],
+    "cli": ["scene"],
+}
+
+# The module of a public header, where the names differ; lacuna.h is everyone's.
+HEADERS = {
+    "error": "base",
+    "param": "base",
+    "grid": "base",
+    "version": "base",
+    "problem": "model",
+    "lacuna": "cli",
+}
+
+# Where a library may be used, by its headers.
+HOMES = [
+    (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
+    (r"netcdf\w*\.h", "src/store/"),
+    (r"yaml\.h", "src/case/"),
+    (r"udunits2\.h", "src/base/units.c"),
+    (r"fftw3\.h", "src/base/fft.c"),
+    (r"Random123/.*", "src/base/rng.c"),
+    (r"gsl/.*", "src/"),
+]
+
+# The one file besides that may include them: it asks each for its version.
+VERSIONS = "src/cli/libraries.c"
+
+STANDARD = set(
+    """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
+    omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
+    stdlib.h stdnoreturn.h string.h tgmath.h time.h
+    dirent.h fcntl.h getopt.h pthread.h strings.h sys/ioctl.h sys/resource.h sys/stat.h sys/time.h
+    sys/types.h sys/wait.h termios.h unistd.h""".split()
+)
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+
+def reach(module):
+    """All that a module may use, itself included."""
+    seen = {"base", module}
+    for other in USES[module]:
+        seen |= reach(other)
+    return seen
+
+
+def owner(path):
+    """The module that a file belongs to; None where it is in none."""
+    public = re.fullmatch(r"(?:include/)?lacuna/(\w+)\.h", path)
+    if public:
+        name = public.group(1)
+        return HEADERS.get(name, name if name in USES else None)
+    private = re.fullmatch(r"(?:src/)?(\w+)/.*", path)
+    return private.group(1) if private and private.group(1) in USES else None
+
+
+def check_project(path, module, included):
+    other = owner(included if "/" in included else path.rsplit("/", 1)[0] + "/" + included)
+    if other is None:
+        return f'"{included}" belongs to no module that tools/lint/layers.py knows'
+    if other not in reach(module):
+        return f'{module} must not use {other} ("{included}")'
+    private = not included.startswith("lacuna/")
+    if private and path.startswith("include/"):
+        return f'a public header must not include the private "{included}"'
+    if private and other not in (module, "base"):
+        return f'"{included}" is private to {other}'
+    return None
+
+
+def check_library(path, included):
+    if included in STANDARD:
+        return None
+    for pattern, home in HOMES:
+        if re.fullmatch(pattern, included):
+            at_home = path.startswith(home) or path == VERSIONS
+            return None if at_home else f"<{included}> belongs in {home} only"
+    return f"<{included}> is new: say in tools/lint/layers.py where it lives"
+
+
+def check(path, text):
+    """Complaints about one file."""
+    module = owner(path)
+    if module is None:
+        return [f"{path}:1: belongs to no module that tools/lint/layers.py knows"]
+    complaints = []
+    visible = source.without_comments(text)
+    for match in INCLUDE.finditer(visible):
+        quote, included = match.groups()
+        if quote == '"':
+            wrong = check_project(path, module, included)
+        else:
+            wrong = check_library(path, included)
+        if wrong:
+            complaints.append(f"{path}:{source.line_of(visible, match.start(1))}: {wrong}")
+    return complaints
+
+
+def main(root):
+    complaints = []
+    for path in source.files(root, ["include", "src"], (".c", ".h")):
+        complaints += check(path, source.read(root, path))
+    return source.report(complaints, "layers")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else "."))
