@@ -217,12 +217,19 @@ class Cases(Case):
         self.assertIn("changed", scene)
         self.assertRegex(scene, r"dc: .*0?\.?007|dc: .*7e-0?3")
 
-    def test_check_builds_a_small_scene(self):
-        """What only shows when the scene is built."""
-        done = self.expect(2, "check", "block.yaml", "--set",
-                           "load.pore_pressure=[{constant: {value: 4 MPa}}]")
-        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-        self.assertTrue(done.stderr.startswith("lacuna: block.yaml: "), done.stderr)
+    def test_what_only_the_scene_shows(self):
+        """A wrong surface stands at no line of the case, but the case is named."""
+        self.expect(0, "new", "joint")
+        for command in ("check", "run", "contact"):
+            done = self.expect(2, command, "joint.yaml", "--set",
+                               "interface.surface.self-affine.shortest=9 m")
+            self.assertRegex(done.stderr, r"^lacuna: joint.yaml: .*9 m.*\n$")
+        self.assertEqual(self.files(), ["block.yaml", "joint.yaml"])
+        done = self.expect(2, "check", "joint.yaml", "--json", "--set",
+                           "interface.surface.self-affine.shortest=9 m")
+        error = json.loads(done.stdout)["errors"][0]
+        self.assertIn("9 m", error["message"])
+        self.assertIsNone(error["line"])
 
     def test_set_reports_its_key(self):
         done = self.expect(2, "check", "block.yaml", "--set", "friction.aging.dcc=1")
@@ -379,7 +386,7 @@ class Compare(Case):
     def setUp(self):
         super().setUp()
         self.write("series.csv", SERIES)
-        self.write("compare.yaml", BLOCK + 'compare: [{file: series.csv, time: date, velocity: '
+        self.write("compare.yaml", BLOCK.replace("0.1 mm", "1 mm") + 'compare: [{file: series.csv, time: date, velocity: '
                    '"rate_mm_per_day:mm/day", displacement: "disp_mm:mm", label: a prism}]\n')
 
     def test_table(self):
