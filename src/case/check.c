@@ -55,6 +55,9 @@ static void check_interface(lac_reader *reader, lac_case *c)
 
 static void check_material(lac_reader *reader, const lac_case *c)
 {
+    if (!clean(reader, "material")) {
+        return;
+    }
     bool modulus = present(reader, "material.shear_modulus");
     const lac_normal_load *normal = (const void *)c->normal.about;
     if (normal != NULL && normal->needs_density && !present(reader, "material.density")) {
@@ -73,7 +76,7 @@ static void check_material(lac_reader *reader, const lac_case *c)
     }
 }
 
-static void check_transfer(lac_reader *reader, const lac_case *c)
+static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
     const lac_descriptor *about = c->transfer.about;
     if (about == NULL || strcmp(about->name, "hierarchy") != 0) {
@@ -91,7 +94,7 @@ static void check_transfer(lac_reader *reader, const lac_case *c)
         lac_blame_key(reader, "transfer.hierarchy.ratio",
                       "goes with k0, not with stiffness: elastic");
     }
-    if (elastic && !present(reader, "material.shear_modulus")) {
+    if (elastic && material_read && !present(reader, "material.shear_modulus")) {
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed by transfer.hierarchy.stiffness: elastic; must be a "
                       "pressure such as \"20 GPa\"");
@@ -126,7 +129,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                       lac_units_format(pressure, "Pa", low, sizeof low));
     }
     double shear = sum.ratio * pressure + sum.stress + sum.spring_stress;
-    if (!fixed_by_initial && !(shear > 0.0)) {
+    if (!fixed_by_initial && clean(reader, "initial") && !(shear > 0.0)) {
         lac_blame_key(reader, "load.shear",
                       "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
                       "unless initial gives both slip_rate and state");
@@ -203,9 +206,10 @@ static void check_solver(lac_reader *reader, const lac_case *c)
 
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
+    bool material_read = clean(reader, "material");
     check_interface(reader, c);
     check_material(reader, c);
-    check_transfer(reader, c);
+    check_transfer(reader, c, material_read);
     check_load(reader, c);
     check_initial(reader, c);
     check_solver(reader, c);

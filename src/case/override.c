@@ -125,7 +125,7 @@ void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override 
     }
     lac_node *at = *root;
     size_t depth = depth_below(value);
-    while (at != NULL && *path != '\0') {
+    do {
         if (!next_part(&path, part, sizeof part) || (*path == '.' && path[1] == '\0') ||
             ++depth >= LAC_TREE_DEPTH) {
             lac_blame_text(reader, 0, override->key, "is no dotted key such as friction.aging.dc");
@@ -134,8 +134,8 @@ void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override 
         }
         at = descend(reader, override, at, part);
         path += *path == '.' ? 1 : 0;
-    }
-    if (at == NULL || at == *root) {
+    } while (at != NULL && *path != '\0');
+    if (at == NULL) {
         lac_node_free(value);
         return;
     }

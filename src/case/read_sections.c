@@ -22,6 +22,14 @@ static const lac_node *read_section(lac_reader *reader, const lac_node *parent, 
     return node;
 }
 
+// Whether a section that must be there isn't, nor is misspelt, which was reported.
+static bool section_lacks(const lac_reader *reader, const char *key)
+{
+    lac_table table = lac_section_table(LAC_SECTION_CASE);
+    return lac_node_child(reader->root, key) == NULL &&
+           !lac_key_misspelt(reader->root, &table, key);
+}
+
 static void read_version(lac_reader *reader)
 {
     const lac_node *node = lac_node_child(reader->root, "lacuna");
@@ -63,7 +71,9 @@ static void read_load(lac_reader *reader, lac_case *c)
     const lac_node *normal = lac_node_child(node, "normal");
     const lac_node *shear = lac_node_child(node, "shear");
     const lac_node *pore = lac_node_child(node, "pore_pressure");
-    if (lac_node_at(reader->root, "load") == NULL || (node != NULL && normal == NULL)) {
+    lac_table table = lac_section_table(LAC_SECTION_LOAD);
+    bool lacks_normal = node != NULL && normal == NULL && !lac_key_misspelt(node, &table, "normal");
+    if (section_lacks(reader, "load") || lacks_normal) {
         lac_blame_key(reader, "load.normal",
                       "is missing: a normal load such as {pressure: \"3 MPa\"}");
     }
@@ -94,9 +104,11 @@ static void read_friction(lac_reader *reader, lac_case *c)
 {
     const char *keys[32];
     const lac_node *node = lac_node_child(reader->root, "friction");
-    if (node == NULL) {
+    if (section_lacks(reader, "friction")) {
         lac_blame_missing(reader, reader->root, "friction",
                           "is missing: a friction law such as {aging: {...}}");
+    }
+    if (node == NULL) {
         return;
     }
     lac_read_slot(reader, node, LAC_KIND_FRICTION, "spread", &c->friction);
@@ -130,7 +142,7 @@ static void read_start(lac_reader *reader, const lac_node *node, lac_case *c)
 static void read_time(lac_reader *reader, lac_case *c)
 {
     const lac_node *node = read_section(reader, reader->root, "time", LAC_SECTION_TIME, c);
-    if (lac_node_at(reader->root, "time") == NULL) {
+    if (section_lacks(reader, "time")) {
         lac_blame_key(reader, "time.end", "is missing: must be a time such as \"1 day\"");
     }
     if (node == NULL) {

@@ -248,9 +248,8 @@ const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_
     if (issue->line > 0) {
         (void)snprintf(line, sizeof line, ":%zu", issue->line);
     }
-    (void)snprintf(text, size, "%s%s: %s%s%s%s%s%s%s", or_empty(issue->file), line, key,
+    (void)snprintf(text, size, "%s%s: %s%s%s%s%s%s", or_empty(issue->file), line, key,
                    key[0] == '\0' ? "" : ": ", value[0] == '\0' ? "" : "\"", value,
-                   value[0] == '\0' ? "" : "\" ", issue->warning ? "warning: " : "",
-                   or_empty(issue->message));
+                   value[0] == '\0' ? "" : "\" ", or_empty(issue->message));
     return text;
 }

@@ -144,8 +144,8 @@ bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *p
     case LAC_PATH:
         break;
     }
-    char *text =
-        param->type == LAC_PATH ? read_path(reader, node) : lac_read_text(reader, node, "a text");
+    char *text = param->type == LAC_PATH ? read_path(reader, node)
+                                         : lac_read_text(reader, node, "a text that is not empty");
     memcpy(at, &text, sizeof text);
     return text != NULL;
 }
@@ -194,6 +194,18 @@ static void blame_unknown_key(lac_reader *reader, const lac_node *node, const la
     lac_blame_unknown(reader, node, "key", known, n);
 }
 
+bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key)
+{
+    for (size_t i = 0; i < map->count; i++) {
+        const char *given = map->child[i]->key;
+        bool known = find(table, given) != NULL || lac_table_owns(table, given);
+        if (!known && lac_nearest(given, &key, 1) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 // Says what is wanted in the words of the error that another value would get.
 static void blame_missing(lac_reader *reader, const lac_node *map, const lac_param *param)
 {
@@ -223,7 +235,7 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *ta
     for (size_t i = 0; i < table->count; i++) {
         const lac_param *param = &table->params[i];
         if (lac_param_required(param) && !lac_table_owns(table, param->key) &&
-            lac_node_child(map, param->key) == NULL) {
+            lac_node_child(map, param->key) == NULL && !lac_key_misspelt(map, table, param->key)) {
             blame_missing(reader, map, param);
         }
     }

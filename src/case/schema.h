@@ -35,6 +35,10 @@ bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowe
 /// Whether a key is among the caller's own.
 bool lac_table_owns(const lac_table *table, const char *key);
 
+/// Whether an unknown key of a mapping, reported as such, is near a key that it lacks: that the
+/// key is missing need not be said too.
+bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key);
+
 /// Whether a parameter must be given.
 bool lac_param_required(const lac_param *param);
 
