@@ -49,9 +49,6 @@ void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *wha
 /// Puts the issues in the order of the file; those of --set come last.
 void lac_report_sort(lac_case_report *report);
 
-/// The known word nearest to `word`; NULL where none is near.
-const char *lac_nearest(const char *word, const char *const *known, size_t count);
-
 /// A copy of a text; NULL, and the reader knows, where memory is short.
 char *lac_reader_copy(lac_reader *reader, const char *text, size_t size);
 
