@@ -261,8 +261,8 @@ static void cut_and_changed_cases_are_survived(void **state)
         lac_error err = {""};
         char kept = text[i % size];
         text[i % size] = i < size ? kept : (char)(kept ^ (1 << i % 7));
-        lac_status status =
-            lac_case_build(units, "x.yaml", text, i < size ? i : size, NULL, 0, &c, &report, &err);
+        lac_case_source from = {.name = "x.yaml", .text = text, .size = i < size ? i : size};
+        lac_status status = lac_case_build(units, &from, &c, &report, &err);
         text[i % size] = kept;
         assert_true((status == LAC_OK) == (c != NULL));
         assert_true((status == LAC_OK) == (report.errors == 0));
