@@ -45,7 +45,7 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
                 report->products);
         cli_row("complementarity", "%.2g", report->complementarity_error);
-        cli_row_quantity("penetration", report->penetration, "m");
+        cli_row_quantity("penetration", fabs(report->penetration), "m");
         cli_row_quantity("approach", report->approach, "m");
     }
     cli_row("time taken", "CPU %s", lac_units_format(cli_cpu_time(), "s", cpu, sizeof cpu));
@@ -68,7 +68,7 @@ static void write_result(const lac_scene_contact *contact, const char *path)
     }
     cli_json_number(&json, "complementarity_error",
                     contact->solved ? report->complementarity_error : NAN);
-    cli_json_number(&json, "penetration_m", contact->solved ? report->penetration : NAN);
+    cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
     cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
     cli_json_null(&json, "delta_s");
     cli_json_null(&json, "delta_s_error");
