@@ -23,6 +23,12 @@ typedef enum lac_friction_form {
     LAC_FORM_REGULARISED, ///< f = a asinh(v/(2 v0) exp((f0 + b ln(v0 theta/dc))/a))
 } lac_friction_form;
 
+/// A stretch of cells and the state they are in.
+typedef struct lac_friction_cells {
+    size_t first, n;         ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
+    const double *u, *w, *v; ///< [n] ln v, ln theta and v of these cells; v = exp(u)
+} lac_friction_cells;
+
 /// Friction coefficient and state evolution over a block of cells.
 typedef struct lac_friction_values {
     double *f;   ///< friction coefficient [1]
@@ -55,12 +61,11 @@ enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_COMMON_COLUMNS };
 /// A friction law: how the state evolves. The strength is one of the forms.
 typedef struct lac_friction_law {
     lac_descriptor about;
-    /// Over cells first ... first + n - 1:  g = dw/dt, and its derivatives.
-    /// @param u, w, v  [n] ln v, ln theta, v of these cells
-    /// @param g        [n]
-    /// @param g_u, g_w [n], or NULL where not wanted (both)
-    void (*evolve)(const lac_friction *friction, size_t first, size_t n, const double *u,
-                   const double *w, const double *v, double *g, double *g_u, double *g_w);
+    /// g = dw/dt of the cells, and its derivatives.
+    /// @param g         [n]; overwritten
+    /// @param g_u, g_w  [n]; overwritten, or NULL where not wanted (both)
+    void (*evolve)(const lac_friction *friction, const lac_friction_cells *cells, double *g,
+                   double *g_u, double *g_w);
     /// ln theta at which a cell sliding at ln v = u is steady.
     double (*steady_state)(const lac_friction *friction, size_t cell, double u);
 } lac_friction_law;
@@ -84,14 +89,12 @@ void lac_friction_free(lac_friction *friction);
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
                             lac_error *err);
 
-/// Evaluates strength and evolution over cells first ... first + n - 1 (n <= LAC_FRICTION_BLOCK).
-/// @param u, w, v  [n] ln v, ln theta, v of these cells; v = exp(u)
-/// @param values   [n] arrays; overwritten
-/// @param slopes   [n] arrays; overwritten; NULL where not wanted
+/// Evaluates strength and evolution over some cells.
+/// @param values  [n] arrays; overwritten
+/// @param slopes  [n] arrays; overwritten; NULL where not wanted
 /// @return nothing; cannot fail, but the results may be infinite where u or w are
-void lac_friction_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
-                           const double *w, const double *v, const lac_friction_values *values,
-                           const lac_friction_slopes *slopes);
+void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cells *cells,
+                           const lac_friction_values *values, const lac_friction_slopes *slopes);
 
 /// Friction coefficient of one cell.
 double lac_friction_coefficient(const lac_friction *friction, size_t cell, double u, double w);

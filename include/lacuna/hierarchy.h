@@ -51,7 +51,9 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
 /// @param y         [n] right-hand side
 /// @param x         [n] solution; overwritten; may be y itself
 /// @param work      [lac_hierarchy_work] scratch
-/// @return false where a pivot is not finite and positive: the matrix is not positive definite
+/// @return false where a pivot is not finite and positive, x is then undefined. Where true, the
+///         matrix is positive definite; the converse holds where k falls with the level down to
+///         k_mean, else a positive definite matrix with D_i <= -k_l may be refused as well
 /// @cost   O(n): one pass up, one pass down; allocates nothing
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);

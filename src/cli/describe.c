@@ -50,8 +50,7 @@ static lac_status unknown_kind(const char *word, lac_error *err)
     for (size_t i = 0; n < MAX_NAMES && lac_section_at(i) != NULL; i++) {
         names[n++] = lac_section_at(i)->name;
     }
-    return lac_fail(err, LAC_EINPUT, "describe: \"%.60s\": unknown kind, the nearest is %s", word,
-                    cli_nearest(word, names, n));
+    return cli_unknown("describe: ", word, "kind or section", names, n, err);
 }
 
 static lac_status unknown_model(const lac_kind *kind, const char *word, lac_error *err)
@@ -62,8 +61,9 @@ static lac_status unknown_model(const lac_kind *kind, const char *word, lac_erro
         names[n] = kind->at(n)->name;
         n++;
     }
-    return lac_fail(err, LAC_EINPUT, "describe %s: \"%.60s\": unknown model, the nearest is %s",
-                    kind->name, word, n > 0 ? cli_nearest(word, names, n) : "none");
+    char what[80];
+    (void)snprintf(what, sizeof what, "model of %s", kind->name);
+    return cli_unknown("describe: ", word, what, names, n, err);
 }
 
 static void print_kind(const lac_kind *kind)

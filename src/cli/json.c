@@ -3,6 +3,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,16 +36,27 @@ static size_t utf8_length(const unsigned char *s)
     return 0;
 }
 
+// Text goes through here: what cannot be written shows up when the stream is flushed.
+static void put(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void put(FILE *out, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    (void)vfprintf(out, format, args);
+    va_end(args);
+}
+
 static void write_character(FILE *out, const unsigned char *s, size_t length)
 {
     if (length == 0) {
-        fputs("\\ufffd", out);
+        put(out, "\\ufffd");
     } else if (*s == '"' || *s == '\\') {
-        fprintf(out, "\\%c", *s);
+        put(out, "\\%c", *s);
     } else if (*s == '\n') {
-        fputs("\\n", out);
+        put(out, "\\n");
     } else if (*s < 0x20 || *s == 0x7f) {
-        fprintf(out, "\\u%04x", (unsigned)*s);
+        put(out, "\\u%04x", (unsigned)*s);
     } else {
         (void)fwrite(s, 1, length, out);
     }
@@ -52,23 +64,23 @@ static void write_character(FILE *out, const unsigned char *s, size_t length)
 
 static void write_string(FILE *out, const char *text)
 {
-    putc('"', out);
+    put(out, "\"");
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
         size_t length = utf8_length(s);
         write_character(out, s, length);
         s += length > 0 ? length : 1;
     }
-    putc('"', out);
+    put(out, "\"");
 }
 
 static void start_value(cli_json *json, const char *key)
 {
     if (json->depth > 0) {
-        fprintf(json->out, "%s\n%*s", json->filled ? "," : "", 2 * json->depth, "");
+        put(json->out, "%s\n%*s", json->filled ? "," : "", 2 * json->depth, "");
     }
     if (key != NULL) {
         write_string(json->out, key);
-        fputs(": ", json->out);
+        put(json->out, ": ");
     }
     json->filled = true;
 }
@@ -76,7 +88,7 @@ static void start_value(cli_json *json, const char *key)
 void cli_json_open(cli_json *json, const char *key, char bracket)
 {
     start_value(json, key);
-    putc(bracket, json->out);
+    put(json->out, "%c", bracket);
     json->depth++;
     json->filled = false;
 }
@@ -85,11 +97,11 @@ void cli_json_close(cli_json *json, char bracket)
 {
     json->depth--;
     if (json->filled) {
-        fprintf(json->out, "\n%*s", 2 * json->depth, "");
+        put(json->out, "\n%*s", 2 * json->depth, "");
     }
-    putc(bracket, json->out);
+    put(json->out, "%c", bracket);
     if (json->depth == 0) {
-        putc('\n', json->out);
+        put(json->out, "\n");
     }
     json->filled = true;
 }
@@ -98,7 +110,7 @@ void cli_json_number(cli_json *json, const char *key, double value)
 {
     start_value(json, key);
     if (!isfinite(value)) {
-        fputs("null", json->out);
+        put(json->out, "null");
         return;
     }
     char text[40];
@@ -106,25 +118,25 @@ void cli_json_number(cli_json *json, const char *key, double value)
     do {
         (void)snprintf(text, sizeof text, "%.*g", digits, value);
     } while (digits++ < 17 && strtod(text, NULL) != value);
-    fputs(text, json->out);
+    put(json->out, "%s", text);
 }
 
 void cli_json_integer(cli_json *json, const char *key, int64_t value)
 {
     start_value(json, key);
-    fprintf(json->out, "%" PRId64, value);
+    put(json->out, "%" PRId64, value);
 }
 
 void cli_json_boolean(cli_json *json, const char *key, bool value)
 {
     start_value(json, key);
-    fputs(value ? "true" : "false", json->out);
+    put(json->out, "%s", value ? "true" : "false");
 }
 
 void cli_json_null(cli_json *json, const char *key)
 {
     start_value(json, key);
-    fputs("null", json->out);
+    put(json->out, "null");
 }
 
 void cli_json_text(cli_json *json, const char *key, const char *text)

@@ -86,7 +86,7 @@ static void print_help(void)
         printf("  %-8s %-13s %s\n", command->name, command->arguments, command->summary);
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
-    cli_options_help(stdout, CLI_OPT_COMMON);
+    cli_options_help(CLI_OPT_COMMON);
     puts("\nexample: lacuna new && lacuna run case.yaml");
     print_exit_statuses();
 }
@@ -97,7 +97,7 @@ static void print_command_help(const cli_command *command)
            command->summary);
     cli_wrap("", command->notes);
     puts("");
-    cli_options_help(stdout, command->options | CLI_OPT_COMMON);
+    cli_options_help(command->options | CLI_OPT_COMMON);
     printf("\nexample: %s\n", command->example);
     print_exit_statuses();
 }
@@ -162,11 +162,11 @@ int main(int argc, char **argv)
         status = dispatch(&request, &err);
     }
     if (status != LAC_OK && err.message[0] != '\0') {
-        fprintf(stderr, "lacuna: %s\n", err.message);
+        cli_note("%s", err.message);
     }
     lac_status flushed = flush_results(&err);
     if (flushed != LAC_OK) {
-        fprintf(stderr, "lacuna: %s\n", err.message);
+        cli_note("%s", err.message);
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);

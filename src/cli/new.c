@@ -19,8 +19,7 @@ static const cli_template *find_template(const char *kind, lac_error *err)
             return &cli_templates[n];
         }
     }
-    (void)lac_fail(err, LAC_EINPUT, "--kind: \"%.60s\" must be block, joint or slope; nearest: %s",
-                   kind, cli_nearest(kind, names, n));
+    (void)cli_unknown("--kind: ", kind, "kind of case", names, n, err);
     return NULL;
 }
 

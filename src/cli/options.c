@@ -32,7 +32,7 @@ static const option table[] = {
 
 enum { OPTIONS = sizeof table / sizeof *table };
 
-void cli_options_help(FILE *out, unsigned mask)
+void cli_options_help(unsigned mask)
 {
     for (size_t i = 0; i < OPTIONS; i++) {
         if ((table[i].bit & mask) == 0) {
@@ -44,7 +44,7 @@ void cli_options_help(FILE *out, unsigned mask)
         }
         (void)snprintf(left, sizeof left, "%s--%s %s", letter, table[i].name,
                        table[i].value == NULL ? "" : table[i].value);
-        fprintf(out, "  %-23s %s\n", left, table[i].doc);
+        printf("  %-23s %s\n", left, table[i].doc);
     }
 }
 
@@ -78,13 +78,13 @@ static const option *find_letter(char letter)
 static lac_status unknown_name(const char *name, size_t length, lac_error *err)
 {
     const char *names[OPTIONS];
-    char given[64];
-    (void)snprintf(given, sizeof given, "%.*s", (int)(length < 63 ? length : 63), name);
+    char dashed[OPTIONS][24], given[64];
+    (void)snprintf(given, sizeof given, "--%.*s", (int)(length < 60 ? length : 60), name);
     for (size_t i = 0; i < OPTIONS; i++) {
-        names[i] = table[i].name;
+        (void)snprintf(dashed[i], sizeof dashed[i], "--%s", table[i].name);
+        names[i] = dashed[i];
     }
-    return lac_fail(err, LAC_EINPUT, "--%s: unknown option, the nearest is --%s", given,
-                    cli_nearest(given, names, OPTIONS));
+    return cli_unknown("", given, "option", names, OPTIONS, err);
 }
 
 static lac_status add_override(cli_request *request, const char *text, lac_error *err)
@@ -175,7 +175,7 @@ static lac_status read_letters(cursor *c, const char *letters, cli_request *requ
     for (; *letters != '\0'; letters++) {
         const option *o = find_letter(*letters);
         if (o == NULL) {
-            return lac_fail(err, LAC_EINPUT, "-%c: unknown option; see lacuna --help", *letters);
+            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
         }
         if (o->value == NULL) {
             lac_status status = apply(request, o, "", err);
@@ -197,8 +197,7 @@ static lac_status unknown_command(const char *name, lac_error *err)
         names[n] = cli_command_at(n)->name;
         n++;
     }
-    return lac_fail(err, LAC_EINPUT, "\"%.60s\": unknown command, the nearest is %s", name,
-                    cli_nearest(name, names, n));
+    return cli_unknown("", name, "command", names, n, err);
 }
 
 static lac_status read_argument(const char *word, cli_request *request, lac_error *err)

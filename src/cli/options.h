@@ -54,7 +54,7 @@ static inline bool cli_given(const cli_request *request, unsigned option)
     return (request->given & option) != 0;
 }
 
-/// Prints the help lines of the options in `mask`.
-void cli_options_help(FILE *out, unsigned mask);
+/// Prints the help lines of the options in `mask` on stdout.
+void cli_options_help(unsigned mask);
 
 #endif

@@ -11,6 +11,7 @@
 
 #include "base/units.h"
 #include "cli/signals.h"
+#include "cli/words.h"
 
 double cli_clock(void)
 {
@@ -62,8 +63,9 @@ static void draw(cli_progress *progress, const lac_progress *now)
     char text[160];
     int done = (int)(BAR * fraction(now)), room = terminal_width() - BAR - 10;
     const char *on = progress->colour ? "\033[32m" : "", *off = progress->colour ? "\033[0m" : "";
-    fprintf(stderr, "\r[%s%.*s%s%.*s] %3.0f %% %.*s\033[K", on, done, full, off, BAR - done, empty,
-            100 * fraction(now), room > 0 ? room : 0, describe(now, text, sizeof text));
+    (void)fprintf(stderr, "\r[%s%.*s%s%.*s] %3.0f %% %.*s\033[K", on, done, full, off, BAR - done,
+                  empty, 100 * fraction(now), room > 0 ? room : 0,
+                  describe(now, text, sizeof text));
     (void)fflush(stderr);
     progress->drawn = true;
 }
@@ -74,8 +76,8 @@ void cli_progress_show(cli_progress *progress, const lac_progress *now)
     if (cli_signals_take_report()) {
         char text[160];
         cli_progress_clear(progress);
-        fprintf(stderr, "lacuna: %s, %.1f s so far\n", describe(now, text, sizeof text),
-                cli_clock() - progress->started);
+        cli_note("%s, %.1f s so far", describe(now, text, sizeof text),
+                 cli_clock() - progress->started);
     }
     if (!progress->bar) {
         return;
@@ -90,7 +92,7 @@ void cli_progress_show(cli_progress *progress, const lac_progress *now)
 void cli_progress_clear(cli_progress *progress)
 {
     if (progress->drawn) {
-        fputs("\r\033[K", stderr);
+        (void)fputs("\r\033[K", stderr);
         progress->drawn = false;
     }
 }
@@ -102,8 +104,6 @@ void cli_say(const cli_request *request, const char *format, ...)
     }
     va_list args;
     va_start(args, format);
-    fputs("lacuna: ", stderr);
-    (void)vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    cli_note_list(format, args);
     va_end(args);
 }

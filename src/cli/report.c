@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report.h"
 
+#include "cli/words.h"
+
 void cli_report_print(const lac_case_report *report, const cli_request *request)
 {
     for (size_t i = 0; i < report->count; i++) {
         const lac_case_issue *issue = &report->issue[i];
-        char text[2048];
+        char text[2000];
         if (!issue->warning || !cli_given(request, CLI_OPT_QUIET)) {
-            fprintf(stderr, "lacuna: %s%s\n", issue->warning ? "warning: " : "",
-                    lac_case_issue_format(issue, text, sizeof text));
+            cli_note("%s%s", issue->warning ? "warning: " : "",
+                     lac_case_issue_format(issue, text, sizeof text));
         }
     }
 }
@@ -52,4 +54,9 @@ lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_repo
     }
     lac_case_report_clear(&own);
     return status;
+}
+
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err)
+{
+    return status == LAC_OK || c == NULL ? status : lac_fail_within(err, status, "%s", c->path);
 }

@@ -20,8 +20,8 @@
     "    a: 0.010                       # direct effect of the slip rate\n"                  \
     "    b: 0.015                       # evolution with the state\n"
 
-#define TIME                                                                                       \
-    "\n"                                                                                           \
+#define TIME                                                                                    \
+    "\n"                                                                                        \
     "# Failure: the mean slip rate passes this value for the first time; the run ends there.\n" \
     "# `end` is when it ends otherwise, counted from the start.\n"
 
@@ -53,11 +53,20 @@ static const char block[] =
     "# The rock on both sides: carries stress from cell to cell, and damps fast slip.\n" \
     "material: {shear_modulus: \"20 GPa\", poisson: 0.25, shear_speed: \"3 km/s\"}\n"
 
-#define ELASTIC                                                                               \
-    "\n"                                                                                      \
-    "# What a cell loses in slipping its neighbours gain, block by block, with stiffnesses\n" \
-    "# found from the elastic half-space on this contact.\n"                                  \
-    "transfer: {hierarchy: {stiffness: elastic}}\n"
+#define CREEP                                                                                    \
+    "    v0: \"1 um/s\"                   # reference slip rate\n"                               \
+    "\n"                                                                                         \
+    "# At the start the cells creep at about this rate, each a little differently, with their\n" \
+    "# state below the steady one: past the point of no return.\n"                               \
+    "initial:\n"                                                                                 \
+    "  slip_rate: \"1 cm/week\"\n"                                                               \
+    "  state: {ratio_to_steady: 0.9}\n"                                                          \
+    "  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}\n"                                \
+    "\n"                                                                                         \
+    "# What a cell loses in slipping its neighbours gain, block by block, with stiffnesses\n"    \
+    "# found from the elastic half-space on this contact.\n"                                     \
+    "transfer: {hierarchy: {stiffness: elastic}}\n" TIME "time:\n"                               \
+    "  start: \"2024-01-01T00:00:00Z\"    # or a bare 0\n"
 
 static const char joint[] = HEAD
     "title: A rough joint in creep\n"
@@ -73,16 +82,7 @@ static const char joint[] = HEAD
     "# Pressure that holds the joint closed. Its shear load follows from `initial`.\n"
     "load:\n"
     "  normal: {pressure: \"3 MPa\"}\n" LAW
-    "    dc: \"1 mm\"                     # slip that renews the contacts\n"
-    "    v0: \"1 um/s\"                   # reference slip rate\n"
-    "\n"
-    "# At the start the cells creep at about this rate, each a little differently, with their\n"
-    "# state below the steady one: past the point of no return.\n"
-    "initial:\n"
-    "  slip_rate: \"1 cm/week\"\n"
-    "  state: {ratio_to_steady: 0.9}\n"
-    "  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}\n" ELASTIC TIME "time:\n"
-    "  start: \"2024-01-01T00:00:00Z\"    # or a bare 0\n"
+    "    dc: \"1 mm\"                     # slip that renews the contacts\n" CREEP
     "  end: \"60 day\"\n"
     "  failure: {mean_slip_rate: \"1 cm/s\"}\n"
     "\n"
@@ -105,22 +105,13 @@ static const char slope[] = HEAD
     "load:\n"
     "  normal: {pressure: \"3 MPa\"}\n"
     "  pore_pressure: [{constant: {value: \"0.2 MPa\"}}]\n" LAW
-    "    dc: \"2 cm\"                     # slip that renews the contacts\n"
-    "    v0: \"1 um/s\"                   # reference slip rate\n"
-    "\n"
-    "# At the start the cells creep at about this rate, each a little differently, with their\n"
-    "# state below the steady one: past the point of no return.\n"
-    "initial:\n"
-    "  slip_rate: \"1 cm/week\"\n"
-    "  state: {ratio_to_steady: 0.9}\n"
-    "  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}\n" ELASTIC TIME "time:\n"
-    "  start: \"2024-01-01T00:00:00Z\"    # or a bare 0\n"
+    "    dc: \"2 cm\"                     # slip that renews the contacts\n" CREEP
     "  end: \"1 year\"\n"
     "  failure: {mean_slip_rate: \"1 cm/s\"}\n"
     "\n"
     "solver: {method: bdf, rtol: 1e-6}   # rtol: relative tolerance, smaller is finer\n"
     "\n"
     "# A monitoring series to lay beside the run (a CSV file with a header):\n"
-    "# compare: [{path: prism.csv, time: date, displacement: \"disp:mm\"}]\n";
+    "# compare: [{file: prism.csv, time: date, displacement: \"disp:mm\"}]\n";
 
 const cli_template cli_templates[] = {{"block", block}, {"joint", joint}, {"slope", slope}, {0}};

@@ -5,50 +5,38 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "base/units.h"
 
-enum { LONGEST_WORD = 64 };
-
-static size_t least(size_t a, size_t b, size_t c)
+lac_status cli_unknown(const char *where, const char *word, const char *what,
+                       const char *const *known, size_t count, lac_error *err)
 {
-    size_t ab = a < b ? a : b;
-    return ab < c ? ab : c;
+    const char *near = lac_nearest(word, known, count);
+    if (near != NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where, word,
+                        what, near);
+    }
+    char list[512] = "";
+    for (size_t i = 0, used = 0; i < count && used < sizeof list; i++) {
+        used +=
+            (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
 }
 
-// Optimal string alignment distance, three rows at a time.
-static size_t distance(const char *a, const char *b)
+void cli_note_list(const char *format, va_list args)
 {
-    size_t rows[3][LONGEST_WORD + 1], na = strlen(a), nb = strlen(b);
-    if (na > LONGEST_WORD || nb > LONGEST_WORD) {
-        return na > nb ? na : nb;
-    }
-    for (size_t j = 0; j <= nb; j++) {
-        rows[0][j] = j;
-    }
-    for (size_t i = 1; i <= na; i++) {
-        size_t *now = rows[i % 3], *above = rows[(i + 2) % 3], *twice = rows[(i + 1) % 3];
-        now[0] = i;
-        for (size_t j = 1; j <= nb; j++) {
-            size_t change = above[j - 1] + (a[i - 1] != b[j - 1]);
-            now[j] = least(above[j] + 1, now[j - 1] + 1, change);
-            bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-            if (swapped && twice[j - 2] + 1 < now[j]) {
-                now[j] = twice[j - 2] + 1;
-            }
-        }
-    }
-    return rows[na % 3][nb];
+    char text[2048];
+    (void)vsnprintf(text, sizeof text, format, args);
+    (void)fprintf(stderr, "lacuna: %s\n", text);
 }
 
-const char *cli_nearest(const char *word, const char *const *candidates, size_t count)
+void cli_note(const char *format, ...)
 {
-    size_t best = 0;
-    for (size_t i = 1; i < count; i++) {
-        if (distance(word, candidates[i]) < distance(word, candidates[best])) {
-            best = i;
-        }
-    }
-    return candidates[best];
+    va_list args;
+    va_start(args, format);
+    cli_note_list(format, args);
+    va_end(args);
 }
 
 void cli_row(const char *label, const char *format, ...)

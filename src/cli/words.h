@@ -2,12 +2,21 @@
 #ifndef LACUNA_CLI_WORDS_H
 #define LACUNA_CLI_WORDS_H
 
-#include <stdbool.h>
+#include <stdarg.h>
 #include <stddef.h>
 
-/// The candidate with the fewest letters inserted, dropped, changed or swapped.
-/// @param candidates  [count], count >= 1
-const char *cli_nearest(const char *word, const char *const *candidates, size_t count);
+#include "lacuna/error.h"
+
+/// An error that says what a word is not, and names the nearest known one, or all of them.
+/// @param where  put before it, "" or ending in ": "
+/// @param what   "command", "option" ...
+/// @return LAC_EINPUT
+lac_status cli_unknown(const char *where, const char *word, const char *what,
+                       const char *const *known, size_t count, lac_error *err);
+
+/// Prints one line on stderr, after the program's name.
+void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));
 
 /// Prints `  label    text` on stdout.
 void cli_row(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));

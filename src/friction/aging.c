@@ -3,11 +3,13 @@
 #include "friction/law.h"
 
 // dtheta/dt = 1 - v theta/dc, for w = ln theta:  g = exp(-w) - v/dc
-static void evolve(const lac_friction *friction, size_t first, size_t n, const double *u,
-                   const double *w, const double *v, double *g, double *g_u, double *g_w)
+static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
+                   double *g_u, double *g_w)
 {
-    (void)u;
-    const double *inv_dc = friction->inv_dc + first;
+    size_t n = cells->n;
+    const double *w = cells->w;
+    const double *v = cells->v;
+    const double *inv_dc = friction->inv_dc + cells->first;
     for (size_t i = 0; i < n; i++) {
         g[i] = -w[i];
     }

@@ -165,14 +165,13 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
     return LAC_OK;
 }
 
-void lac_friction_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
-                           const double *w, const double *v, const lac_friction_values *values,
-                           const lac_friction_slopes *slopes)
+void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cells *cells,
+                           const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    assert(n <= LAC_FRICTION_BLOCK && first + n <= friction->n);
-    lac_form_evaluate(friction, first, n, u, w, values, slopes);
-    friction->law->evolve(friction, first, n, u, w, v, values->g,
-                          slopes == NULL ? NULL : slopes->g_u, slopes == NULL ? NULL : slopes->g_w);
+    assert(cells->n <= LAC_FRICTION_BLOCK && cells->first + cells->n <= friction->n);
+    lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, values, slopes);
+    friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
+                          slopes == NULL ? NULL : slopes->g_w);
 }
 
 double lac_friction_coefficient(const lac_friction *friction, size_t cell, double u, double w)

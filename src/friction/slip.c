@@ -2,11 +2,15 @@
 #include "friction/law.h"
 
 // dtheta/dt = -(v theta/dc) ln(v theta/dc), for w = ln theta:  g = -(v/dc) (u + w - ln dc)
-static void evolve(const lac_friction *friction, size_t first, size_t n, const double *u,
-                   const double *w, const double *v, double *g, double *g_u, double *g_w)
+static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
+                   double *g_u, double *g_w)
 {
-    const double *inv_dc = friction->inv_dc + first;
-    const double *ln_dc = friction->ln_dc + first;
+    size_t n = cells->n;
+    const double *u = cells->u;
+    const double *w = cells->w;
+    const double *v = cells->v;
+    const double *inv_dc = friction->inv_dc + cells->first;
+    const double *ln_dc = friction->ln_dc + cells->first;
     for (size_t i = 0; i < n; i++) {
         g[i] = -v[i] * inv_dc[i] * (u[i] + w[i] - ln_dc[i]);
     }

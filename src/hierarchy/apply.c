@@ -3,7 +3,8 @@
 
 // sum_B = sum of x over the children of B. Blocks have 1 to 4 children in no order a processor
 // could foresee, so four are always read and those that are not children are multiplied by 0.
-static void sum_children(const lac_partition *fine, uint32_t parents, const double *x, double *sum)
+// The partition of the parents follows that of the children.
+static void sum_children(const lac_partition *fine, const double *x, double *sum)
 {
     const uint32_t *child = fine->child;
     for (uint32_t b = 0; b < fine->whole; b++) {
@@ -11,7 +12,7 @@ static void sum_children(const lac_partition *fine, uint32_t parents, const doub
         const double *is = lac_is_child[child[b + 1] - child[b]];
         sum[b] = (c[0] * is[0] + c[1] * is[1]) + (c[2] * is[2] + c[3] * is[3]);
     }
-    for (uint32_t b = fine->whole; b < parents; b++) {
+    for (uint32_t b = fine->whole; b < fine[1].count; b++) {
         double c[4] = {0};
         for (uint32_t i = child[b]; i < child[b + 1]; i++) {
             c[i - child[b]] = x[i];
@@ -50,7 +51,7 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
     double *mean = work, *force = work + h->blocks;
     const double *below = x;
     for (size_t j = 0; j < root; j++) {
-        sum_children(&part[j], part[j + 1].count, below, mean);
+        sum_children(&part[j], below, mean);
         below = mean;
         mean += part[j + 1].count;
     }

@@ -21,9 +21,9 @@ static uint32_t invert_pivots(uint32_t count, double k, const double *t, double 
 }
 
 // t_B = sum w_c t_c / sum w_c, y_B = sum w_c y_c / sum w_c over the children of B.
-// Four are always read, as in apply.c.
-static void average_children(const lac_partition *fine, uint32_t parents, const double *w,
-                             const double *t, const double *y, double *t_b, double *y_b)
+// Four are always read, as in apply.c. The partition of the parents follows that of the children.
+static void average_children(const lac_partition *fine, const double *w, const double *t,
+                             const double *y, double *t_b, double *y_b)
 {
     const uint32_t *child = fine->child;
     for (uint32_t b = 0; b < fine->whole; b++) {
@@ -35,7 +35,7 @@ static void average_children(const lac_partition *fine, uint32_t parents, const 
         t_b[b] = ((w0 * t[c] + w1 * t[c + 1]) + (w2 * t[c + 2] + w3 * t[c + 3])) * share;
         y_b[b] = ((w0 * y[c] + w1 * y[c + 1]) + (w2 * y[c + 2] + w3 * y[c + 3])) * share;
     }
-    for (uint32_t b = fine->whole; b < parents; b++) {
+    for (uint32_t b = fine->whole; b < fine[1].count; b++) {
         double sum = 0, sum_t = 0, sum_y = 0;
         for (uint32_t c = child[b]; c < child[b + 1]; c++) {
             sum += w[c];
@@ -112,14 +112,14 @@ static void finish(const lac_partition *cells, const double *g, const double *b,
 }
 
 // One partition up: from (t, y) to (t_b, y_b). False where a pivot is not finite and positive.
-static bool eliminate(const lac_partition *fine, uint32_t parents, double k, const double *t,
-                      const double *y, double *g, double *w, double *t_b, double *y_b)
+static bool eliminate(const lac_partition *fine, double k, const double *t, const double *y,
+                      double *g, double *w, double *t_b, double *y_b)
 {
     uint32_t bad = invert_pivots(fine->count, k, t, g);
     if (w != NULL) {
         weigh(fine, g, w);
     }
-    average_children(fine, parents, w != NULL ? w : g, t, y, t_b, y_b);
+    average_children(fine, w != NULL ? w : g, t, y, t_b, y_b);
     return bad == adopt_singles(fine, t, y, g, t_b, y_b);
 }
 
@@ -138,13 +138,12 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
     // Of the blocks of every partition but the cells, finest first: t (then m), y (then mu), g.
     double *g_cell = work, *w = work + h->cells;
     double *t = w + h->blocks, *r = t + h->blocks, *g = r + h->blocks;
-    if (!eliminate(&part[0], part[1].count, k[part[0].level], diagonal, y, g_cell, NULL, t, r)) {
+    if (!eliminate(&part[0], k[part[0].level], diagonal, y, g_cell, NULL, t, r)) {
         return false;
     }
     for (size_t j = 1; j < root; j++) {
         uint32_t count = part[j].count;
-        if (!eliminate(&part[j], part[j + 1].count, k[part[j].level], t, r, g, w, t + count,
-                       r + count)) {
+        if (!eliminate(&part[j], k[part[j].level], t, r, g, w, t + count, r + count)) {
             return false;
         }
         t += count, r += count, g += count;

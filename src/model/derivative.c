@@ -24,28 +24,35 @@ void lac_problem_rates(const lac_problem *problem, const double *y, double *v)
     lac_vexp(problem->n, y, v);
 }
 
-// The rates of one block of cells; kv is K v. Gives back 0 where all are finite, NaN elsewhere.
-static double block_rates(const lac_problem *problem, const lac_drive *drive, double loading,
-                          size_t first, size_t n, const double *y, const double *v,
-                          const double *kv, double *ydot)
+// What the rates of every block are made from.
+typedef struct rate_field {
+    const double *y;
+    const double *v, *kv; // [n] slip rate, K v
+    double loading;       // dq/dt that all cells have in common [Pa/s]
+    double *ydot;
+} rate_field;
+
+// The rates of one block of cells. Gives back 0 where all are finite, NaN elsewhere.
+static double block_rates(const lac_problem *problem, const lac_drive *drive,
+                          const rate_field *field, size_t first)
 {
     lac_block s;
     lac_friction_values values = lac_block_values(&s);
+    lac_friction_cells cells = lac_block_cells(problem->n, first, field->y, field->v);
     const double *p = problem->pressure + first;
-    const double *u = y + first;
-    const double *w = y + problem->n + first;
-    double *du = ydot + first;
-    double *dw = ydot + problem->n + first;
-    double eta = problem->damping;
+    const double *v = field->v + first;
+    const double *kv = field->kv + first;
+    double *du = field->ydot + first;
+    double *dw = field->ydot + problem->n + first;
     double check = 0.0;
 
-    lac_friction_evaluate(problem->friction, first, n, u, w, v + first, &values, NULL);
+    lac_friction_evaluate(problem->friction, &cells, &values, NULL);
     // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < cells.n; i++) {
         double pe = p[i] * drive->share;
-        double drop = s.f[i] * p[i] * drive->share_rate + kv[first + i] + pe * s.f_w[i] * s.g[i];
-        double force = p[i] * drive->ratio_rate + loading - drop;
-        du[i] = force / (pe * s.f_u[i] + eta * v[first + i]);
+        double drop = s.f[i] * p[i] * drive->share_rate + kv[i] + pe * s.f_w[i] * s.g[i];
+        double force = p[i] * drive->ratio_rate + field->loading - drop;
+        du[i] = force / (pe * s.f_u[i] + problem->damping * v[i]);
         dw[i] = s.g[i];
         check += du[i] * 0.0 + dw[i] * 0.0;
     }
@@ -65,11 +72,11 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
     double mean = lac_problem_exp_sum(n, y, v) / (double)n;
     problem->transfer.kind->apply(problem->transfer.state, v, kv, work + 3 * n);
     double loading = drive.spring_rate - drive.spring_stiffness * mean;
+    rate_field field = {.y = y, .v = v, .kv = kv, .loading = loading, .ydot = ydot};
 
     double check = 0.0;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        check += block_rates(problem, &drive, loading, first, lac_block_length(n, first), y, v, kv,
-                             ydot);
+        check += block_rates(problem, &drive, &field, first);
     }
     return check == 0.0;
 }
@@ -88,8 +95,8 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         lac_vexp(length, y + first, v);
-        lac_friction_evaluate(problem->friction, first, length, y + first, y + n + first, v,
-                              &values, NULL);
+        lac_friction_cells cells = {first, length, y + first, y + n + first, v};
+        lac_friction_evaluate(problem->friction, &cells, &values, NULL);
         for (size_t i = 0; i < length; i++) {
             double slip = v[i] * problem->friction->inv_dc[first + i];
             fastest = fmax(fastest, fmax(fabs(s.g[i]), slip));

@@ -65,4 +65,15 @@ static inline size_t lac_block_length(size_t n, size_t first)
     return n - first < LAC_FRICTION_BLOCK ? n - first : LAC_FRICTION_BLOCK;
 }
 
+// The cells of a block at y, with v = exp(u) of all n cells at hand.
+static inline lac_friction_cells lac_block_cells(size_t n, size_t first, const double *y,
+                                                 const double *v)
+{
+    return (lac_friction_cells){.first = first,
+                                .n = lac_block_length(n, first),
+                                .u = y + first,
+                                .w = y + n + first,
+                                .v = v + first};
+}
+
 #endif

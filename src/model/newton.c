@@ -34,40 +34,45 @@ static cell_row reduce(const cell_point *c, const lac_block *s, const lac_block_
     return row;
 }
 
-// Fills D and the right-hand side of one block; keeps what the back-substitution needs in b.
-static bool reduce_block(const lac_problem *problem, const lac_drive *drive, double loading,
-                         double gamma, size_t first, const double *y, double *kv, double *v,
-                         double *b, double *diagonal)
+// The arrays of one solve, [n] each but y and b, [2n].
+typedef struct solve_field {
+    const double *y;
+    double *v, *kv, *diagonal, *b;
+    double loading, gamma;
+} solve_field;
+
+// Fills D and the right-hand side of one block. False where ln theta cannot be eliminated.
+static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
+                         const solve_field *field, size_t first)
 {
     size_t n = problem->n;
-    size_t length = lac_block_length(n, first);
     lac_block s;
     lac_block_slopes d;
     lac_friction_values values = lac_block_values(&s);
     lac_friction_slopes slopes = lac_block_slope_arrays(&d);
-    lac_friction_evaluate(problem->friction, first, length, y + first, y + n + first, v + first,
-                          &values, &slopes);
+    lac_friction_cells cells = lac_block_cells(n, first, field->y, field->v);
+    lac_friction_evaluate(problem->friction, &cells, &values, &slopes);
     bool good = true;
-    for (size_t i = 0; i < length; i++) {
+    for (size_t i = 0; i < cells.n; i++) {
         size_t k = first + i;
         double p = problem->pressure[k];
         cell_point c = {.p = p * drive->share,
                         .p_rate = p * drive->share_rate,
-                        .v = v[k],
+                        .v = field->v[k],
                         .eta = problem->damping,
-                        .gamma = gamma,
-                        .force = p * drive->ratio_rate + loading - kv[k],
-                        .b_u = b[k],
-                        .b_w = b[n + k]};
+                        .gamma = field->gamma,
+                        .force = p * drive->ratio_rate + field->loading - field->kv[k],
+                        .b_u = field->b[k],
+                        .b_w = field->b[n + k]};
         cell_row row = reduce(&c, &s, &d, i);
         good = good && row.back > 0.0;
-        diagonal[k] = row.diagonal;
-        b[k] = row.rhs;
-        b[n + k] = row.back * b[n + k];
+        field->diagonal[k] = row.diagonal;
+        field->b[k] = row.rhs;
+        field->b[n + k] = row.back * c.b_w;
         // Back-substitution: x_u = dv/v, x_w = b_w + slope x_u; 1/v and slope take the place of
         // K v and v, which are used up.
-        kv[k] = 1.0 / v[k];
-        v[k] = row.back * row.evolve;
+        field->kv[k] = 1.0 / c.v;
+        field->v[k] = row.back * row.evolve;
     }
     return good;
 }
@@ -76,30 +81,29 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
                         double *b, double *work)
 {
     size_t n = problem->n;
-    double *v = work;
-    double *kv = work + n;
-    double *diagonal = work + 2 * n;
     double *scratch = work + 3 * n;
     const lac_transfer *transfer = &problem->transfer;
+    solve_field field = {
+        .y = y, .v = work, .kv = work + n, .diagonal = work + 2 * n, .b = b, .gamma = gamma};
     lac_drive drive;
     if (!lac_problem_drive(problem, t, &drive)) {
         return false;
     }
-    double mean = lac_problem_exp_sum(n, y, v) / (double)n;
-    transfer->kind->apply(transfer->state, v, kv, scratch);
-    double loading = drive.spring_rate - drive.spring_stiffness * mean;
+    double mean = lac_problem_exp_sum(n, y, field.v) / (double)n;
+    transfer->kind->apply(transfer->state, field.v, field.kv, scratch);
+    field.loading = drive.spring_rate - drive.spring_stiffness * mean;
 
     bool good = true;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        good = reduce_block(problem, &drive, loading, gamma, first, y, kv, v, b, diagonal) && good;
+        good = reduce_block(problem, &drive, &field, first) && good;
     }
-    if (!good ||
-        !transfer->kind->solve(transfer->state, drive.spring_stiffness, diagonal, b, b, scratch)) {
+    if (!good || !transfer->kind->solve(transfer->state, drive.spring_stiffness, field.diagonal, b,
+                                        b, scratch)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
-        b[i] *= kv[i];
-        b[n + i] += v[i] * b[i];
+        b[i] *= field.kv[i];
+        b[n + i] += field.v[i] * b[i];
     }
     return true;
 }

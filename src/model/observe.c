@@ -47,10 +47,9 @@ static double balance_residual(const lac_problem *problem, const lac_drive *driv
     lac_block s;
     lac_friction_values values = lac_block_values(&s);
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        lac_friction_evaluate(problem->friction, first, length, y + first, y + n + first, v + first,
-                              &values, NULL);
-        for (size_t i = 0; i < length; i++) {
+        lac_friction_cells cells = lac_block_cells(n, first, y, v);
+        lac_friction_evaluate(problem->friction, &cells, &values, NULL);
+        for (size_t i = 0; i < cells.n; i++) {
             size_t k = first + i;
             double p = problem->pressure[k] * drive->share;
             double off = traction[k] - p * s.f[i] - problem->damping * v[k];

@@ -76,7 +76,7 @@ static void evaluate(const lac_friction *friction, size_t first, size_t n, evalu
 {
     lac_vexp(n, e->u, e->v);
     lac_friction_evaluate(
-        friction, first, n, e->u, e->w, e->v,
+        friction, &(lac_friction_cells){first, n, e->u, e->w, e->v},
         &(lac_friction_values){
             .f = e->out[F], .f_u = e->out[F_U], .f_w = e->out[F_W], .g = e->out[G]},
         &(lac_friction_slopes){.f_uu = e->out[F_UU],
@@ -266,7 +266,7 @@ static void check_blocks(size_t law, int form)
     draw(friction, 5, 5, &e.u[0], &e.w[0]);
     evaluate(friction, 5, 1, &e);
     lac_friction_evaluate(
-        friction, 5, 1, e.u, e.w, e.v,
+        friction, &(lac_friction_cells){5, 1, e.u, e.w, e.v},
         &(lac_friction_values){
             .f = bare.out[F], .f_u = bare.out[F_U], .f_w = bare.out[F_W], .g = bare.out[G]},
         NULL);

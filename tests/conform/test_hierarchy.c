@@ -355,6 +355,30 @@ static void one_cell_in_a_large_grid(void **state)
     free(mask);
 }
 
+// Cells 0 and 1 of a line share a block, cell 2 has one of its own: k_0 does not tie it, so its
+// D + k_0 < 0 is no reason to refuse a matrix that k_1 makes positive definite.
+static void lone_cells_are_not_tied(void **state)
+{
+    (void)state;
+    scene s = scene_of(domain_of(4, 1, (const uint8_t[]){1, 1, 1, 0}), 3, 1, 1);
+    s.k[0] = 1, s.k[1] = 40;
+    s.d[0] = s.d[1] = 10, s.d[2] = -5;
+    long double dense[9], x[3] = {s.y[0], s.y[1], s.y[2]};
+    dense_hierarchy(s.domain, 2, s.k, dense);
+    for (size_t i = 0; i < 3; i++) {
+        dense[4 * i] += s.d[i];
+    }
+    long double copy[9];
+    memcpy(copy, dense, sizeof dense);
+    assert_true(dense_positive(3, copy));
+    assert_true(lac_hierarchy_solve(s.h, s.k, 0, s.d, s.y, s.x, s.work));
+    dense_solve(3, dense, x);
+    for (size_t i = 0; i < 3; i++) {
+        assert_true(fabs(s.x[i] - (double)x[i]) < 1e-15);
+    }
+    scene_free(&s);
+}
+
 static void small_and_full_grids(void **state)
 {
     (void)state;
@@ -394,6 +418,7 @@ int main(void)
         cmocka_unit_test(bad_diagonals_are_refused),
         cmocka_unit_test(extreme_diagonals_are_solved),
         cmocka_unit_test(one_cell_in_a_large_grid),
+        cmocka_unit_test(lone_cells_are_not_tied),
         cmocka_unit_test(small_and_full_grids),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

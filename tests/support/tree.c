@@ -79,7 +79,7 @@ static void make_domain(const tree_def *def, tree *out)
     free(pressure);
 }
 
-static void make_transfer(const tree_def *def, tree *out)
+void tree_make_transfer(const tree_def *def, tree *out)
 {
     lac_error err;
     lac_slot slot = {0};
@@ -98,7 +98,7 @@ static void make_transfer(const tree_def *def, tree *out)
     lac_slot_clear(&slot);
 }
 
-static void make_friction(const tree_def *def, tree *out)
+void tree_make_friction(const tree_def *def, tree *out)
 {
     lac_error err;
     lac_slot slot = {0};
@@ -121,8 +121,8 @@ void tree_create(const tree_def *def, tree *out)
     *out = (tree){0};
     make_domain(def, out);
     must(lac_hierarchy_create(out->domain, &out->hierarchy, &err) == LAC_OK, err.message);
-    make_transfer(def, out);
-    make_friction(def, out);
+    tree_make_transfer(def, out);
+    tree_make_friction(def, out);
     size_t n = out->domain->n;
     double *start = malloc(2 * n * sizeof *start);
     must(start != NULL, "memory");

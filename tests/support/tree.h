@@ -32,6 +32,10 @@ typedef struct tree {
 // Rock at 50 MPa, 1 mm cells, G 10 GPa, aging law, creep at 1e-9 m/s.
 tree_def tree_default(int levels, uint64_t seed);
 
+// Its parts, for domains of other making: out->domain and out->hierarchy must be there.
+void tree_make_transfer(const tree_def *def, tree *out);
+void tree_make_friction(const tree_def *def, tree *out);
+
 void tree_create(const tree_def *def, tree *out);
 void tree_clear(tree *t);
 

@@ -5,7 +5,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <string.h>
 // cmocka needs the headers above first
 #include <cmocka.h>
 
@@ -90,67 +89,63 @@ static void balance_holds(void **state)
     assert_true(residual[2] < 1e-6);
 }
 
+// A sparse 8 x 8 domain whose cells all carry the block's pressure and start in its state.
+static void alike(const block_def *one, const double start[2], double k0, tree *out)
+{
+    lac_error err;
+    lac_grid grid = {.nx = 8, .ny = 8, .dx = 0.125, .dy = 0.125, .periodic = true};
+    double pressure[64];
+    double y[64];
+    for (size_t i = 0; i < 64; i++) {
+        pressure[i] = i % 3 == 0 ? one->pressure : 0.0;
+    }
+    assert_int_equal(lac_domain_create(&grid, pressure, &out->domain, &err), LAC_OK);
+    assert_int_equal(lac_hierarchy_create(out->domain, &out->hierarchy, &err), LAC_OK);
+    tree_def def = tree_default(3, 1);
+    def.k0 = k0;
+    tree_make_transfer(&def, out);
+    def.f0 = one->f0;
+    def.a = one->a;
+    def.b = one->b;
+    def.dc = one->dc;
+    def.v0 = one->v0;
+    tree_make_friction(&def, out);
+    size_t n = out->domain->n;
+    for (size_t i = 0; i < n; i++) {
+        y[i] = start[0];
+        y[n + i] = start[1];
+    }
+    lac_problem_def problem = {.domain = out->domain,
+                               .friction = out->friction,
+                               .transfer = &out->transfer,
+                               .log_rate = y,
+                               .log_state = y + n};
+    assert_int_equal(lac_problem_create(&problem, &out->problem, &err), LAC_OK);
+}
+
 // Cells that all start alike under pressures that are all alike are one block.
 static void alike_cells_are_one_block(void **state)
 {
     (void)state;
     block_def one = block_default(1.5, 0.7);
     block b;
-    block_create(&one, &b);
-    lac_grid grid = {.nx = 8, .ny = 8, .dx = 0.125, .dy = 0.125, .periodic = true};
-    double pressure[64];
-    double u[64];
-    double w[64];
-    double y[2];
-    lac_problem_initial(b.problem, y);
-    for (size_t i = 0; i < 64; i++) {
-        pressure[i] = i % 3 == 0 ? 3.0 * one.pressure : 0.0;
-        u[i] = y[0];
-        w[i] = y[1];
-    }
+    tree t = {0};
+    double start[2];
     lac_error err;
-    lac_domain *domain;
-    lac_hierarchy *hierarchy;
-    assert_int_equal(lac_domain_create(&grid, pressure, &domain, &err), LAC_OK);
-    assert_int_equal(lac_hierarchy_create(domain, &hierarchy, &err), LAC_OK);
-    lac_slot slot = {0};
-    assert_int_equal(lac_slot_create(&lac_transfer_kind_at(0)->about, &slot, &err), LAC_OK);
-    if (strcmp(slot.about->name, "hierarchy") == 0) {
-        ((lac_transfer_hierarchy *)slot.params)->k0 = 1e9;
-    }
-    lac_transfer transfer;
-    lac_transfer_scene scene = {domain, hierarchy, NAN, NAN};
-    assert_int_equal(lac_transfer_create(&slot, &scene, &transfer, &err), LAC_OK);
-    lac_slot law = {0};
-    assert_int_equal(lac_slot_create(&lac_friction_law_at(0)->about, &law, &err), LAC_OK);
-    *(lac_friction_params *)law.params =
-        (lac_friction_params){one.f0, one.a, one.b, one.dc, one.v0, one.form};
-    lac_friction *friction;
-    assert_int_equal(lac_friction_create(&law, domain->n, &friction, &err), LAC_OK);
-    lac_problem_def def = {.domain = domain,
-                           .friction = friction,
-                           .transfer = &transfer,
-                           .log_rate = u,
-                           .log_state = w};
-    lac_problem *problem;
-    assert_int_equal(lac_problem_create(&def, &problem, &err), LAC_OK);
+    block_create(&one, &b);
+    lac_problem_initial(b.problem, start);
+    alike(&one, start, 1e9, &t);
     lac_run_def how = lac_run_default();
     how.rtol = 1e-9;
     how.end = 1e9;
     how.failure_rate = 1e6;
     lac_run_result many;
     lac_run_result single;
-    assert_int_equal(lac_run(problem, &how, NULL, &many, &err), LAC_OK);
+    assert_int_equal(lac_run(t.problem, &how, NULL, &many, &err), LAC_OK);
     assert_int_equal(lac_run(b.problem, &how, NULL, &single, &err), LAC_OK);
     assert_true(many.failed && single.failed);
     assert_true(fabs(many.time / single.time - 1.0) < 1e-8);
-    lac_problem_free(problem);
-    lac_friction_free(friction);
-    lac_slot_clear(&law);
-    lac_slot_clear(&slot);
-    lac_transfer_clear(&transfer);
-    lac_hierarchy_free(hierarchy);
-    lac_domain_free(domain);
+    tree_clear(&t);
     block_clear(&b);
 }
 

@@ -69,9 +69,11 @@ class Layers(unittest.TestCase):
         self.refuses("src/contact/solve.c", "#include <fftw3.h>", "src/base/fft.c")
         self.refuses("src/surface/x.c", "#include <Random123/philox.h>", "src/base/rng.c")
         self.refuses("include/lacuna/run.h", "#include <gsl/gsl_sf.h>", "src/")
+        self.refuses("src/cli/run.c", "#include <netcdf.h>", "src/store/")
         self.refuses("src/run/run.c", "#include <curl/curl.h>", "is new")
         self.assertEqual(self.complaints("src/run/x.c", "#include <cvodes/cvodes.h>"), [])
         self.assertEqual(self.complaints("src/base/fft.c", "#include <fftw3.h>"), [])
+        self.assertEqual(self.complaints("src/cli/libraries.c", "#include <netcdf.h>"), [])
 
     def test_comments_do_not_count(self):
         self.assertEqual(self.complaints("src/base/x.c", '/*\n#include "lacuna/run.h"\n*/'), [])

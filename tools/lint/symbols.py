@@ -18,7 +18,7 @@ FORBIDDEN = set(
     exit _exit _Exit quick_exit abort atexit raise signal sigaction
     getenv secure_getenv setenv putenv environ system popen
     time clock clock_gettime gettimeofday timespec_get localtime localtime_r gmtime ctime asctime
-    rand srand random srandom drand48 strtok setlocale strerror""".split()
+    rand srand random srandom drand48 strtok setlocale""".split()
 )
 
 CONSTANT = re.compile(r"\.(rodata|data\.rel\.ro|text|eh_frame)")
