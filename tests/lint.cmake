@@ -35,7 +35,7 @@ endif()
 find_program(SHELLCHECK NAMES shellcheck)
 if(SHELLCHECK)
   lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
-              tools/memcheck .ci/run)
+              tools/memcheck tools/bench .ci/run)
 endif()
 
 # Every unit of the compilation database; the options that gcc alone knows are dropped.

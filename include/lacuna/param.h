@@ -57,6 +57,9 @@ typedef struct lac_slot {
 /// @return LAC_OK, LAC_ENOMEM (a default text)
 lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err);
 
+/// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
+void lac_param_reset(const lac_param *param, void *params);
+
 /// Checks a parameter's value against its row.
 /// @param value  SI
 /// @param why    [size] set to what is allowed ("must be > 0 m") where the value is refused

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { SECONDS_A_DAY = 86400, DAYS_A_CENTURY4 = 146097, MAX_FRACTION_DIGITS = 30 };
+enum { SECONDS_A_DAY = 86400, DAYS_A_CENTURY4 = 146097, MAX_FRACTION_DIGITS = 15 };
 
 static bool is_leap(int64_t year) { return (year % 4 == 0 && year % 100 != 0) || year % 400 == 0; }
 
@@ -71,16 +71,20 @@ static bool read_day(const char **at, int64_t *days)
     return true;
 }
 
+// Digits after the point; those that no double holds are read over.
 static bool read_fraction(const char **at, double *fraction)
 {
-    double place = 0.1;
-    int digits = 0;
-    *fraction = 0.0;
-    for (; isdigit((unsigned char)**at) && digits < MAX_FRACTION_DIGITS; (*at)++, digits++) {
-        *fraction += place * (**at - '0');
-        place *= 0.1;
+    int64_t digits = 0;
+    double scale = 1.0;
+    const char *start = *at;
+    for (; isdigit((unsigned char)**at); (*at)++) {
+        if (*at - start < MAX_FRACTION_DIGITS) {
+            digits = digits * 10 + (**at - '0');
+            scale *= 10.0;
+        }
     }
-    return digits > 0;
+    *fraction = (double)digits / scale;
+    return *at > start;
 }
 
 // hh:mm[:ss[.fraction]]; a leap second (:60) is refused: seconds since 1970 have none.

@@ -13,7 +13,7 @@ static bool owns_text(const lac_param *param)
     return param->type == LAC_TEXT || param->type == LAC_PATH;
 }
 
-static void set_default(const lac_param *param, void *params)
+void lac_param_reset(const lac_param *param, void *params)
 {
     void *at = field(param, params);
     bool absent = isnan(param->fallback);
@@ -39,7 +39,7 @@ lac_status lac_params_default(const lac_descriptor *about, void *params, lac_err
     (void)err;
     memset(params, 0, about->params_size);
     for (size_t i = 0; i < about->param_count; i++) {
-        set_default(&about->params[i], params);
+        lac_param_reset(&about->params[i], params);
     }
     return LAC_OK;
 }

@@ -6,6 +6,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <float.h>
 #include <locale.h>
 #include <math.h>
 #include <stdbool.h>
@@ -369,7 +370,7 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
         return refuse(err, unit, "");
     }
     double product = number * scale;
-    if (!isfinite(product) || (product == 0.0 && number != 0.0)) {
+    if (!isfinite(product) || (fabs(product) < DBL_MIN && number != 0.0)) {
         return refuse(err, unit, "the number cannot be represented");
     }
     *value = product;

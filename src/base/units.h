@@ -36,4 +36,8 @@ lac_status lac_units_convert(const lac_units *units, const char *from, const cha
 /// @return text, which also stands in `text`
 const char *lac_units_format(double value, const char *unit, char *text, size_t size);
 
+/// Writes a value in its SI unit with as many digits as read back to the same number
+/// ("0.0001 m"; the number alone where the unit is "1").
+const char *lac_units_exact(double value, const char *unit, char *text, size_t size);
+
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/units.h"
@@ -104,6 +105,26 @@ static void point_decimals(char *text)
     }
 }
 
+static const char *join(const char *number, const char *unit, char *text, size_t size)
+{
+    bool plain = strcmp(unit, "1") == 0;
+    (void)snprintf(text, size, "%s%s%s", number, plain ? "" : " ", plain ? "" : unit);
+    return text;
+}
+
+const char *lac_units_exact(double value, const char *unit, char *text, size_t size)
+{
+    char number[32];
+    for (int digits = 6; digits <= 17; digits++) {
+        (void)snprintf(number, sizeof number, "%.*g", digits, value);
+        if (strtod(number, NULL) == value) {
+            break;
+        }
+    }
+    point_decimals(number);
+    return join(number, unit, text, size);
+}
+
 const char *lac_units_format(double value, const char *unit, char *text, size_t size)
 {
     const readable *way = NULL;
@@ -114,7 +135,5 @@ const char *lac_units_format(double value, const char *unit, char *text, size_t 
     char number[32];
     (void)snprintf(number, sizeof number, "%.6g", way != NULL ? value / way->size : value);
     point_decimals(number);
-    bool plain = strcmp(name, "1") == 0;
-    (void)snprintf(text, size, "%s%s%s", number, plain ? "" : " ", plain ? "" : name);
-    return text;
+    return join(number, name, text, size);
 }

@@ -5,21 +5,54 @@
 #include "cli/estimate.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "lacuna/scene.h"
 
-static void write_json(const lac_case_report *report, const char *scene,
-                       const cli_estimate *estimate, const lac_error *err)
+// A scene of up to this many grid cells is built whole: quick, and the surest check.
+static const double small_grid = 4096;
+
+static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac_error *err)
+{
+    lac_scene *scene = NULL;
+    if (estimate->grid_cells > small_grid) {
+        return LAC_OK;
+    }
+    lac_status status = lac_scene_create(c, &scene, err);
+    lac_scene_free(scene);
+    return status;
+}
+
+// What is wrong with the scene as a whole stands at no line of the case.
+static void write_errors(cli_json *json, const lac_case_report *report, const char *path,
+                         lac_error *err)
+{
+    lac_case_issue issue = {
+        .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
+    lac_case_report whole = {.count = 1, .errors = 1, .issue = &issue};
+    bool late = report->errors == 0 && err->message[0] != '\0';
+    cli_report_json(json, "errors", late ? &whole : report, false);
+}
+
+static void write_json(const lac_case_report *report, const char *path, const char *scene,
+                       const cli_estimate *estimate, lac_error *err)
 {
     cli_json json = {.out = stdout};
-    bool ok = scene != NULL && estimate != NULL;
     cli_json_open(&json, NULL, '{');
-    cli_json_boolean(&json, "ok", ok);
-    cli_report_json(&json, "errors", report, false);
+    cli_json_boolean(&json, "ok", estimate != NULL);
+    write_errors(&json, report, path, err);
     cli_report_json(&json, "warnings", report, true);
-    // What is wrong with the scene as a whole stands at no line of the case.
-    cli_json_text(&json, "scene_error", ok || report->errors > 0 ? NULL : err->message);
     cli_json_text(&json, "scene", scene);
     cli_estimate_json(&json, estimate);
     cli_json_close(&json, '}');
+}
+
+static lac_status examine(const lac_case *c, char **scene, cli_estimate *estimate, lac_error *err)
+{
+    *scene = lac_case_text(c);
+    if (*scene == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = cli_estimate_make(c, estimate, err);
+    return status == LAC_OK ? try_scene(c, estimate, err) : status;
 }
 
 lac_status cli_check(const cli_request *request, lac_error *err)
@@ -31,15 +64,15 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, &c, &report, err);
     if (status == LAC_OK) {
-        scene = lac_case_text(c);
-        status = scene == NULL ? lac_fail_memory(err) : cli_estimate_make(c, &estimate, err);
+        status = examine(c, &scene, &estimate, err);
     }
     if (json && (status == LAC_OK || status == LAC_EINPUT)) {
-        write_json(&report, scene, status == LAC_OK ? &estimate : NULL, err);
+        write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
         cli_estimate_print(&estimate);
     }
+    status = cli_blame(c, status, err);
     free(scene);
     lac_case_free(c);
     lac_case_report_clear(&report);

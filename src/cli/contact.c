@@ -45,7 +45,7 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
                 report->products);
         cli_row("complementarity", "%.2g", report->complementarity_error);
-        cli_row_quantity("penetration", report->penetration, "m");
+        cli_row_quantity("penetration", fabs(report->penetration), "m");
         cli_row_quantity("approach", report->approach, "m");
     }
     cli_row("time taken", "CPU %s", lac_units_format(cli_cpu_time(), "s", cpu, sizeof cpu));
@@ -68,7 +68,7 @@ static void write_result(const lac_scene_contact *contact, const char *path)
     }
     cli_json_number(&json, "complementarity_error",
                     contact->solved ? report->complementarity_error : NAN);
-    cli_json_number(&json, "penetration_m", contact->solved ? report->penetration : NAN);
+    cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
     cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
     cli_json_null(&json, "delta_s");
     cli_json_null(&json, "delta_s_error");
@@ -86,7 +86,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     LAC_TRY(cli_case_read(request, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));
     LAC_TRY(write_file(request, c, &contact, path, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         write_result(&contact, path);

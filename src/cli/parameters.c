@@ -54,8 +54,8 @@ static void append(char *text, size_t size, const char *more)
     (void)snprintf(text + used, size - used, "%s", more);
 }
 
-// "a or b", "> 0 m, <= 1 km", a type
-static const char *format_range(const lac_param *param, char *text, size_t size)
+// "a or b", "> 0 m, <= 1 km"; nothing for texts, whose doc says what they are
+static void format_range(const lac_param *param, char *text, size_t size)
 {
     char number[64];
     text[0] = '\0';
@@ -64,10 +64,11 @@ static const char *format_range(const lac_param *param, char *text, size_t size)
             append(text, size, i > 0 ? " or " : "");
             append(text, size, param->choices[i]);
         }
-        return text;
+        return;
     }
     if (!is_number(param)) {
-        return param->type == LAC_PATH ? "a path" : "a text";
+        append(text, size, param->type == LAC_PATH ? "a path" : "");
+        return;
     }
     if (is_bounded(param->min)) {
         append(text, size, (param->flags & LAC_ABOVE_MIN) != 0 ? "> " : ">= ");
@@ -77,7 +78,7 @@ static const char *format_range(const lac_param *param, char *text, size_t size)
         append(text, size, text[0] != '\0' ? ", <= " : "<= ");
         append(text, size, format_number(param, param->max, number, sizeof number));
     }
-    return text[0] != '\0' ? text : "any number";
+    append(text, size, text[0] != '\0' ? "" : "any number");
 }
 
 void cli_parameters_print(const lac_param *params, size_t count)
@@ -87,9 +88,10 @@ void cli_parameters_print(const lac_param *params, size_t count)
         bool cellwise = (param->flags & LAC_CELLWISE) != 0;
         const char *unit = strcmp(param->unit, "1") == 0 ? "" : param->unit;
         char fallback[96], range[256];
-        printf("  %-14s %-6s %s; %s%s\n", param->key, is_number(param) ? unit : "",
-               format_default(param, fallback, sizeof fallback),
-               format_range(param, range, sizeof range), cellwise ? "; may vary by cell" : "");
+        format_range(param, range, sizeof range);
+        printf("  %-14s %-6s %s%s%s%s\n", param->key, is_number(param) ? unit : "",
+               format_default(param, fallback, sizeof fallback), range[0] != '\0' ? "; " : "",
+               range, cellwise ? "; may vary by cell" : "");
         cli_wrap("                        ", param->doc);
     }
 }

@@ -55,3 +55,8 @@ lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_repo
     lac_case_report_clear(&own);
     return status;
 }
+
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err)
+{
+    return status == LAC_OK || c == NULL ? status : lac_fail_within(err, status, "%s", c->path);
+}

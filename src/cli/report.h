@@ -17,4 +17,9 @@ void cli_report_json(cli_json *json, const char *key, const lac_case_report *rep
 lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_report *report,
                          lac_error *err);
 
+/// Puts the case's name before the message of what went wrong with its scene.
+/// @param c  NULL: the case could not be read, and the message says so already
+/// @return status, unchanged
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err);
+
 #endif

@@ -206,7 +206,7 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     lac_status status;
     LAC_TRY(prepare(&job, err));
     cli_say(request, "building the scene of %s", request->argument[0]);
-    LAC_TRY(lac_scene_create(job.source, &job.scene, err));
+    LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
     cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
             cli_clock() - job.started);
     LAC_TRY(compute(&job, err));

@@ -168,6 +168,7 @@ void cli_outcome_json(const cli_outcome *outcome)
     cli_json json = {.out = stdout};
     lac_history run = cli_history_view(outcome->history);
     cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "title", outcome->source->title);
     cli_json_text(&json, "status", outcome->status);
     write_failure(&json, outcome);
     cli_measures_json(&json, &outcome->scene->contact);

@@ -112,6 +112,6 @@ static const char slope[] = HEAD
     "solver: {method: bdf, rtol: 1e-6}   # rtol: relative tolerance, smaller is finer\n"
     "\n"
     "# A monitoring series to lay beside the run (a CSV file with a header):\n"
-    "# compare: [{path: prism.csv, time: date, displacement: \"disp:mm\"}]\n";
+    "# compare: [{file: prism.csv, time: date, displacement: \"disp:mm\"}]\n";
 
 const cli_template cli_templates[] = {{"block", block}, {"joint", joint}, {"slope", slope}, {0}};

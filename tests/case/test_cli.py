@@ -217,6 +217,20 @@ class Cases(Case):
         self.assertIn("changed", scene)
         self.assertRegex(scene, r"dc: .*0?\.?007|dc: .*7e-0?3")
 
+    def test_what_only_the_scene_shows(self):
+        """A wrong surface stands at no line of the case, but the case is named."""
+        self.expect(0, "new", "joint")
+        for command in ("check", "run", "contact"):
+            done = self.expect(2, command, "joint.yaml", "--set",
+                               "interface.surface.self-affine.shortest=9 m")
+            self.assertRegex(done.stderr, r"^lacuna: joint.yaml: .*9 m.*\n$")
+        self.assertEqual(self.files(), ["block.yaml", "joint.yaml"])
+        done = self.expect(2, "check", "joint.yaml", "--json", "--set",
+                           "interface.surface.self-affine.shortest=9 m")
+        error = json.loads(done.stdout)["errors"][0]
+        self.assertIn("9 m", error["message"])
+        self.assertIsNone(error["line"])
+
     def test_set_reports_its_key(self):
         done = self.expect(2, "check", "block.yaml", "--set", "friction.aging.dcc=1")
         self.assertIn("friction.aging.dcc", done.stderr)
@@ -224,28 +238,31 @@ class Cases(Case):
         self.assertEqual(len(done.stderr.splitlines()), 1)
 
     def test_wrong_cases(self):
-        """Each file of tests/case/wrong says in its comments, or beside it, what is wrong."""
+        """Beside each file of tests/case/wrong stands what is wrong: LINE: KEY: "VALUE" ..."""
         folder = os.path.join(SOURCE, "tests", "case", "wrong")
         names = sorted(n for n in os.listdir(folder) if n.endswith(".yaml"))
         self.assertGreaterEqual(len(names), 30)
+        shutil.copytree(folder, self.path("wrong"))
         for name in names:
             with self.subTest(name):
-                self.check_wrong_case(folder, name)
+                self.check_wrong_case(self.path("wrong"), name)
 
     def check_wrong_case(self, folder, name):
-        shutil.copytree(folder, self.path("wrong"), dirs_exist_ok=True)
-        where = self.path("wrong")
-        with open(os.path.join(where, name[:-5] + ".expected"), encoding="utf-8") as file:
-            expected = [f"lacuna: {line}" for line in file.read().splitlines() if line]
-        before = sorted(os.listdir(where))
-        for words in (["check", name], ["run", name, "-o", "out.nc"], ["contact", name]):
-            done = subprocess.run([PROGRAM, *words, "-q"], cwd=where, capture_output=True,
-                                  timeout=60, check=False)
-            lines = done.stderr.decode("utf-8", "replace").splitlines()
-            self.assertEqual(done.returncode, 2, lines)
-            self.assertEqual(lines, expected)
+        expected = []
+        with open(os.path.join(folder, name[:-5] + ".txt"), encoding="utf-8") as file:
+            for line in file.read().splitlines():
+                warning, rest = re.fullmatch("(warning: )?(.*)", line).groups()
+                expected.append(f"lacuna: {warning or ''}{name}:{rest}")
+        errors = [line for line in expected if not line.startswith("lacuna: warning: ")]
+        before = sorted(os.listdir(folder))
+        for words, lines in ((["check", name], expected), (["contact", "-q", name], errors),
+                             (["run", name, "-q", "-o", "out.nc"], errors)):
+            done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, timeout=60,
+                                  check=False)
+            self.assertEqual(done.stderr.decode("utf-8").splitlines(), lines)
+            self.assertEqual(done.returncode, 2)
             self.assertEqual(done.stdout, b"")
-        self.assertEqual(sorted(os.listdir(where)), before)
+        self.assertEqual(sorted(os.listdir(folder)), before)
 
 
 class Runs(Case):
@@ -270,6 +287,13 @@ class Runs(Case):
         self.assertGreaterEqual(done["max_slip_rate_m_s"], 0.999)
         self.assertTrue(0 < done["failure_time_s"] < 30 * 86400)
         self.assertEqual(done["output"], "block.nc")
+
+    def test_json_escapes(self):
+        title = 'quote " backslash \\ tab \t new\nline \u00e9 \u2192 \U0001f600'
+        text = json.dumps(title, ensure_ascii=False)
+        done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
+                                      "title=" + text).stdout)
+        self.assertEqual(done["title"], title)
 
     def test_failure_time_of_a_block(self):
         done = json.loads(self.expect(0, "run", "block.yaml", "--json", "--set",
@@ -365,7 +389,7 @@ class Compare(Case):
     def setUp(self):
         super().setUp()
         self.write("series.csv", SERIES)
-        self.write("compare.yaml", BLOCK + 'compare: [{path: series.csv, time: date, velocity: '
+        self.write("compare.yaml", BLOCK.replace("0.1 mm", "1 mm") + 'compare: [{file: series.csv, time: date, velocity: '
                    '"rate_mm_per_day:mm/day", displacement: "disp_mm:mm", label: a prism}]\n')
 
     def test_table(self):

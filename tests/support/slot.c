@@ -23,3 +23,18 @@ void test_slot_set(lac_slot *slot, const char *key, double value)
     (void)fprintf(stderr, "%s has no parameter %s\n", slot->about->name, key);
     abort();
 }
+
+lac_slot test_slot_shear(const char *name)
+{
+    lac_slot slot = {0};
+    const lac_load_kind *kind;
+    size_t i = 0;
+    while ((kind = lac_shear_load_at(i)) != NULL && strcmp(kind->about.name, name) != 0) {
+        i++;
+    }
+    if (kind == NULL || lac_slot_create(&kind->about, &slot, NULL) != LAC_OK) {
+        (void)fprintf(stderr, "no shear load %s\n", name);
+        abort();
+    }
+    return slot;
+}

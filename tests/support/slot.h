@@ -2,9 +2,12 @@
 #ifndef TEST_SUPPORT_SLOT_H
 #define TEST_SUPPORT_SLOT_H
 
-#include "lacuna/param.h"
+#include "lacuna/load.h"
 
 /// Sets a real or choice parameter of a slot by its key; fails the program where there is none.
 void test_slot_set(lac_slot *slot, const char *key, double value);
+
+/// A slot of the shear load of that name with its defaults; fails the program where there is none.
+lac_slot test_slot_shear(const char *name);
 
 #endif

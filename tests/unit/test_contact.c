@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "base/rng.h"
+#include "contact/solve.h"
 #include "lacuna/contact.h"
 #include "lacuna/surface.h"
 
@@ -210,6 +211,53 @@ static void single_asperity(void **state)
     }
 }
 
+// Two peaks of nearly the same height: while one alone carries the load it is in balance, and
+// only the penetration at the other shows that more is to come.
+static void two_asperities(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){32, 32, 1.0, 1.0, true};
+    for (double lower = 1e-7; lower < 1.0; lower *= 10.0) {
+        memset(f->h, 0, sizeof f->h);
+        f->h[5 * 32 + 5] = 1e-3;
+        f->h[20 * 32 + 20] = 1e-3 * (1.0 - lower);
+        for (double load = 1e-12; load < 1e-4; load *= 4.0) {
+            f->def.mean_pressure = load * f->def.e_star;
+            must_solve(f);
+            check_solution(f);
+        }
+    }
+}
+
+// From one cell that carries everything: complementarity is perfect from the start, and only the
+// penetration elsewhere shows that this is no solution.
+static void penetration_alone_keeps_it_going(void **state)
+{
+    fixture *f = *state;
+    lac_half_space *s = NULL;
+    f->def.grid = (lac_grid){32, 32, 1.0, 1.0, true};
+    fill_random(f, 2);
+    for (size_t i = 0; i < 32 * 32; i++) {
+        f->h[i] *= 1e3;
+    }
+    assert_int_equal(lac_half_space_create(32, 32, 1.0, 1.0, &s, &f->err), LAC_OK);
+    lac_descent d = {
+        .heights = f->h, .mean_pressure = 0.5, .tolerance = 1e-9, .max_iterations = 300};
+    f->p[100] = 0.5 * 32.0 * 32.0;
+    assert_int_equal(lac_descend(s, &d, f->p, f->gap, &f->err), LAC_OK);
+    assert_true(lac_residual_holds(&d.residual, 1e-9));
+    assert_true(d.iterations > 0);
+    f->def.mean_pressure = 0.5;
+    f->report.n_cells = 0;
+    for (size_t i = 0; i < 32 * 32; i++) {
+        f->report.n_cells += f->p[i] > 0.0 ? 1 : 0;
+    }
+    f->report.approach = d.closest;
+    assert_true(f->report.n_cells > 100);
+    check_solution(f);
+    lac_half_space_free(s);
+}
+
 // Uneven cells, odd and prime sides, lines along x and along y, at all loads.
 static void every_shape_of_grid(void **state)
 {
@@ -336,6 +384,8 @@ int main(void)
         TEST(flat_surface_is_in_full_contact),
         TEST(one_cell_carries_everything),
         TEST(single_asperity),
+        TEST(two_asperities),
+        TEST(penetration_alone_keeps_it_going),
         TEST(every_shape_of_grid),
         TEST(line_equals_grooved_plane),
         TEST(units_do_not_matter),

@@ -15,6 +15,7 @@
 
 #include "support/block.h"
 #include "support/quadrature.h"
+#include "support/slot.h"
 
 static void assert_close(double got, double want, double relative, const char *what)
 {
@@ -267,31 +268,34 @@ static double drive(double t) { return 1.1 + 0.3 * sin(t); }
 static double driven_ratio(double t) { return 0.01 * log(drive(t)); }
 static double driven_rate(double t) { return 0.01 * 0.3 * cos(t) / drive(t); }
 
+// A block with m = 1 and dc = v0 = 1 that starts with theta = 2 under S = drive: v = S/theta.
+static void create_driven(const lac_slot *slot, double start_drive, block *b)
+{
+    block_def def = block_default(1.0, 1.0);
+    lac_error err;
+    block_create(&def, b);
+    lac_problem_free(b->problem);
+    double u = log(start_drive / 2.0);
+    double w = log(2.0);
+    lac_problem_def problem = {.domain = b->domain,
+                               .friction = b->friction,
+                               .transfer = &b->transfer,
+                               .loads = {.shear = slot, .shear_count = 1},
+                               .log_rate = &u,
+                               .log_state = &w};
+    assert_int_equal(lac_problem_create(&problem, &b->problem, &err), LAC_OK);
+}
+
 // O9: m = 1 under any drive S(t): theta = theta_i + t - integral of S.
 static void driven_block(void **state)
 {
     (void)state;
     callback c = {driven_ratio, driven_rate, INFINITY};
     lac_slot slot = {.about = &callback_kind.about, .params = &c};
-    block_def def = block_default(1.0, 1.0);
-    def.shear = &slot;
-    def.shear_count = 1;
-    // theta_i = 2 and v = S(0) dc/theta_i fix the start; x says theta = x^(1-m) dc/v = dc/v, so
-    // the state is set by hand below.
     block b;
     lac_error err;
     lac_run_result result;
-    block_create(&def, &b);
-    double u = log(drive(0.0) / 2.0);
-    double w = log(2.0);
-    lac_problem_def problem = {.domain = b.domain,
-                               .friction = b.friction,
-                               .transfer = &b.transfer,
-                               .loads = {.shear = &slot, .shear_count = 1},
-                               .log_rate = &u,
-                               .log_state = &w};
-    lac_problem_free(b.problem);
-    assert_int_equal(lac_problem_create(&problem, &b.problem, &err), LAC_OK);
+    create_driven(&slot, drive(0.0), &b);
     history h = {0};
     lac_sink sink = history_sink(&h);
     lac_run_def how = to_failure(1e-11, 1e8);
@@ -304,6 +308,39 @@ static void driven_block(void **state)
         assert_close(h.line[i].seen.mean_rate, drive(t) / theta, 1e-5, "O9 rate");
     }
     history_clear(&h);
+    block_clear(&b);
+}
+
+// A ramp that starts at 1 s and ends at 2 s, ln S from 0 to 1/2: theta stays 2, then bends twice.
+static void ramped_block(void **state)
+{
+    (void)state;
+    lac_slot slot = test_slot_shear("ramp");
+    test_slot_set(&slot, "rate", 5e3);
+    test_slot_set(&slot, "start", 1.0);
+    test_slot_set(&slot, "end", 2.0);
+    block b;
+    lac_error err;
+    lac_run_result result;
+    create_driven(&slot, 1.0, &b);
+    history h = {0};
+    lac_sink sink = history_sink(&h);
+    lac_run_def how = to_failure(1e-10, 1e8);
+    assert_int_equal(lac_run(b.problem, &how, &sink, &result, &err), LAC_OK);
+    assert_true(result.failed && result.restarts >= 2);
+    double after = 3.0 - 2.0 * expm1(0.5); // theta at 2 s
+    assert_close(result.time, 2.0 + after / expm1(0.5), 1e-7, "ramp");
+    for (size_t i = 0; i < h.n; i++) {
+        double t = history_time(&h, i);
+        if (t <= 1.0) {
+            assert_close(h.line[i].seen.mean_rate, 0.5, 1e-9, "before the ramp");
+        } else if (t <= 2.0) {
+            double theta = 2.0 + (t - 1.0) - 2.0 * expm1(0.5 * (t - 1.0));
+            assert_close(h.line[i].seen.mean_rate, exp(0.5 * (t - 1.0)) / theta, 1e-6, "ramp");
+        }
+    }
+    history_clear(&h);
+    lac_slot_clear(&slot);
     block_clear(&b);
 }
 
@@ -425,6 +462,7 @@ int main(void)
         cmocka_unit_test(approach_to_steady_sliding),
         cmocka_unit_test(quadrants),
         cmocka_unit_test(driven_block),
+        cmocka_unit_test(ramped_block),
         cmocka_unit_test(load_step),
         cmocka_unit_test(slip_law),
         cmocka_unit_test(damped),

@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <string.h>
 // cmocka needs the headers above first
 #include <cmocka.h>
 
@@ -14,23 +13,13 @@
 
 #include "support/block.h"
 #include "support/quadrature.h"
+#include "support/slot.h"
 
 static lac_slot spring(double stiffness, double speed)
 {
-    lac_error err;
-    lac_slot slot = {0};
-    const lac_load_kind *kind;
-    size_t i = 0;
-    while ((kind = lac_shear_load_at(i)) != NULL && strcmp(kind->about.name, "spring") != 0) {
-        i++;
-    }
-    assert_non_null(kind);
-    assert_int_equal(lac_slot_create(&kind->about, &slot, &err), LAC_OK);
-    for (size_t k = 0; k < kind->about.param_count; k++) {
-        const lac_param *param = &kind->about.params[k];
-        double value = strcmp(param->key, "stiffness") == 0 ? stiffness : speed;
-        memcpy((char *)slot.params + param->offset, &value, sizeof value);
-    }
+    lac_slot slot = test_slot_shear("spring");
+    test_slot_set(&slot, "stiffness", stiffness);
+    test_slot_set(&slot, "speed", speed);
     return slot;
 }
 

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+static bool present(const lac_reader *reader, const char *key)
+{
+    return lac_node_at(reader->root, key) != NULL;
+}
+
+// Whether nothing is wrong below a key: what depends on it can be checked.
+static bool clean(const lac_reader *reader, const char *key)
+{
+    size_t n = strlen(key);
+    for (size_t i = 0; i < reader->report->count; i++) {
+        const lac_case_issue *issue = &reader->report->issue[i];
+        if (!issue->warning && issue->key != NULL && strncmp(issue->key, key, n) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void check_interface(lac_reader *reader, lac_case *c)
+{
+    bool surface = present(reader, "interface.surface");
+    bool domain = present(reader, "interface.domain");
+    if (surface && domain) {
+        lac_blame_key(reader, "interface.domain",
+                      "is given beside interface.surface; exactly one is allowed");
+    }
+    if (!clean(reader, "interface")) {
+        return;
+    }
+    if (c->interface.levels > 0) {
+        if (!surface && !domain) {
+            lac_blame_key(reader, "interface.surface",
+                          "is missing: levels > 0 needs a surface or a domain");
+        }
+        if (isnan(c->interface.size)) {
+            lac_blame_key(reader, "interface.size", "is missing: must be a length such as \"1 m\"");
+        }
+        return;
+    }
+    if (surface || domain) {
+        lac_blame_key(reader, surface ? "interface.surface" : "interface.domain",
+                      "needs interface.levels > 0: a single block has no cells");
+    }
+    if (isnan(c->interface.size)) {
+        c->interface.size = 1.0;
+    }
+}
+
+static void check_material(lac_reader *reader, const lac_case *c)
+{
+    if (!clean(reader, "material")) {
+        return;
+    }
+    bool modulus = present(reader, "material.shear_modulus");
+    const lac_normal_load *normal = (const void *)c->normal.about;
+    if (normal != NULL && normal->needs_density && !present(reader, "material.density")) {
+        lac_blame_key(reader, "material.density",
+                      "is missing: needed by load.normal.%s; must be a density such as "
+                      "\"2700 kg/m3\"",
+                      normal->about.name);
+    }
+    if (present(reader, "interface.surface") && !modulus) {
+        lac_blame_key(reader, "material.shear_modulus",
+                      "is missing: needed to press interface.surface; must be a pressure such as "
+                      "\"20 GPa\"");
+    }
+    if (present(reader, "material.shear_speed") && !modulus) {
+        lac_warn(reader, "material.shear_speed", "has no effect without shear_modulus");
+    }
+}
+
+static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
+{
+    const lac_descriptor *about = c->transfer.about;
+    if (about == NULL || strcmp(about->name, "hierarchy") != 0) {
+        return;
+    }
+    const lac_transfer_hierarchy *hierarchy = c->transfer.params;
+    bool elastic = hierarchy->stiffness >= 0;
+    bool given = !isnan(hierarchy->k0);
+    if (elastic == given) {
+        lac_blame_key(reader, "transfer.hierarchy", "needs %s",
+                      elastic ? "either stiffness: elastic or k0, not both"
+                              : "stiffness: elastic, or k0 (and ratio)");
+    }
+    if (elastic && !isnan(hierarchy->ratio)) {
+        lac_blame_key(reader, "transfer.hierarchy.ratio",
+                      "goes with k0, not with stiffness: elastic");
+    }
+    if (elastic && material_read && !present(reader, "material.shear_modulus")) {
+        lac_blame_key(reader, "material.shear_modulus",
+                      "is missing: needed by transfer.hierarchy.stiffness: elastic; must be a "
+                      "pressure such as \"20 GPa\"");
+    }
+}
+
+// The mean normal stress; NaN where the case is wrong about it.
+static double normal_stress(const lac_reader *reader, const lac_case *c)
+{
+    const lac_normal_load *normal = (const void *)c->normal.about;
+    if (normal == NULL || !clean(reader, "material")) {
+        return NAN;
+    }
+    return normal->pressure(c->normal.params, c->material.density);
+}
+
+static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
+                         bool fixed_by_initial)
+{
+    lac_load_set loads = {.shear = c->shear.item,
+                          .shear_count = c->shear.count,
+                          .pore = c->pore.item,
+                          .pore_count = c->pore.count};
+    lac_load_state sum;
+    lac_load_evaluate(&loads, 0.0, &sum);
+    if (!(sum.pore < pressure)) {
+        char high[64];
+        char low[64];
+        lac_blame_key(reader, "load.pore_pressure",
+                      "sums to %s, which must be below the normal stress, %s",
+                      lac_units_format(sum.pore, "Pa", high, sizeof high),
+                      lac_units_format(pressure, "Pa", low, sizeof low));
+    }
+    double shear = sum.ratio * pressure + sum.stress + sum.spring_stress;
+    if (!fixed_by_initial && clean(reader, "initial") && !(shear > 0.0)) {
+        lac_blame_key(reader, "load.shear",
+                      "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
+                      "unless initial gives both slip_rate and state");
+    }
+}
+
+static void check_load(lac_reader *reader, const lac_case *c)
+{
+    bool fixed_by_initial =
+        present(reader, "initial.slip_rate") && present(reader, "initial.state");
+    for (size_t i = 0; fixed_by_initial && i < c->shear.count && clean(reader, "load"); i++) {
+        char key[100];
+        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        if (kind->fixes_shear) {
+            (void)snprintf(key, sizeof key, "load.shear.%zu", i);
+            lac_blame_key(reader, key,
+                          "%s fixes the shear load, which follows from initial.slip_rate and "
+                          "initial.state: drop one of them",
+                          kind->about.name);
+        }
+    }
+    double pressure = normal_stress(reader, c);
+    if (isfinite(pressure) && clean(reader, "load")) {
+        check_forces(reader, c, pressure, fixed_by_initial);
+    } else if (c->normal.about != NULL && isinf(pressure)) {
+        lac_blame_key(reader, "load.normal", "is too large to compute with");
+    }
+}
+
+static void check_initial(lac_reader *reader, const lac_case *c)
+{
+    const lac_initial_def *initial = &c->initial;
+    bool steady = initial->state == LAC_STATE_STEADY;
+    if (present(reader, "initial.spread.slip_rate") && !present(reader, "initial.slip_rate")) {
+        lac_blame_key(reader, "initial.spread.slip_rate", "needs initial.slip_rate");
+    }
+    if (present(reader, "initial.spread.state") && clean(reader, "initial.state") &&
+        initial->state != LAC_STATE_TIME && initial->state != LAC_STATE_RATIO) {
+        lac_blame_key(reader, "initial.spread.state",
+                      "needs initial.state as a time or {ratio_to_steady: x}");
+    }
+    if (c->friction.about == NULL || !clean(reader, "initial")) {
+        return;
+    }
+    const lac_friction_params *law = c->friction.params;
+    bool spread = c->friction_spread.count > 0 || c->initial_spread.count > 0;
+    if (law->b == law->a && initial->state == LAC_STATE_RATIO) {
+        lac_warn(reader, "initial.state", "has no effect where b = a: theta is dc/v for any ratio");
+    }
+    if (steady && law->b > law->a && !spread) {
+        lac_warn(reader, present(reader, "initial.state") ? "initial.state" : "friction",
+                 "starts steady with b > a, the unstable fixed point: rounding decides when it "
+                 "fails");
+    }
+}
+
+static void check_solver(lac_reader *reader, const lac_case *c)
+{
+    static const struct {
+        const char *name;
+        int lowest, highest;
+    } orders[] = {
+        [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
+    int64_t order = c->run.max_order;
+    if (!clean(reader, "solver") || order == 0) {
+        return;
+    }
+    if (order < orders[c->run.method].lowest || order > orders[c->run.method].highest) {
+        lac_blame_key(reader, "solver.max_order", "must be from %d to %d with method %s",
+                      orders[c->run.method].lowest, orders[c->run.method].highest,
+                      orders[c->run.method].name);
+    }
+}
+
+void lac_check_case(lac_reader *reader, lac_case *c)
+{
+    bool material_read = clean(reader, "material");
+    check_interface(reader, c);
+    check_material(reader, c);
+    check_transfer(reader, c, material_read);
+    check_load(reader, c);
+    check_initial(reader, c);
+    check_solver(reader, c);
+}

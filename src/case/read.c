@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+enum { LARGEST_FILE = 4 * 1024 * 1024 };
+
+static lac_case *new_case(lac_reader *reader)
+{
+    lac_case *c = calloc(1, sizeof *c);
+    char *path = lac_reader_copy(reader, reader->name, strlen(reader->name));
+    if (c == NULL || path == NULL) {
+        reader->no_memory = true;
+        free(path);
+        free(c);
+        return NULL;
+    }
+    c->path = path;
+    c->run = lac_run_default();
+    for (int i = 0; i < LAC_SECTION_CADENCE; i++) {
+        lac_table table = lac_section_table(i);
+        lac_table_reset(&table, c);
+    }
+    c->initial.state = LAC_STATE_STEADY;
+    c->initial.state_value = NAN;
+    return c;
+}
+
+static void clear_slots(lac_slot_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        lac_slot_clear(&list->item[i]);
+    }
+    free(list->item);
+}
+
+static void clear_spreads(lac_spread_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        free(list->item[i].key);
+    }
+    free(list->item);
+}
+
+void lac_case_free(lac_case *c)
+{
+    if (c == NULL) {
+        return;
+    }
+    lac_slot *slots[] = {&c->surface, &c->domain, &c->normal, &c->friction, &c->transfer};
+    for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
+        lac_slot_clear(slots[i]);
+    }
+    clear_slots(&c->shear);
+    clear_slots(&c->pore);
+    clear_spreads(&c->friction_spread);
+    clear_spreads(&c->initial_spread);
+    for (size_t i = 0; i < c->compare_count; i++) {
+        lac_compare_def *def = &c->compare[i];
+        char *texts[] = {
+            def->path,     def->time,          def->displacement, def->displacement_unit,
+            def->velocity, def->velocity_unit, def->label};
+        for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
+            free(texts[k]);
+        }
+    }
+    free(c->compare);
+    free(c->path);
+    free(c->title);
+    free(c->references);
+    free(c->institution);
+    free(c->output_file);
+    free(c);
+}
+
+// The tree of a whole file, or NULL with the reason reported.
+static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
+{
+    const char *binary = size > 0 ? memchr(text, '\0', size) : NULL;
+    if (size > LARGEST_FILE) {
+        lac_blame_text(reader, 1, NULL, "is larger than 4 MiB, which no case is");
+        return NULL;
+    }
+    if (binary != NULL) {
+        lac_blame_text(reader, 1, NULL, "is binary, not a case in text");
+        return NULL;
+    }
+    lac_node *root = lac_tree_parse(reader, text, size, NULL);
+    bool empty =
+        root == NULL ? reader->report->count == 0 && !reader->no_memory : lac_node_is_null(root);
+    if (empty) {
+        lac_blame_text(reader, 1, NULL, "is empty; a case starts with lacuna: 1");
+    } else if (root != NULL && root->kind != LAC_NODE_MAP) {
+        lac_blame_text(reader, root->line, NULL,
+                       "must be a mapping of sections, starting with lacuna: 1");
+    } else {
+        return root;
+    }
+    lac_node_free(root);
+    return NULL;
+}
+
+static void summarise(const lac_reader *reader, lac_error *err)
+{
+    char text[900];
+    const lac_case_report *report = reader->report;
+    for (size_t i = 0; i < report->count; i++) {
+        if (!report->issue[i].warning) {
+            size_t others = report->errors - 1;
+            (void)lac_case_issue_format(&report->issue[i], text, sizeof text);
+            (void)(others == 0 ? lac_fail(err, LAC_EINPUT, "%s", text)
+                               : lac_fail(err, LAC_EINPUT, "%s (and %zu more)", text, others));
+            return;
+        }
+    }
+}
+
+lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
+                          const lac_override *overrides, size_t count, lac_case **out,
+                          lac_case_report *report, lac_error *err)
+{
+    *out = NULL;
+    *report = (lac_case_report){0};
+    lac_reader reader = {.name = name, .units = units, .report = report};
+    lac_case *c = NULL;
+    lac_node *root = parse_file(&reader, text, size);
+    for (size_t i = 0; root != NULL && i < count; i++) {
+        lac_apply_override(&reader, &root, &overrides[i]);
+    }
+    if (root != NULL) {
+        reader.root = root;
+        c = new_case(&reader);
+    }
+    if (c != NULL) {
+        lac_read_sections(&reader, c);
+        lac_check_case(&reader, c);
+    }
+    lac_node_free(root);
+    lac_report_sort(report);
+    if (report->errors == 0 && !reader.no_memory) {
+        *out = c;
+        return LAC_OK;
+    }
+    lac_case_free(c);
+    if (reader.no_memory) {
+        return lac_fail_memory(err);
+    }
+    summarise(&reader, err);
+    return LAC_EINPUT;
+}
+
+lac_status lac_case_read_text(const char *name, const char *text, size_t size,
+                              const lac_override *overrides, size_t count, lac_case **out,
+                              lac_case_report *report, lac_error *err)
+{
+    lac_units *units = NULL;
+    *out = NULL;
+    *report = (lac_case_report){0};
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_case_build(units, name, text, size, overrides, count, out, report, err);
+    }
+    lac_units_free(units);
+    return status;
+}
+
+// The whole file, or one byte more than a case may have.
+static lac_status read_file(const char *path, char **text, size_t *size, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    char *buffer = malloc(LARGEST_FILE + 1);
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) {
+        status = lac_fail(err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
+    } else if (buffer == NULL) {
+        status = lac_fail_memory(err);
+    } else {
+        *size = fread(buffer, 1, LARGEST_FILE + 1, file);
+        if (ferror(file)) {
+            status = lac_fail(err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
+        }
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (status != LAC_OK) {
+        free(buffer);
+        buffer = NULL;
+    }
+    *text = buffer;
+    return status;
+}
+
+lac_status lac_case_read(const char *path, const lac_override *overrides, size_t count,
+                         lac_case **out, lac_case_report *report, lac_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    *out = NULL;
+    *report = (lac_case_report){0};
+    lac_status status = read_file(path, &text, &size, err);
+    if (status == LAC_OK) {
+        status = lac_case_read_text(path, text, size, overrides, count, out, report, err);
+    }
+    free(text);
+    return status;
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+static const lac_param ratio_row = {
+    .key = "ratio_to_steady",
+    .unit = "1",
+    .fallback = NAN,
+    .min = 0,
+    .max = 1e6,
+    .flags = LAC_ABOVE_MIN,
+    .offset = offsetof(lac_initial_def, state_value),
+    .doc = "theta over theta_ss at the load that follows",
+};
+
+static const lac_param age_row = {
+    .key = "state",
+    .unit = "s",
+    .fallback = NAN,
+    .min = 0,
+    .max = 1e20,
+    .flags = LAC_ABOVE_MIN,
+    .offset = offsetof(lac_initial_def, state_value),
+    .doc = "theta",
+};
+
+static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def *initial)
+{
+    const lac_table table = {.params = &ratio_row, .count = 1};
+    double seconds;
+    if (node->kind == LAC_NODE_MAP) {
+        initial->state = LAC_STATE_RATIO;
+        lac_read_table(reader, node, &table, initial);
+    } else if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, "steady") == 0) {
+        initial->state = LAC_STATE_STEADY;
+    } else if (node->kind == LAC_NODE_SCALAR &&
+               lac_units_parse(reader->units, node->text, "s", &seconds, NULL) == LAC_OK) {
+        initial->state = LAC_STATE_TIME;
+        (void)lac_read_param(reader, node, &age_row, initial);
+    } else {
+        lac_blame(reader, node,
+                  "must be steady, a time such as \"2 year\", or {ratio_to_steady: 0.9}");
+    }
+}
+
+void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    static const char *const varied[] = {"slip_rate", "state"};
+    const lac_node *state = lac_node_child(node, "state");
+    const lac_node *spread = lac_node_child(node, "spread");
+    if (state != NULL) {
+        read_state(reader, state, &c->initial);
+    } else if (lac_node_child(node, "slip_rate") != NULL) {
+        c->initial.state = LAC_STATE_FROM_LOAD;
+    }
+    if (spread != NULL) {
+        lac_read_spreads(reader, spread, varied, 2, &c->initial_spread);
+    }
+}
+
+// A time, or a mapping of one or more of time, steps and per_decade.
+static void read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence)
+{
+    lac_table table = lac_section_table(LAC_SECTION_CADENCE);
+    size_t errors = reader->report->errors;
+    lac_table_reset(&table, cadence);
+    if (node->kind == LAC_NODE_SCALAR) {
+        (void)lac_read_param(reader, node, &table.params[0], cadence);
+        return;
+    }
+    if (!lac_expect_map(reader, node, "a time such as \"1 day\", {steps: N} or {per_decade: N}")) {
+        return;
+    }
+    lac_read_table(reader, node, &table, cadence);
+    bool never = isnan(cadence->time) && cadence->steps == 0 && isnan(cadence->per_decade);
+    if (never && reader->report->errors == errors) {
+        lac_blame(reader, node, "must be a time such as \"1 day\", {steps: N} or {per_decade: N}");
+    }
+}
+
+static void read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (node->kind != LAC_NODE_LIST) {
+        lac_blame(reader, node, "must be a list of: slip, slip_rate, state, traction");
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        const lac_node *item = node->child[i];
+        unsigned bit = 0;
+        for (unsigned k = 0; item->kind == LAC_NODE_SCALAR && lac_field_names[k] != NULL; k++) {
+            bit |= strcmp(lac_field_names[k], item->text) == 0 ? 1u << k : 0u;
+        }
+        if (bit == 0) {
+            lac_blame(reader, item, "must be one of: slip, slip_rate, state, traction");
+        }
+        c->fields |= bit;
+    }
+    c->run.snapshots = c->fields != 0;
+}
+
+void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    const lac_node *every = lac_node_child(node, "every");
+    const lac_node *fields = lac_node_child(node, "fields");
+    const lac_node *fields_every = lac_node_child(node, "fields_every");
+    if (every != NULL) {
+        read_cadence(reader, every, &c->run.record);
+    }
+    if (fields != NULL) {
+        read_fields(reader, fields, c);
+    }
+    if (fields_every != NULL) {
+        read_cadence(reader, fields_every, &c->run.snapshot);
+        if (fields == NULL) {
+            lac_blame(reader, fields_every, "needs output.fields, which says what to keep");
+        }
+    }
+}
+
+// Splits "column:unit" at its last colon.
+static void read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
+                        char **unit)
+{
+    lac_error err = {""};
+    double scale;
+    double offset;
+    char *text = lac_read_text(reader, node, "a column and its unit such as \"disp:mm\"");
+    char *colon = text == NULL ? NULL : strrchr(text, ':');
+    *column = text;
+    if (colon == NULL) {
+        return; // no unit: it is SI
+    }
+    *colon = '\0';
+    if (colon == text) {
+        lac_blame(reader, node, "must be a column and its unit such as \"disp:mm\"");
+    } else if (lac_units_convert(reader->units, colon + 1, si, &scale, &offset, &err) != LAC_OK ||
+               offset != 0.0) {
+        lac_blame(reader, node, "the unit of the column %s", err.message);
+    } else {
+        *unit = lac_reader_copy(reader, colon + 1, strlen(colon + 1));
+    }
+}
+
+static void read_series(lac_reader *reader, const lac_node *node, lac_compare_def *def)
+{
+    lac_table table = lac_section_table(LAC_SECTION_COMPARE);
+    const lac_node *displacement = lac_node_child(node, "displacement");
+    const lac_node *velocity = lac_node_child(node, "velocity");
+    if (!lac_expect_map(reader, node, "a mapping with file, time, displacement and/or velocity")) {
+        return;
+    }
+    lac_read_table(reader, node, &table, def);
+    if (displacement != NULL) {
+        read_column(reader, displacement, "m", &def->displacement, &def->displacement_unit);
+    }
+    if (velocity != NULL) {
+        read_column(reader, velocity, "m/s", &def->velocity, &def->velocity_unit);
+    }
+    if (displacement == NULL && velocity == NULL) {
+        lac_blame(reader, node, "needs displacement or velocity, such as \"disp:mm\"");
+    }
+}
+
+void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (node->kind != LAC_NODE_LIST) {
+        lac_blame(reader, node, "must be a list such as [{file: a.csv, time: date, ...}]");
+        return;
+    }
+    c->compare = calloc(node->count > 0 ? node->count : 1, sizeof *c->compare);
+    if (c->compare == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    c->compare_count = node->count;
+    for (size_t i = 0; i < node->count; i++) {
+        read_series(reader, node->child[i], &c->compare[i]);
+    }
+}

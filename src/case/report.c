@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/nearest.h"
+#include "case/reader.h"
+
+enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 400 };
+
+char *lac_reader_copy(lac_reader *reader, const char *text, size_t size)
+{
+    char *copy = malloc(size + 1);
+    if (copy == NULL) {
+        reader->no_memory = true;
+        return NULL;
+    }
+    memcpy(copy, text, size);
+    copy[size] = '\0';
+    return copy;
+}
+
+// A message is one line: control characters become '?', and what is cut ends in "..." between
+// two characters of UTF-8.
+static char *one_line(lac_reader *reader, const char *text, size_t longest)
+{
+    size_t n = strlen(text);
+    bool cut = n > longest;
+    if (cut) {
+        for (n = longest; n > 0 && ((unsigned char)text[n] & 0xc0u) == 0x80u; n--) {
+        }
+    }
+    char *line = malloc(n + sizeof "...");
+    if (line == NULL) {
+        reader->no_memory = true;
+        return NULL;
+    }
+    for (size_t i = 0; i < n; i++) {
+        line[i] = iscntrl((unsigned char)text[i]) ? '?' : text[i];
+    }
+    memcpy(line + n, cut ? "..." : "", cut ? sizeof "..." : 1);
+    return line;
+}
+
+static lac_case_issue *new_issue(lac_reader *reader)
+{
+    lac_case_report *report = reader->report;
+    size_t n = report->count;
+    if ((n & (n - 1)) == 0) {
+        lac_case_issue *grown =
+            realloc(report->issue, (n == 0 ? 1 : 2 * n) * sizeof(lac_case_issue));
+        if (grown == NULL) {
+            reader->no_memory = true;
+            return NULL;
+        }
+        report->issue = grown;
+    }
+    report->issue[n] = (lac_case_issue){0};
+    report->count++;
+    return &report->issue[n];
+}
+
+// What an issue is said of.
+typedef struct subject {
+    size_t line;
+    const char *key, *value;
+    bool from_set, warning;
+} subject;
+
+static void add_issue(lac_reader *reader, const subject *of, const char *message)
+{
+    if (reader->report->count > LAC_MOST_ISSUES) {
+        return;
+    }
+    bool full = reader->report->count == LAC_MOST_ISSUES;
+    lac_case_issue *issue = new_issue(reader);
+    if (issue == NULL) {
+        return;
+    }
+    issue->line = of->line;
+    issue->warning = of->warning && !full;
+    reader->report->errors += issue->warning ? 0 : 1;
+    issue->file = one_line(reader, of->from_set ? "--set" : reader->name, 4096);
+    issue->key = one_line(reader, full ? "" : of->key, LAC_KEY_LENGTH);
+    issue->value = one_line(reader, full ? "" : of->value, LONGEST_VALUE);
+    issue->message =
+        one_line(reader, full ? "has more errors, which are not listed" : message, LONGEST_MESSAGE);
+}
+
+static void blame_node(lac_reader *reader, const lac_node *node, const char *key, bool warning,
+                       const char *message)
+{
+    bool scalar = node->kind == LAC_NODE_SCALAR && node->text != NULL && !node->bad;
+    subject of = {.line = node->line,
+                  .key = key,
+                  .value = scalar ? node->text : "",
+                  .from_set = node->line == 0,
+                  .warning = warning};
+    add_issue(reader, &of, message);
+}
+
+void lac_blame(lac_reader *reader, const lac_node *node, const char *format, ...)
+{
+    char message[LONGEST_MESSAGE + 100];
+    char key[LAC_KEY_LENGTH];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (!node->bad) {
+        blame_node(reader, node, lac_node_path(node, key, sizeof key), false, message);
+    }
+}
+
+// The node at a dotted key, or the nearest one above it.
+static const lac_node *nearest_above(const lac_reader *reader, const char *key)
+{
+    char path[LAC_KEY_LENGTH];
+    (void)snprintf(path, sizeof path, "%s", key);
+    for (;;) {
+        const lac_node *node = lac_node_at(reader->root, path);
+        char *dot = strrchr(path, '.');
+        if (node != NULL || path[0] == '\0') {
+            return node;
+        }
+        *(dot != NULL ? dot : path) = '\0';
+    }
+}
+
+static void blame_key(lac_reader *reader, const char *key, bool warning, const char *message)
+{
+    const lac_node *node = nearest_above(reader, key);
+    char path[LAC_KEY_LENGTH];
+    bool exact = strcmp(lac_node_path(node, path, sizeof path), key) == 0;
+    subject of = {.line = node->line,
+                  .key = key,
+                  .value = exact && node->kind == LAC_NODE_SCALAR ? node->text : "",
+                  .from_set = node->line == 0,
+                  .warning = warning};
+    add_issue(reader, &of, message);
+}
+
+void lac_blame_key(lac_reader *reader, const char *key, const char *format, ...)
+{
+    char message[LONGEST_MESSAGE + 100];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    blame_key(reader, key, false, message);
+}
+
+void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
+{
+    char message[LONGEST_MESSAGE + 100];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    blame_key(reader, key, true, message);
+}
+
+void lac_blame_missing(lac_reader *reader, const lac_node *parent, const char *key,
+                       const char *format, ...)
+{
+    char message[LONGEST_MESSAGE + 100];
+    char path[LAC_KEY_LENGTH];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    (void)lac_node_path(parent, path, sizeof path);
+    size_t used = strlen(path);
+    (void)snprintf(path + used, sizeof path - used, "%s%s", used == 0 ? "" : ".", key);
+    subject of = {.line = parent->line, .key = path, .value = "", .from_set = parent->line == 0};
+    add_issue(reader, &of, message);
+}
+
+void lac_blame_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
+{
+    char message[LONGEST_MESSAGE + 100];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    subject of = {
+        .line = line, .key = place != NULL ? place : "", .value = "", .from_set = place != NULL};
+    add_issue(reader, &of, message);
+}
+
+void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *what,
+                       const char *const *known, size_t count)
+{
+    char list[LONGEST_MESSAGE] = "";
+    char key[LAC_KEY_LENGTH];
+    const char *near = lac_nearest(node->key, known, count);
+    if (near != NULL) {
+        (void)snprintf(list, sizeof list, "is no %s here; did you mean \"%s\"?", what, near);
+    } else {
+        (void)snprintf(list, sizeof list, "is no %s here; known:", what);
+        for (size_t i = 0; i < count; i++) {
+            size_t used = strlen(list);
+            (void)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
+        }
+    }
+    subject of = {.line = node->line,
+                  .key = lac_node_path(node, key, sizeof key),
+                  .value = "",
+                  .from_set = node->line == 0};
+    add_issue(reader, &of, list);
+}
+
+// Insertion keeps issues of one line in the order they were found; there are few.
+void lac_report_sort(lac_case_report *report)
+{
+    for (size_t i = 1; i < report->count; i++) {
+        lac_case_issue moving = report->issue[i];
+        size_t line = moving.line - 1; // 0, --set, becomes the largest
+        size_t j = i;
+        for (; j > 0 && report->issue[j - 1].line - 1 > line; j--) {
+            report->issue[j] = report->issue[j - 1];
+        }
+        report->issue[j] = moving;
+    }
+}
+
+void lac_case_report_clear(lac_case_report *report)
+{
+    for (size_t i = 0; i < report->count; i++) {
+        free(report->issue[i].file);
+        free(report->issue[i].key);
+        free(report->issue[i].value);
+        free(report->issue[i].message);
+    }
+    free(report->issue);
+    *report = (lac_case_report){0};
+}
+
+static const char *or_empty(const char *text) { return text != NULL ? text : ""; }
+
+const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size)
+{
+    char line[32] = "";
+    const char *key = or_empty(issue->key);
+    const char *value = or_empty(issue->value);
+    if (issue->line > 0) {
+        (void)snprintf(line, sizeof line, ":%zu", issue->line);
+    }
+    (void)snprintf(text, size, "%s%s: %s%s%s%s%s%s", or_empty(issue->file), line, key,
+                   key[0] == '\0' ? "" : ": ", value[0] == '\0' ? "" : "\"", value,
+                   value[0] == '\0' ? "" : "\" ", or_empty(issue->message));
+    return text;
+}

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case/schema.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/nearest.h"
+
+enum { MAX_KNOWN = 64 };
+
+static const double largest_whole = 0x1p53; // beyond it doubles skip integers
+
+bool lac_param_required(const lac_param *param)
+{
+    return isnan(param->fallback) && (param->flags & LAC_OPTIONAL) == 0;
+}
+
+size_t lac_folder_length(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    return slash == NULL ? 0 : (size_t)(slash - name) + 1;
+}
+
+bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit, double *value)
+{
+    lac_error err = {""};
+    bool scalar = node->kind == LAC_NODE_SCALAR;
+    if (lac_units_parse(reader->units, scalar ? node->text : "", unit, value, &err) == LAC_OK) {
+        return true;
+    }
+    lac_blame(reader, node, "%s", err.message);
+    return false;
+}
+
+static bool read_real(lac_reader *reader, const lac_node *node, const lac_param *param,
+                      double *value)
+{
+    char why[160];
+    if (!lac_read_number(reader, node, param->unit, value)) {
+        return false;
+    }
+    if (!lac_param_allows(param, *value, why, sizeof why)) {
+        lac_blame(reader, node, "%s", why);
+        return false;
+    }
+    return true;
+}
+
+static bool read_integer(lac_reader *reader, const lac_node *node, const lac_param *param,
+                         int64_t *value)
+{
+    char why[160];
+    double number = NAN;
+    bool scalar = node->kind == LAC_NODE_SCALAR;
+    if (!scalar || lac_units_parse(reader->units, node->text, "1", &number, NULL) != LAC_OK ||
+        number != floor(number) || fabs(number) > largest_whole) {
+        lac_blame(reader, node, "must be a whole number");
+        return false;
+    }
+    if (!lac_param_allows(param, number, why, sizeof why)) {
+        lac_blame(reader, node, "%s", why);
+        return false;
+    }
+    *value = (int64_t)number;
+    return true;
+}
+
+static const char *choice_text(const lac_param *param, char *text, size_t size)
+{
+    bool several = param->choices[1] != NULL;
+    (void)snprintf(text, size, "must be %s", several ? "one of:" : "");
+    for (size_t i = 0; param->choices[i] != NULL; i++) {
+        size_t used = strlen(text);
+        (void)snprintf(text + used, size - used, "%s%s%s", i > 0 ? "," : "", several ? " " : "",
+                       param->choices[i]);
+    }
+    return text;
+}
+
+static bool read_choice(lac_reader *reader, const lac_node *node, const lac_param *param,
+                        int *value)
+{
+    char text[200];
+    for (int i = 0; node->kind == LAC_NODE_SCALAR && param->choices[i] != NULL; i++) {
+        if (strcmp(param->choices[i], node->text) == 0) {
+            *value = i;
+            return true;
+        }
+    }
+    lac_blame(reader, node, "%s", choice_text(param, text, sizeof text));
+    return false;
+}
+
+char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowed)
+{
+    if (node->kind != LAC_NODE_SCALAR || node->text[0] == '\0' || lac_node_is_null(node) ||
+        node->bad) {
+        lac_blame(reader, node, "must be %s", allowed);
+        return NULL;
+    }
+    return lac_reader_copy(reader, node->text, strlen(node->text));
+}
+
+static char *read_path(lac_reader *reader, const lac_node *node)
+{
+    char *path = lac_read_text(reader, node, "a file name");
+    size_t folder = lac_folder_length(reader->name);
+    if (path == NULL || path[0] == '/' || folder == 0) {
+        return path;
+    }
+    size_t n = strlen(path);
+    char *whole = malloc(folder + n + 1);
+    if (whole == NULL) {
+        reader->no_memory = true;
+    } else {
+        memcpy(whole, reader->name, folder);
+        memcpy(whole + folder, path, n + 1);
+    }
+    free(path);
+    return whole;
+}
+
+bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *param, void *params)
+{
+    void *at = (char *)params + param->offset;
+    bool good = false;
+    switch (param->type) {
+    case LAC_REAL: {
+        double value;
+        good = read_real(reader, node, param, &value);
+        return good && memcpy(at, &value, sizeof value) != NULL;
+    }
+    case LAC_INTEGER: {
+        int64_t value;
+        good = read_integer(reader, node, param, &value);
+        return good && memcpy(at, &value, sizeof value) != NULL;
+    }
+    case LAC_CHOICE: {
+        int value;
+        good = read_choice(reader, node, param, &value);
+        return good && memcpy(at, &value, sizeof value) != NULL;
+    }
+    case LAC_TEXT:
+    case LAC_PATH:
+        break;
+    }
+    char *text = param->type == LAC_PATH ? read_path(reader, node)
+                                         : lac_read_text(reader, node, "a text that is not empty");
+    memcpy(at, &text, sizeof text);
+    return text != NULL;
+}
+
+bool lac_table_owns(const lac_table *table, const char *key)
+{
+    for (const char *const *own = table->own; own != NULL && *own != NULL; own++) {
+        if (strcmp(*own, key) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void lac_table_reset(const lac_table *table, void *params)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        if (!lac_table_owns(table, table->params[i].key)) {
+            lac_param_reset(&table->params[i], params);
+        }
+    }
+}
+
+static const lac_param *find(const lac_table *table, const char *key)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        if (strcmp(table->params[i].key, key) == 0) {
+            return &table->params[i];
+        }
+    }
+    return NULL;
+}
+
+static void blame_unknown_key(lac_reader *reader, const lac_node *node, const lac_table *table)
+{
+    const char *known[MAX_KNOWN];
+    size_t n = 0;
+    for (size_t i = 0; i < table->count && n < MAX_KNOWN; i++) {
+        known[n++] = table->params[i].key;
+    }
+    for (const char *const *own = table->own; own != NULL && *own != NULL && n < MAX_KNOWN; own++) {
+        if (find(table, *own) == NULL) {
+            known[n++] = *own;
+        }
+    }
+    lac_blame_unknown(reader, node, "key", known, n);
+}
+
+bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key)
+{
+    for (size_t i = 0; i < map->count; i++) {
+        const char *given = map->child[i]->key;
+        bool known = find(table, given) != NULL || lac_table_owns(table, given);
+        if (!known && lac_nearest(given, &key, 1) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Says what is wanted in the words of the error that another value would get.
+static void blame_missing(lac_reader *reader, const lac_node *map, const lac_param *param)
+{
+    lac_error err = {""};
+    double ignored;
+    if (param->type == LAC_REAL) {
+        (void)lac_units_parse(reader->units, "", param->unit, &ignored, &err);
+    }
+    lac_blame_missing(reader, map, param->key, "is missing%s%s", err.message[0] == '\0' ? "" : ": ",
+                      err.message);
+}
+
+void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *table, void *params)
+{
+    for (size_t i = 0; i < map->count; i++) {
+        const lac_node *node = map->child[i];
+        const lac_param *param = find(table, node->key);
+        if (node->ignored || node->bad || lac_table_owns(table, node->key)) {
+            continue;
+        }
+        if (param == NULL) {
+            blame_unknown_key(reader, node, table);
+        } else {
+            (void)lac_read_param(reader, node, param, params);
+        }
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        const lac_param *param = &table->params[i];
+        if (lac_param_required(param) && !lac_table_owns(table, param->key) &&
+            lac_node_child(map, param->key) == NULL && !lac_key_misspelt(map, table, param->key)) {
+            blame_missing(reader, map, param);
+        }
+    }
+}
+
+bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowed)
+{
+    if (node->kind != LAC_NODE_MAP) {
+        lac_blame(reader, node, "must be %s", allowed);
+        return false;
+    }
+    return true;
+}

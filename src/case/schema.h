@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CASE_SCHEMA_H
+#define LACUNA_CASE_SCHEMA_H
+
+#include "case/reader.h"
+
+/// The keys of a mapping.
+typedef struct lac_table {
+    const lac_param *params; ///< [count]
+    size_t count;
+    const char *const *own; ///< keys that the caller reads itself, in `params` or not; NULL at the
+                            ///< end; NULL: none
+} lac_table;
+
+/// Reads the value of one parameter into its field.
+/// @return false where it is wrong, which is then reported
+bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *param, void *params);
+
+/// Reads a number of the dimension of `unit`; the range is the caller's.
+bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit, double *value);
+
+/// Reads a text that is not empty; the caller frees it.
+/// @return NULL where it is wrong, which is then reported
+char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowed);
+
+/// Sets every field of a table but the caller's own to its default.
+void lac_table_reset(const lac_table *table, void *params);
+
+/// Reads a mapping by its table: unknown keys, wrong values and missing ones are reported.
+void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *table, void *params);
+
+/// Whether a node is a mapping; reported where not.
+bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowed);
+
+/// Whether a key is among the caller's own.
+bool lac_table_owns(const lac_table *table, const char *key);
+
+/// Whether an unknown key of a mapping, reported as such, is near a key that it lacks: that the
+/// key is missing need not be said too.
+bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key);
+
+/// Whether a parameter must be given.
+bool lac_param_required(const lac_param *param);
+
+/// Length of the folder that a case's relative paths start from, with its last slash.
+size_t lac_folder_length(const char *name);
+
+enum {
+    LAC_KIND_SURFACE = 0, ///< indices of lac_kind_at
+    LAC_KIND_DOMAIN,
+    LAC_KIND_NORMAL,
+    LAC_KIND_SHEAR,
+    LAC_KIND_PORE,
+    LAC_KIND_FRICTION,
+    LAC_KIND_TRANSFER,
+    LAC_KIND_SPREAD,
+};
+
+/// Parameters of every model of LAC_KIND_SPREAD.
+typedef struct lac_spread_params {
+    double width;
+    int64_t seed;
+} lac_spread_params;
+
+/// Index of a spread's descriptor: lac_spread_kind.
+int lac_spread_kind_of(const lac_descriptor *about);
+
+/// Reads `{MODEL: {parameters}}`: exactly one model.
+/// @param own   a key beside the model that the caller reads itself; NULL
+/// @param slot  empty where the node is wrong
+void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const char *own,
+                   lac_slot *slot);
+
+/// Reads `[{MODEL: ...}, ...]`.
+void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list);
+
+/// Reads `{PARAMETER: {MODEL: ...}, ...}`.
+/// @param known  [count] parameters that may vary
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const char *const *known,
+                      size_t count, lac_spread_list *list);
+
+#endif

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case/sections.h"
+
+#include <math.h>
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+#define FIELD(name) offsetof(lac_case, name)
+
+// Rows that are only described here: the reader has a function for them.
+#define OWN .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
+#define TEXT .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
+
+static const char *const shapes[] = {"plane", "line", NULL};
+static const char *const methods[] = {"bdf", "adams", "erk", NULL};
+static const char *const plannings[] = {"estimate", NULL};
+
+const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
+
+static const lac_param case_rows[] = {
+    {.key = "lacuna", .doc = "version of the format: 1", OWN},
+    {.key = "title", .doc = "what the case is, for the output", .offset = FIELD(title), TEXT},
+    {.key = "references", .doc = "what to cite", .offset = FIELD(references), TEXT},
+    {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
+};
+
+static const char *const case_own[] = {"lacuna",   "interface", "material", "load",
+                                       "friction", "initial",   "transfer", "time",
+                                       "solver",   "output",    "compare",  NULL};
+
+static const lac_param interface_rows[] = {
+    {.key = "size",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(interface.size),
+     .doc = "side of the square interface; may be absent (1 m) only where levels is 0"},
+    {.key = "levels",
+     .unit = "1",
+     .fallback = 0,
+     .min = 0,
+     .max = 12,
+     .type = LAC_INTEGER,
+     .offset = FIELD(interface.levels),
+     .doc = "2^levels cells a side; 0: a single block"},
+    {.key = "shape",
+     .unit = "1",
+     .fallback = LAC_PLANE,
+     .type = LAC_CHOICE,
+     .choices = shapes,
+     .offset = FIELD(interface.shape),
+     .doc = "of the interface"},
+    {.key = "boundary", .doc = "periodic, which is what this version solves", OWN},
+};
+
+static const char *const interface_own[] = {"boundary", "surface", "domain", NULL};
+
+static const lac_param material_rows[] = {
+    {.key = "shear_modulus",
+     .unit = "Pa",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(material.shear_modulus),
+     .doc = "of the rock; needed by a surface, by elastic transfer and by radiation damping"},
+    {.key = "poisson",
+     .unit = "1",
+     .fallback = 0.25,
+     .min = 0,
+     .max = 0.4999,
+     .offset = FIELD(material.poisson),
+     .doc = "Poisson's ratio"},
+    {.key = "shear_speed",
+     .unit = "m/s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e5,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(material.shear_speed),
+     .doc = "of shear waves, for radiation damping; if absent it follows from the density; no "
+            "damping without either"},
+    {.key = "density",
+     .unit = "kg/m3",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e6,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(material.density),
+     .doc = "of the rock; needed by the loads depth and slope"},
+};
+
+static const lac_param load_rows[] = {
+    {.key = "normal", .doc = "{MODEL: {...}}: total normal stress; must be given", OWN},
+    {.key = "shear", .doc = "[{MODEL: {...}}, ...]: shear loads, which add up", OWN},
+    {.key = "pore_pressure", .doc = "[{MODEL: {...}}, ...]: pore pressures, which add up", OWN},
+};
+
+static const char *const load_own[] = {"normal", "shear", "pore_pressure", NULL};
+
+static const lac_param initial_rows[] = {
+    {.key = "slip_rate",
+     .unit = "m/s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e3,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(initial.slip_rate),
+     .doc = "at the start; follows from load and state if absent"},
+    {.key = "state",
+     .doc = "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if absent, "
+            "steady where neither is given",
+     OWN},
+    {.key = "spread", .doc = "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell", OWN},
+};
+
+static const char *const initial_own[] = {"state", "spread", NULL};
+
+static const lac_param time_rows[] = {
+    {.key = "start", .doc = "of the run: a date (ISO 8601) or a time; 0 s if absent", OWN},
+    {.key = "end",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .flags = LAC_ABOVE_MIN,
+     .offset = FIELD(run.end),
+     .doc = "of the run, since its start"},
+    {.key = "failure", .doc = "{mean_slip_rate: ...}: what counts as failure", OWN},
+    {.key = "stop_when", .doc = "{mean_slip: ..., max_slip_rate: ...}: other limits", OWN},
+};
+
+static const char *const time_own[] = {"start", "failure", "stop_when", NULL};
+
+static const lac_param failure_rows[] = {
+    {.key = "mean_slip_rate",
+     .unit = "m/s",
+     .fallback = 1.0,
+     .min = 0,
+     .max = 1e4,
+     .flags = LAC_ABOVE_MIN,
+     .offset = FIELD(run.failure_rate),
+     .doc = "mean over the contact cells whose first upward crossing is failure"},
+};
+
+static const lac_param stop_rows[] = {
+    {.key = "mean_slip",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(run.stop_slip),
+     .doc = "mean slip at which the run ends"},
+    {.key = "max_slip_rate",
+     .unit = "m/s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e4,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(run.stop_rate),
+     .doc = "slip rate of any cell at which the run ends"},
+};
+
+static const lac_param solver_rows[] = {
+    {.key = "method",
+     .unit = "1",
+     .fallback = LAC_BDF,
+     .type = LAC_CHOICE,
+     .choices = methods,
+     .offset = FIELD(run.method),
+     .doc = "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"},
+    {.key = "rtol",
+     .unit = "1",
+     .fallback = 1e-6,
+     .min = 1e-13,
+     .max = 0.1,
+     .offset = FIELD(run.rtol),
+     .doc = "relative tolerance on slip rate and state"},
+    {.key = "max_order",
+     .unit = "1",
+     .fallback = 0,
+     .min = 0,
+     .max = 12,
+     .type = LAC_INTEGER,
+     .offset = FIELD(run.max_order),
+     .doc = "highest order: bdf at most 5, adams 12, erk from 2 to 8; 0: the method's own"},
+    {.key = "first_step",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(run.first_step),
+     .doc = "first step; from the problem's own time scales if absent"},
+    {.key = "max_steps",
+     .unit = "1",
+     .fallback = 1e7,
+     .min = 1,
+     .max = 1e12,
+     .type = LAC_INTEGER,
+     .offset = FIELD(run.max_steps),
+     .doc = "of the whole run; more is an error"},
+    {.key = "fft_planning",
+     .unit = "1",
+     .fallback = 0,
+     .type = LAC_CHOICE,
+     .choices = plannings,
+     .offset = FIELD(fft_planning),
+     .doc = "of Fourier transforms: estimate is the same to the bit in every run"},
+};
+
+static const lac_param output_rows[] = {
+    {.key = "file",
+     .doc = "to write, from the folder one works in; named after the case if absent",
+     .offset = FIELD(output_file),
+     TEXT},
+    {.key = "every",
+     .doc = "how often a line of the time series is kept: a time, {steps: N}, {per_decade: N} of "
+            "the mean slip rate; each step if absent",
+     OWN},
+    {.key = "fields", .doc = "of every cell to keep: [slip, slip_rate, state, traction]", OWN},
+    {.key = "fields_every",
+     .doc = "how often the fields are kept, as `every`; once per decade of the mean slip rate if "
+            "absent",
+     OWN},
+    {.key = "compression",
+     .unit = "1",
+     .fallback = 1,
+     .min = 0,
+     .max = 9,
+     .type = LAC_INTEGER,
+     .offset = FIELD(compression),
+     .doc = "deflate level of the fields"},
+};
+
+static const char *const output_own[] = {"every", "fields", "fields_every", NULL};
+
+static const lac_param cadence_rows[] = {
+    {.key = "time",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = offsetof(lac_cadence, time),
+     .doc = "between two records"},
+    {.key = "steps",
+     .unit = "1",
+     .fallback = 0,
+     .min = 0,
+     .max = 1e12,
+     .type = LAC_INTEGER,
+     .offset = offsetof(lac_cadence, steps),
+     .doc = "of the integrator between two records; 0: not by steps"},
+    {.key = "per_decade",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e6,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = offsetof(lac_cadence, per_decade),
+     .doc = "records per decade of the mean slip rate"},
+};
+
+static const lac_param compare_rows[] = {
+    {.key = "file",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_PATH,
+     .offset = offsetof(lac_compare_def, path),
+     .doc = "monitoring series (CSV), from the case's folder"},
+    {.key = "time",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_TEXT,
+     .offset = offsetof(lac_compare_def, time),
+     .doc = "its column of times"},
+    {.key = "displacement", .doc = "its column of displacements, as \"column:unit\"", OWN},
+    {.key = "velocity", .doc = "its column of velocities, as \"column:unit\"", OWN},
+    {.key = "label", .doc = "what to call it", .offset = offsetof(lac_compare_def, label), TEXT},
+};
+
+static const char *const compare_own[] = {"displacement", "velocity", NULL};
+
+static const struct {
+    lac_section about;
+    const char *const *own;
+} sections[] = {
+    [LAC_SECTION_CASE] = {{"case", "the case as a whole", case_rows, COUNT(case_rows)}, case_own},
+    [LAC_SECTION_INTERFACE] = {{"interface", "the interface and its cells", interface_rows,
+                                COUNT(interface_rows)},
+                               interface_own},
+    [LAC_SECTION_MATERIAL] = {{"material", "the rock on both sides; no elasticity if absent",
+                               material_rows, COUNT(material_rows)},
+                              NULL},
+    [LAC_SECTION_LOAD] = {{"load", "what presses and shears the interface", load_rows,
+                           COUNT(load_rows)},
+                          load_own},
+    [LAC_SECTION_INITIAL] = {{"initial",
+                              "slip rate and state at the start; steady under the load "
+                              "if absent",
+                              initial_rows, COUNT(initial_rows)},
+                             initial_own},
+    [LAC_SECTION_TIME] = {{"time", "start and end of the run", time_rows, COUNT(time_rows)},
+                          time_own},
+    [LAC_SECTION_FAILURE] = {{"time.failure", "what counts as failure, which ends the run",
+                              failure_rows, COUNT(failure_rows)},
+                             NULL},
+    [LAC_SECTION_STOP] = {{"time.stop_when", "other limits that end the run", stop_rows,
+                           COUNT(stop_rows)},
+                          NULL},
+    [LAC_SECTION_SOLVER] = {{"solver", "integration in time", solver_rows, COUNT(solver_rows)},
+                            NULL},
+    [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
+                            output_own},
+    [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
+                              cadence_rows, COUNT(cadence_rows)},
+                             NULL},
+    [LAC_SECTION_COMPARE] = {{"compare", "a list of monitoring series to lay beside the run",
+                              compare_rows, COUNT(compare_rows)},
+                             compare_own},
+};
+
+const lac_section *lac_section_at(size_t index)
+{
+    return index < COUNT(sections) ? &sections[index].about : NULL;
+}
+
+lac_table lac_section_table(int section)
+{
+    return (lac_table){.params = sections[section].about.params,
+                       .count = sections[section].about.param_count,
+                       .own = sections[section].own};
+}

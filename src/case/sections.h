@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CASE_SECTIONS_H
+#define LACUNA_CASE_SECTIONS_H
+
+#include "case/schema.h"
+
+enum {
+    LAC_SECTION_CASE = 0, ///< indices of lac_section_at
+    LAC_SECTION_INTERFACE,
+    LAC_SECTION_MATERIAL,
+    LAC_SECTION_LOAD,
+    LAC_SECTION_INITIAL,
+    LAC_SECTION_TIME,
+    LAC_SECTION_FAILURE,
+    LAC_SECTION_STOP,
+    LAC_SECTION_SOLVER,
+    LAC_SECTION_OUTPUT,
+    LAC_SECTION_CADENCE,
+    LAC_SECTION_COMPARE,
+};
+
+/// The keys of a section. Offsets are in lac_case; of LAC_SECTION_CADENCE in lac_cadence, of
+/// LAC_SECTION_COMPARE in lac_compare_def.
+lac_table lac_section_table(int section);
+
+/// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
+extern const char *const lac_field_names[];
+
+/// Reads the sections below the root into a case that holds the defaults.
+void lac_read_sections(lac_reader *reader, lac_case *c);
+
+/// Reads `initial`.
+void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// Reads `output`.
+void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// Reads `compare`.
+void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What no section sees alone.
+void lac_check_case(lac_reader *reader, lac_case *c);
+
+/// Applies one --set to the tree.
+/// @param root  may come to hold another node
+void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override *override);
+
+/// lac_case_read_text with a units database that is there already.
+lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
+                          const lac_override *overrides, size_t count, lac_case **out,
+                          lac_case_report *report, lac_error *err);
+
+#endif

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/schema.h"
+
+enum { MAX_MODELS = 64 };
+
+static size_t model_names(const lac_kind *kind, const char **names)
+{
+    size_t n = 0;
+    while (n < MAX_MODELS && kind->at(n) != NULL) {
+        names[n] = kind->at(n)->name;
+        n++;
+    }
+    return n;
+}
+
+static const lac_descriptor *find_model(const lac_kind *kind, const char *name)
+{
+    for (size_t i = 0; kind->at(i) != NULL; i++) {
+        if (strcmp(kind->at(i)->name, name) == 0) {
+            return kind->at(i);
+        }
+    }
+    return NULL;
+}
+
+// "must be {MODEL: {...}} with one model of: a, b"
+static void blame_shape(lac_reader *reader, const lac_node *node, const lac_kind *kind)
+{
+    const char *names[MAX_MODELS];
+    char list[300] = "";
+    size_t n = model_names(kind, names);
+    for (size_t i = 0; i < n; i++) {
+        size_t used = strlen(list);
+        (void)snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
+    }
+    lac_blame(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
+}
+
+// The one model that a mapping names; NULL, and reported, where it isn't one.
+static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, const lac_kind *kind,
+                                    const char *own, const lac_descriptor **about)
+{
+    const lac_node *chosen = NULL;
+    const char *names[MAX_MODELS];
+    bool good = true;
+    for (size_t i = 0; node->kind == LAC_NODE_MAP && i < node->count; i++) {
+        const lac_node *child = node->child[i];
+        if (child->ignored || (own != NULL && strcmp(child->key, own) == 0)) {
+            continue;
+        }
+        const lac_descriptor *model = find_model(kind, child->key);
+        if (model == NULL) {
+            lac_blame_unknown(reader, child, "model", names, model_names(kind, names));
+            good = false;
+        } else if (chosen != NULL) {
+            lac_blame(reader, child, "is a second model beside %s; exactly one is allowed",
+                      chosen->key);
+            good = false;
+        } else {
+            chosen = child;
+            *about = model;
+        }
+    }
+    if (good && chosen == NULL) {
+        blame_shape(reader, node, kind);
+    }
+    return good ? chosen : NULL;
+}
+
+// The only parameter that must be given, if it is one: its value may stand for the mapping.
+static const lac_param *single_required(const lac_descriptor *about)
+{
+    const lac_param *found = NULL;
+    for (size_t i = 0; i < about->param_count; i++) {
+        if (lac_param_required(&about->params[i])) {
+            if (found != NULL) {
+                return NULL;
+            }
+            found = &about->params[i];
+        }
+    }
+    return found;
+}
+
+static void read_params(lac_reader *reader, const lac_node *node, const lac_slot *slot)
+{
+    static const lac_node nothing = {.kind = LAC_NODE_MAP};
+    const lac_table table = {.params = slot->about->params, .count = slot->about->param_count};
+    const lac_param *single = single_required(slot->about);
+    if (node->kind == LAC_NODE_MAP) {
+        lac_read_table(reader, node, &table, slot->params);
+    } else if (node->kind == LAC_NODE_SCALAR && single != NULL) {
+        (void)lac_read_param(reader, node, single, slot->params);
+    } else if (lac_node_is_null(node) && single == NULL) {
+        lac_node empty = nothing;
+        empty.parent = node->parent;
+        empty.key = node->key;
+        empty.line = node->line;
+        lac_read_table(reader, &empty, &table, slot->params);
+    } else {
+        lac_blame(reader, node, "must be a mapping of the parameters of %s", slot->about->name);
+    }
+}
+
+void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const char *own,
+                   lac_slot *slot)
+{
+    const lac_descriptor *about = NULL;
+    size_t errors = reader->report->errors;
+    const lac_node *model = chosen_model(reader, node, lac_kind_at((size_t)kind), own, &about);
+    if (model == NULL) {
+        return;
+    }
+    if (lac_slot_create(about, slot, NULL) != LAC_OK) {
+        reader->no_memory = true;
+        return;
+    }
+    read_params(reader, model, slot);
+    if (reader->report->errors > errors) {
+        lac_slot_clear(slot);
+    }
+}
+
+void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list)
+{
+    if (node->kind != LAC_NODE_LIST) {
+        const lac_kind *models = lac_kind_at((size_t)kind);
+        lac_blame(reader, node, "must be a list such as [{%s: {...}}]", models->at(0)->name);
+        return;
+    }
+    list->item = calloc(node->count > 0 ? node->count : 1, sizeof *list->item);
+    if (list->item == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        lac_slot *slot = &list->item[list->count];
+        lac_read_slot(reader, node->child[i], kind, NULL, slot);
+        list->count += slot->about != NULL ? 1 : 0;
+    }
+}
+
+static void read_spread(lac_reader *reader, const lac_node *node, lac_spread_list *list)
+{
+    lac_slot slot = {0};
+    lac_read_slot(reader, node, LAC_KIND_SPREAD, NULL, &slot);
+    if (slot.about == NULL) {
+        return;
+    }
+    const lac_spread_params *params = slot.params;
+    lac_spread *spread = &list->item[list->count];
+    spread->key = lac_reader_copy(reader, node->key, strlen(node->key));
+    spread->kind = lac_spread_kind_of(slot.about);
+    spread->width = params->width;
+    spread->seed = params->seed;
+    spread->line = node->line;
+    list->count += spread->key != NULL ? 1 : 0;
+    lac_slot_clear(&slot);
+}
+
+static bool is_among(const char *word, const char *const *known, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(known[i], word) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const char *const *known,
+                      size_t count, lac_spread_list *list)
+{
+    if (!lac_expect_map(reader, node, "a mapping such as {PARAMETER: {lognormal: {sigma: 0.5}}}")) {
+        return;
+    }
+    list->item = calloc(node->count > 0 ? node->count : 1, sizeof *list->item);
+    if (list->item == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        const lac_node *child = node->child[i];
+        if (child->ignored) {
+            continue;
+        }
+        if (is_among(child->key, known, count)) {
+            read_spread(reader, child, list);
+        } else {
+            lac_blame_unknown(reader, child, "parameter that can vary", known, count);
+        }
+    }
+}

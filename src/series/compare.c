@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "lacuna/series.h"
+
+// The last point at or before t; t lies within the history.
+static size_t find_point(const lac_history *h, double t)
+{
+    size_t low = 0;
+    size_t high = h->n;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (h->time[middle] <= t) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// v = v0^(1-w) v1^w, or linear where a rate is not positive.
+static double between_rates(double v0, double v1, double w)
+{
+    if (v0 > 0 && v1 > 0) {
+        return exp((1.0 - w) * log(v0) + w * log(v1));
+    }
+    return (1.0 - w) * v0 + w * v1;
+}
+
+bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
+{
+    if (h->n == 0 || !(t >= h->time[0] && t <= h->time[h->n - 1])) {
+        return false;
+    }
+    size_t i = find_point(h, t);
+    *slip = h->slip[i];
+    *rate = h->rate[i];
+    if (t > h->time[i]) {
+        double w = (t - h->time[i]) / (h->time[i + 1] - h->time[i]);
+        *slip = (1.0 - w) * h->slip[i] + w * h->slip[i + 1];
+        *rate = between_rates(h->rate[i], h->rate[i + 1], w);
+    }
+    return true;
+}
+
+// Mean and sum of squared deviations, one value at a time (Welford).
+typedef struct spread {
+    size_t count;
+    double mean, squares;
+} spread;
+
+static void add(spread *s, double value)
+{
+    double step = value - s->mean;
+    s->count++;
+    s->mean += step / (double)s->count;
+    s->squares += step * (value - s->mean);
+}
+
+void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit)
+{
+    spread offset = {0};
+    size_t rates = 0;
+    double squares = 0.0;
+    *misfit = (lac_misfit){0};
+    for (size_t i = 0; i < series->n; i++) {
+        double slip = 0.0;
+        double rate = 0.0;
+        double d = series->displacement != NULL ? series->displacement[i] : NAN;
+        double v = series->velocity != NULL ? series->velocity[i] : NAN;
+        if (isnan(d) && isnan(v)) {
+            continue;
+        }
+        if (!lac_history_at(history, series->time[i], &slip, &rate)) {
+            misfit->outside++;
+            continue;
+        }
+        if (!isnan(d)) {
+            add(&offset, d - slip);
+        }
+        if (v > 0 && rate > 0) {
+            double decades = log10(v / rate);
+            squares += decades * decades;
+            rates++;
+        }
+    }
+    misfit->displacement_count = offset.count;
+    misfit->velocity_count = rates;
+    misfit->displacement_offset = offset.count > 0 ? offset.mean : NAN;
+    misfit->displacement_rms = offset.count > 0 ? sqrt(offset.squares / (double)offset.count) : NAN;
+    misfit->log_rate_rms = rates > 0 ? sqrt(squares / (double)rates) : NAN;
+}

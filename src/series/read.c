@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
+#define _GNU_SOURCE // newlocale
+#include <errno.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "series/text.h"
+
+enum { COLUMNS = 3, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
+
+// Of time, displacement and velocity: 0, 1, 2.
+typedef struct lac_wanted {
+    const char *name; ///< NULL: not asked for
+    size_t index;     ///< in the header
+    double scale, offset;
+} lac_wanted;
+
+typedef struct lac_reading {
+    double time, value[2];
+    size_t line;
+} lac_reading;
+
+typedef struct lac_parser {
+    lac_lines lines;
+    lac_wanted wanted[COLUMNS];
+    char separator;
+    size_t fields; ///< of the header
+    char mark;     ///< decimal mark: '.', ',' or 0 while none has been seen
+    bool time_known, dated;
+    locale_t plain;
+    lac_reading *readings;
+    size_t count, capacity, missing;
+    char *attribution;
+    size_t attribution_length;
+} lac_parser;
+
+static lac_status fail_at(const lac_parser *p, lac_error *err, const char *column,
+                          const char *value, const char *allowed)
+{
+    char shown[SHOWN];
+    return lac_fail(err, LAC_EINPUT, "%s:%zu: %s: \"%s\" %s", p->lines.path, p->lines.number,
+                    column, lac_text_show(value, shown, sizeof shown), allowed);
+}
+
+static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
+                                const struct lac_units *units, lac_error *err)
+{
+    const struct {
+        const char *unit, *si;
+    } table[COLUMNS] = {{NULL, "s"}, {def->displacement_unit, "m"}, {def->velocity_unit, "m/s"}};
+    for (size_t c = 0; c < COLUMNS; c++) {
+        p->wanted[c].scale = 1.0;
+        if (p->wanted[c].name == NULL || table[c].unit == NULL) {
+            continue;
+        }
+        lac_status status = lac_units_convert(units, table[c].unit, table[c].si,
+                                              &p->wanted[c].scale, &p->wanted[c].offset, err);
+        if (status != LAC_OK) {
+            return lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, p->wanted[c].name,
+                                   table[c].unit);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def,
+                          const struct lac_units *units, lac_error *err)
+{
+    p->lines = (lac_lines){.stream = stream, .path = def->path};
+    p->wanted[0].name = def->time;
+    p->wanted[1].name = def->displacement;
+    p->wanted[2].name = def->velocity;
+    if (def->time == NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s: no time column was named", def->path);
+    }
+    if (def->displacement == NULL && def->velocity == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: neither a displacement nor a velocity column was named", def->path);
+    }
+    p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    return p->plain != (locale_t)0 ? prepare_units(p, def, units, err) : lac_fail_memory(err);
+}
+
+static lac_status add_attribution(lac_parser *p, const char *comment, lac_error *err)
+{
+    size_t length = strlen(comment);
+    if (length == 0 || p->attribution_length + length + 2 > ATTRIBUTION_MAX) {
+        return LAC_OK;
+    }
+    char *text = realloc(p->attribution, p->attribution_length + length + 2);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (p->attribution_length > 0) {
+        text[p->attribution_length++] = ' ';
+    }
+    memcpy(text + p->attribution_length, comment, length + 1);
+    p->attribution = text;
+    p->attribution_length += length;
+    return LAC_OK;
+}
+
+// The first line that is neither blank nor a comment; comments before it are the attribution.
+static lac_status find_header(lac_parser *p, char **header, lac_error *err)
+{
+    *header = NULL;
+    while (*header == NULL) {
+        bool more = false;
+        lac_status status = lac_lines_next(&p->lines, &more, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+        if (!more) {
+            return lac_fail(err, LAC_EINPUT, "%s: has no header line", p->lines.path);
+        }
+        char *line = lac_text_trim(p->lines.text);
+        if (*line == '#') {
+            status = add_attribution(p, lac_text_trim(line + strspn(line, "#")), err);
+        } else if (*line != '\0') {
+            *header = p->lines.text;
+        }
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    return LAC_OK;
+}
+
+static size_t count_outside_quotes(const char *line, char wanted)
+{
+    size_t count = 0;
+    bool quoted = false;
+    for (; *line != '\0'; line++) {
+        quoted = *line == '"' ? !quoted : quoted;
+        count += !quoted && *line == wanted;
+    }
+    return count;
+}
+
+static char find_separator(const char *header)
+{
+    static const char choices[] = {';', ',', '\t'};
+    char best = ',';
+    size_t most = 0;
+    for (size_t i = 0; i < sizeof choices; i++) {
+        size_t count = count_outside_quotes(header, choices[i]);
+        if (count > most) {
+            most = count;
+            best = choices[i];
+        }
+    }
+    return best;
+}
+
+// Adds `, name` to the list of the columns there are, while it fits.
+static void list_column(char *list, size_t size, const char *name)
+{
+    char shown[SHOWN];
+    size_t used = strlen(list);
+    (void)snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "",
+                   lac_text_show(name, shown, sizeof shown));
+}
+
+static lac_status match_column(lac_parser *p, bool found[COLUMNS], const char *name, lac_error *err)
+{
+    for (size_t c = 0; c < COLUMNS; c++) {
+        if (p->wanted[c].name == NULL || strcmp(p->wanted[c].name, name) != 0) {
+            continue;
+        }
+        if (found[c]) {
+            return fail_at(p, err, "header", name, "names two columns");
+        }
+        found[c] = true;
+        p->wanted[c].index = p->fields;
+    }
+    return LAC_OK;
+}
+
+static lac_status read_header(lac_parser *p, lac_error *err)
+{
+    char *rest = NULL;
+    char list[512] = "";
+    bool found[COLUMNS] = {false, false, false};
+    lac_status status = find_header(p, &rest, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    p->separator = find_separator(rest);
+    while (rest != NULL) {
+        char *name = lac_text_field(&rest, p->separator);
+        if (name == NULL) {
+            return fail_at(p, err, "header", p->lines.text, "has a quoted name that does not end");
+        }
+        status = match_column(p, found, name, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+        list_column(list, sizeof list, name);
+        p->fields++;
+    }
+    for (size_t c = 0; c < COLUMNS; c++) {
+        if (p->wanted[c].name != NULL && !found[c]) {
+            return lac_fail(err, LAC_EINPUT, "%s:%zu: has no column \"%s\"; its columns are %s",
+                            p->lines.path, p->lines.number, p->wanted[c].name, list);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status parse_time(lac_parser *p, const char *field, double *time, lac_error *err)
+{
+    const char *name = p->wanted[0].name;
+    if (lac_text_missing(field)) {
+        return fail_at(p, err, name, field, "must be a time: a row with values has none");
+    }
+    bool dated = lac_date_parse(field, time);
+    bool comma = p->separator != ',' && strchr(field, ',') != NULL;
+    if (!dated && !lac_text_number(field, comma ? ',' : '.', p->plain, time)) {
+        return fail_at(p, err, name, field,
+                       "must be a date like 1963-10-09 or 1963-10-09T22:39:00Z, or seconds");
+    }
+    if (p->time_known && dated != p->dated) {
+        return fail_at(p, err, name, field,
+                       p->dated ? "must be a date, as in the rows above"
+                                : "must be seconds, as in the rows above");
+    }
+    p->time_known = true;
+    p->dated = dated;
+    return LAC_OK;
+}
+
+static lac_status parse_value(lac_parser *p, size_t column, const char *field, double *value,
+                              lac_error *err)
+{
+    const lac_wanted *w = &p->wanted[column];
+    *value = NAN;
+    if (lac_text_missing(field)) {
+        p->missing++;
+        return LAC_OK;
+    }
+    const char *used = strpbrk(field, ".,");
+    char mark = (char)(used != NULL ? *used : '.');
+    if (used != NULL && mark == ',' && p->separator == ',') {
+        return fail_at(p, err, w->name, field, "must have a decimal point in a file with commas");
+    }
+    if (!lac_text_number(field, mark, p->plain, value)) {
+        return fail_at(p, err, w->name, field, "must be a number, or NA where there is none");
+    }
+    if (used != NULL && p->mark != '\0' && mark != p->mark) {
+        return fail_at(p, err, w->name, field, "must have the decimal mark of the rows above");
+    }
+    p->mark = used != NULL ? mark : p->mark;
+    *value = *value * w->scale + w->offset;
+    return isfinite(*value) ? LAC_OK : fail_at(p, err, w->name, field, "is too large");
+}
+
+static lac_status add_reading(lac_parser *p, const lac_reading *reading, lac_error *err)
+{
+    if (p->count == p->capacity) {
+        size_t capacity = p->capacity > 0 ? p->capacity * 2 : 256;
+        lac_reading *readings = realloc(p->readings, capacity * sizeof *readings);
+        if (readings == NULL) {
+            return lac_fail_memory(err);
+        }
+        p->readings = readings;
+        p->capacity = capacity;
+    }
+    p->readings[p->count++] = *reading;
+    return LAC_OK;
+}
+
+// The wanted fields of a row; a row that ends early lacks its last values.
+static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *blank, lac_error *err)
+{
+    char *rest = p->lines.text;
+    size_t index = 0;
+    *blank = true;
+    for (size_t c = 0; c < COLUMNS; c++) {
+        fields[c] = "";
+    }
+    for (; rest != NULL; index++) {
+        const char *field = lac_text_field(&rest, p->separator);
+        if (field == NULL) {
+            return fail_at(p, err, "row", p->lines.text,
+                           "has a quote that does not end, or ends within a field");
+        }
+        if (index >= p->fields && *field != '\0') {
+            return fail_at(p, err, "row", field, "stands beyond the last column of the header");
+        }
+        *blank = *blank && *field == '\0';
+        for (size_t c = 0; c < COLUMNS; c++) {
+            if (p->wanted[c].name != NULL && p->wanted[c].index == index) {
+                fields[c] = field;
+            }
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status read_row(lac_parser *p, lac_error *err)
+{
+    const char *fields[COLUMNS];
+    lac_reading reading = {.value = {NAN, NAN}, .line = p->lines.number};
+    bool blank = false;
+    lac_status status = LAC_OK;
+    LAC_TRY(split_row(p, fields, &blank, err));
+    if (blank) {
+        goto out;
+    }
+    LAC_TRY(parse_time(p, fields[0], &reading.time, err));
+    for (size_t c = 1; c < COLUMNS; c++) {
+        if (p->wanted[c].name != NULL) {
+            LAC_TRY(parse_value(p, c, fields[c], &reading.value[c - 1], err));
+        }
+    }
+    LAC_TRY(add_reading(p, &reading, err));
+out:
+    return status;
+}
+
+static lac_status read_rows(lac_parser *p, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    bool more = true;
+    LAC_TRY(lac_lines_next(&p->lines, &more, err));
+    while (more) {
+        const char *line = p->lines.text;
+        line += strspn(line, " \t");
+        if (*line != '#') {
+            LAC_TRY(read_row(p, err));
+        }
+        LAC_TRY(lac_lines_next(&p->lines, &more, err));
+    }
+    if (p->count == 0) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has no readings", p->lines.path));
+    }
+out:
+    return status;
+}
+
+// By time, and by line where times are equal.
+static int compare_readings(const void *left, const void *right)
+{
+    const lac_reading *a = left;
+    const lac_reading *b = right;
+    if (a->time != b->time) {
+        return a->time < b->time ? -1 : 1;
+    }
+    return a->line < b->line ? -1 : a->line > b->line;
+}
+
+static void sort_readings(lac_parser *p)
+{
+    for (size_t i = 1; i < p->count; i++) {
+        if (p->readings[i].time < p->readings[i - 1].time) {
+            qsort(p->readings, p->count, sizeof *p->readings, compare_readings);
+            return;
+        }
+    }
+}
+
+// Keeps the first reading of each time; a value that it lacks comes from a later one.
+static size_t drop_duplicates(lac_parser *p)
+{
+    size_t kept = 0;
+    for (size_t i = 1; i < p->count; i++) {
+        lac_reading *last = &p->readings[kept];
+        const lac_reading *next = &p->readings[i];
+        if (next->time != last->time) {
+            p->readings[++kept] = *next;
+            continue;
+        }
+        for (size_t c = 0; c < 2; c++) {
+            last->value[c] = isnan(last->value[c]) ? next->value[c] : last->value[c];
+        }
+    }
+    size_t dropped = p->count - (kept + 1);
+    p->count = kept + 1;
+    return dropped;
+}
+
+static lac_status check_any_value(const lac_parser *p, lac_error *err)
+{
+    for (size_t i = 0; i < p->count; i++) {
+        if (!isnan(p->readings[i].value[0]) || !isnan(p->readings[i].value[1])) {
+            return LAC_OK;
+        }
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: every reading is missing", p->lines.path);
+}
+
+static lac_status allocate_series(lac_series *s, const lac_parser *p)
+{
+    s->time = malloc(p->count * sizeof *s->time);
+    s->line = malloc(p->count * sizeof *s->line);
+    s->attribution = strdup(p->attribution != NULL ? p->attribution : "");
+    bool whole = s->time != NULL && s->line != NULL && s->attribution != NULL;
+    if (p->wanted[1].name != NULL) {
+        s->displacement = malloc(p->count * sizeof *s->displacement);
+        whole = whole && s->displacement != NULL;
+    }
+    if (p->wanted[2].name != NULL) {
+        s->velocity = malloc(p->count * sizeof *s->velocity);
+        whole = whole && s->velocity != NULL;
+    }
+    return whole ? LAC_OK : LAC_ENOMEM;
+}
+
+static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
+{
+    sort_readings(p);
+    size_t duplicates = drop_duplicates(p);
+    lac_status status = check_any_value(p, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    lac_series *s = calloc(1, sizeof *s);
+    if (s == NULL || allocate_series(s, p) != LAC_OK) {
+        lac_series_free(s);
+        return lac_fail_memory(err);
+    }
+    s->n = p->count;
+    s->dated = p->dated;
+    s->missing = p->missing;
+    s->duplicates = duplicates;
+    for (size_t i = 0; i < p->count; i++) {
+        s->time[i] = p->readings[i].time;
+        s->line[i] = p->readings[i].line;
+        if (s->displacement != NULL) {
+            s->displacement[i] = p->readings[i].value[0];
+        }
+        if (s->velocity != NULL) {
+            s->velocity[i] = p->readings[i].value[1];
+        }
+    }
+    *out = s;
+    return LAC_OK;
+}
+
+lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
+                                  const struct lac_units *units, lac_series **out, lac_error *err)
+{
+    *out = NULL;
+    lac_parser p = {.plain = (locale_t)0};
+    lac_status status = LAC_OK;
+    LAC_TRY(prepare(&p, stream, def, units, err));
+    LAC_TRY(read_header(&p, err));
+    LAC_TRY(read_rows(&p, err));
+    LAC_TRY(build(&p, out, err));
+out:
+    if (p.plain != (locale_t)0) {
+        freelocale(p.plain);
+    }
+    free(p.attribution);
+    free(p.readings);
+    free(p.lines.text);
+    return status;
+}
+
+lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
+                           lac_series **out, lac_error *err)
+{
+    *out = NULL;
+    FILE *stream = fopen(def->path, "rbe");
+    if (stream == NULL) {
+        return lac_fail(err, LAC_EIO, "%s: %s", def->path, strerror(errno));
+    }
+    lac_status status = lac_series_read_stream(stream, def, units, out, err);
+    (void)fclose(stream);
+    return status;
+}
+
+void lac_series_free(lac_series *series)
+{
+    if (series == NULL) {
+        return;
+    }
+    free(series->time);
+    free(series->displacement);
+    free(series->velocity);
+    free(series->line);
+    free(series->attribution);
+    free(series);
+}

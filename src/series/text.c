@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#define _GNU_SOURCE // strtod_l
+#include "series/text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { LINE_MAX_BYTES = 1 << 24, NUMBER_MAX = 64 };
+
+static lac_status append(lac_lines *lines, int byte, lac_error *err)
+{
+    if (lines->length + 1 >= lines->capacity) {
+        size_t capacity = lines->capacity > 0 ? lines->capacity * 2 : 256;
+        char *text = realloc(lines->text, capacity);
+        if (text == NULL) {
+            return lac_fail_memory(err);
+        }
+        lines->text = text;
+        lines->capacity = capacity;
+    }
+    lines->text[lines->length++] = (char)byte;
+    return LAC_OK;
+}
+
+static lac_status check_byte(const lac_lines *lines, int byte, lac_error *err)
+{
+    if ((byte < ' ' && byte != '\t' && byte != '\f') || byte == 0x7f) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: byte 0x%02x is not text; must be CSV in UTF-8",
+                        lines->path, lines->number, (unsigned)byte);
+    }
+    if (lines->length >= LINE_MAX_BYTES) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: the line is longer than %d bytes", lines->path,
+                        lines->number, LINE_MAX_BYTES);
+    }
+    return LAC_OK;
+}
+
+// What a line says after the marks that editors put before it.
+static void strip_mark(lac_lines *lines)
+{
+    if (lines->number == 1 && lines->length >= 3 && memcmp(lines->text, "\xef\xbb\xbf", 3) == 0) {
+        lines->length -= 3;
+        memmove(lines->text, lines->text + 3, lines->length);
+    }
+}
+
+lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    int byte = 0;
+    lines->number++;
+    lines->length = 0;
+    for (;;) {
+        byte = getc_unlocked(lines->stream);
+        if (byte == EOF || byte == '\n' || byte == '\r') {
+            break;
+        }
+        LAC_TRY(check_byte(lines, byte, err));
+        LAC_TRY(append(lines, byte, err));
+    }
+    if (byte == EOF && ferror(lines->stream)) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", lines->path, strerror(errno)));
+    }
+    *more = byte != EOF || lines->length > 0;
+    if (byte == '\r') {
+        int next = getc_unlocked(lines->stream);
+        if (next != '\n' && next != EOF) {
+            (void)ungetc(next, lines->stream);
+        }
+    }
+    strip_mark(lines);
+    LAC_TRY(append(lines, '\0', err));
+    lines->length--;
+out:
+    return status;
+}
+
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f'; }
+
+char *lac_text_trim(char *text)
+{
+    while (is_blank(*text)) {
+        text++;
+    }
+    size_t length = strlen(text);
+    while (length > 0 && is_blank(text[length - 1])) {
+        length--;
+    }
+    text[length] = '\0';
+    return text;
+}
+
+// A field in quotes, of which two stand for one; what follows up to the separator must be blank.
+static char *quoted_field(char *at, char **rest, char separator)
+{
+    char *field = at + 1;
+    char *to = field;
+    for (at = field; *at != '\0'; at++) {
+        if (*at == '"' && at[1] != '"') {
+            break;
+        }
+        at += *at == '"';
+        *to++ = *at;
+    }
+    if (*at != '"') {
+        return NULL;
+    }
+    at++;
+    while (is_blank(*at) && *at != separator) {
+        at++;
+    }
+    if (*at != '\0' && *at != separator) {
+        return NULL;
+    }
+    *rest = *at != '\0' ? at + 1 : NULL;
+    *to = '\0';
+    return lac_text_trim(field);
+}
+
+char *lac_text_field(char **rest, char separator)
+{
+    char *field = *rest;
+    while (is_blank(*field) && *field != separator) {
+        field++;
+    }
+    if (*field == '"') {
+        return quoted_field(field, rest, separator);
+    }
+    char *end = strchr(field, separator);
+    *rest = end != NULL ? end + 1 : NULL;
+    if (end != NULL) {
+        *end = '\0';
+    }
+    return lac_text_trim(field);
+}
+
+bool lac_text_missing(const char *field)
+{
+    static const char *const marks[] = {"", "-", "--", "NA", "N/A", "#N/A", "NaN", "null", "none"};
+    for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++) {
+        if (strcasecmp(field, marks[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lac_text_number(const char *field, char mark, locale_t plain, double *value)
+{
+    char text[NUMBER_MAX];
+    size_t length = strlen(field);
+    if (length == 0 || length >= sizeof text) {
+        return false;
+    }
+    for (size_t i = 0; i <= length; i++) {
+        char c = field[i];
+        // strtod would also take hexadecimal, inf and nan.
+        if (c != '\0' && strchr("0123456789+-eE", c) == NULL && c != mark) {
+            return false;
+        }
+        text[i] = (char)(c == mark && c != '\0' ? '.' : c);
+    }
+    char *end = NULL;
+    *value = strtod_l(text, &end, plain);
+    return *end == '\0' && end != text && isfinite(*value);
+}
+
+// Bytes of the UTF-8 character that begins a text; 0 where there is none.
+static size_t character_length(const unsigned char *text)
+{
+    size_t length = *text < 0x80   ? 1
+                    : *text < 0xc2 ? 0
+                    : *text < 0xe0 ? 2
+                    : *text < 0xf0 ? 3
+                    : *text < 0xf5 ? 4
+                                   : 0;
+    for (size_t i = 1; i < length; i++) {
+        if ((text[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+    }
+    return length;
+}
+
+const char *lac_text_show(const char *field, char *shown, size_t size)
+{
+    size_t used = 0;
+    while (*field != '\0' && used + 8 < size) {
+        size_t length = character_length((const unsigned char *)field);
+        if (length == 0 || (unsigned char)*field < ' ') {
+            shown[used++] = '?';
+            field++;
+            continue;
+        }
+        memcpy(shown + used, field, length);
+        used += length;
+        field += length;
+    }
+    memcpy(shown + used, *field != '\0' ? "..." : "", *field != '\0' ? 4 : 1);
+    return shown;
+}

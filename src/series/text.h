@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SERIES_TEXT_H
+#define LACUNA_SERIES_TEXT_H
+
+#include <locale.h>
+#include <stdio.h>
+
+#include "lacuna/series.h"
+
+/// Reads as lac_series_read from a stream (the fuzzer's way in); def->path names it in messages.
+lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
+                                  const struct lac_units *units, lac_series **out, lac_error *err);
+
+/// Lines of a text, one at a time; any of LF, CRLF and CR ends one.
+typedef struct lac_lines {
+    FILE *stream;
+    const char *path;
+    char *text; ///< the line, without its end; owned
+    size_t length, capacity;
+    size_t number; ///< 1-based
+} lac_lines;
+
+/// Reads the next line.
+/// @param more  false at the end of the text
+/// @return LAC_OK; LAC_EINPUT where the bytes are not text; LAC_EIO; LAC_ENOMEM
+lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err);
+
+/// Text without blanks at its ends; in place.
+char *lac_text_trim(char *text);
+
+/// Takes the next field off a line, in place: quotes removed, blanks trimmed.
+/// @param rest       what is left of the line; NULL after the last field
+/// @param separator  between fields
+/// @return the field; NULL where a quoted one does not end
+char *lac_text_field(char **rest, char separator);
+
+/// Whether a field stands for no value: empty, NA, N/A, #N/A, NaN, null, none, -, --.
+bool lac_text_missing(const char *field);
+
+/// A number as it may be written in a file: decimal, whole field.
+/// @param mark  '.' or ',': the decimal mark
+/// @return false where it is not one, or not finite
+bool lac_text_number(const char *field, char mark, locale_t plain, double *value);
+
+/// A field fit for a message: cut, and without control characters.
+const char *lac_text_show(const char *field, char *shown, size_t size);
+
+#endif

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dirent.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include "case/sections.h"
+#include "lacuna/case.h"
+#include "lacuna/store.h"
+#include "lacuna/surface.h"
+
+#define VALID LACUNA_SOURCE_DIR "/tests/case/valid"
+
+static lac_case *read_or_fail(const char *path, const lac_override *overrides, size_t count)
+{
+    lac_case *c = NULL;
+    lac_case_report report;
+    lac_error err = {""};
+    if (lac_case_read(path, overrides, count, &c, &report, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    lac_case_report_clear(&report);
+    return c;
+}
+
+static void is_nearly(double value, double expected)
+{
+    if (!(fabs(value - expected) <= 1e-12 * fabs(expected))) {
+        fail_msg("%.17g is not %.17g", value, expected);
+    }
+}
+
+static void the_example_reads_in_si(void **state)
+{
+    (void)state;
+    lac_case *c = read_or_fail(VALID "/full.yaml", NULL, 0);
+    const lac_self_affine *surface = c->surface.params;
+    const lac_friction_params *law = c->friction.params;
+    const lac_transfer_hierarchy *transfer = c->transfer.params;
+    lac_load_state load;
+    lac_load_set set = {.pore = c->pore.item, .pore_count = c->pore.count};
+    lac_load_evaluate(&set, 0.0, &load);
+
+    assert_string_equal(c->title, "A rough joint under its own slope");
+    assert_null(c->references);
+    assert_true(c->interface.size == 256.0 && c->interface.levels == 8);
+    assert_true(c->interface.shape == LAC_PLANE && c->interface.boundary == 0);
+    assert_string_equal(c->surface.about->name, "self-affine");
+    assert_true(surface->hurst == 0.8 && surface->rms_height == 0.5 && surface->rolloff == 64.0);
+    assert_true(surface->shortest == 2.0 && surface->seed == 1);
+    assert_null(c->domain.about);
+    is_nearly(c->material.shear_modulus, 2e10);
+    is_nearly(c->material.shear_speed, 3e3);
+    assert_true(c->material.poisson == 0.25 && c->material.density == 2700.0);
+    is_nearly(((const lac_normal_load *)c->normal.about)->pressure(c->normal.params, NAN), 3e6);
+    assert_int_equal(c->shear.count, 0);
+    is_nearly(load.pore, 2e5);
+    assert_string_equal(c->friction.about->name, "aging");
+    assert_true(law->f0 == 0.6 && law->a == 0.01 && law->b == 0.015);
+    is_nearly(law->dc, 1e-4);
+    is_nearly(law->v0, 1e-6);
+    is_nearly(c->initial.slip_rate, 0.01 / (7 * 86400.0));
+    assert_true(c->initial.state == LAC_STATE_RATIO && c->initial.state_value == 0.9);
+    assert_int_equal(c->initial_spread.count, 1);
+    assert_string_equal(c->initial_spread.item[0].key, "slip_rate");
+    assert_true(c->initial_spread.item[0].kind == LAC_SPREAD_LOGNORMAL);
+    assert_true(c->initial_spread.item[0].width == 0.5 && c->initial_spread.item[0].seed == 2);
+    assert_true(transfer->stiffness == 0 && isnan(transfer->k0));
+    assert_true(c->dated && c->start_date == -205286400.0); // date -d 1963-07-01Z +%s
+    is_nearly(c->run.end, 200 * 86400.0);
+    assert_true(c->run.failure_rate == 1.0 && isnan(c->run.stop_slip) && isnan(c->run.stop_rate));
+    assert_true(c->run.method == LAC_BDF && c->run.rtol == 1e-6 && c->run.max_steps == 10000000);
+    assert_true(c->run.record.steps == 1 && isnan(c->run.record.time));
+    assert_true(c->fields == 0 && !c->run.snapshots && c->compression == 1);
+    assert_string_equal(c->output_file, "out.nc");
+    lac_case_free(c);
+}
+
+static void every_key_reads(void **state)
+{
+    (void)state;
+    lac_case *c = read_or_fail(VALID "/every-key.yaml", NULL, 0);
+    lac_load_set set = {.shear = c->shear.item,
+                        .shear_count = c->shear.count,
+                        .pore = c->pore.item,
+                        .pore_count = c->pore.count};
+    lac_load_state load;
+    lac_load_evaluate(&set, 2 * 86400.0, &load);
+    assert_string_equal(c->title, "Everything: \"quoted\", \xc3\xa9t\xc3\xa9, tab\t, back\\slash, "
+                                  "\x07 and \xe2\x80\xa8");
+    assert_string_equal(c->references, "First line\nsecond line\n");
+    is_nearly(c->material.density, 2600.0);
+    is_nearly(load.ratio, 0.36397023426620234); // tan 20 degree
+    is_nearly(load.stress, -1.0);
+    is_nearly(load.spring_stiffness, 1e6);
+    is_nearly(load.pore, 1.03e5);
+    assert_int_equal(c->friction_spread.count, 3);
+    assert_true(c->initial.state == LAC_STATE_FROM_LOAD);
+    is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
+    is_nearly(c->run.stop_rate, 3.0);
+    assert_true(c->run.method == LAC_ERK && c->run.max_order == 8 && c->run.max_steps == 1000000);
+    is_nearly(c->run.record.time, 3600.0);
+    assert_true(c->run.record.steps == 100 && c->run.record.per_decade == 20.0);
+    assert_true(c->run.snapshots && c->fields == (LAC_FIELD_SLIP | LAC_FIELD_TRACTION));
+    is_nearly(c->run.snapshot.time, 7 * 86400.0);
+    assert_true(c->run.snapshot.steps == 0 && isnan(c->run.snapshot.per_decade));
+    assert_int_equal(c->compare_count, 2);
+    assert_string_equal(c->compare[0].path, VALID "/data/prisms.csv");
+    assert_string_equal(c->compare[0].displacement, "disp: down");
+    assert_string_equal(c->compare[0].displacement_unit, "mm");
+    assert_string_equal(c->compare[0].velocity_unit, "cm/day");
+    assert_string_equal(c->compare[0].label, "Prism 7");
+    assert_string_equal(c->compare[1].path, "/absolute/path.csv");
+    assert_null(c->compare[1].displacement);
+    assert_null(c->compare[1].velocity_unit);
+    lac_case_free(c);
+}
+
+static void reads_back(const char *path)
+{
+    lac_case *c = read_or_fail(path, NULL, 0);
+    char *text = lac_case_text(c);
+    lac_case *again = NULL;
+    lac_case_report report;
+    lac_error err = {""};
+    assert_non_null(text);
+    if (lac_case_read_text(path, text, strlen(text), NULL, 0, &again, &report, &err) != LAC_OK) {
+        fail_msg("the text of %s: %s\n%s", path, err.message, text);
+    }
+    char *second = lac_case_text(again);
+    assert_string_equal(text, second);
+    // the text holds what is compared, or else it were easy
+    assert_true(again->run.end == c->run.end && again->start_date == c->start_date);
+    assert_true(again->shear.count == c->shear.count && again->pore.count == c->pore.count);
+    assert_true(again->friction_spread.count == c->friction_spread.count);
+    assert_true(again->fields == c->fields && again->compare_count == c->compare_count);
+    assert_true(again->run.snapshots == c->run.snapshots && again->dated == c->dated);
+    lac_case_report_clear(&report);
+    lac_case_free(again);
+    lac_case_free(c);
+    free(second);
+    free(text);
+}
+
+static size_t all_read_back(const char *folder_path)
+{
+    DIR *folder = opendir(folder_path);
+    size_t checked = 0;
+    if (folder == NULL) {
+        return 0;
+    }
+    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        const char *dot = strrchr(entry->d_name, '.');
+        char path[600];
+        if (dot != NULL && strcmp(dot, ".yaml") == 0) {
+            (void)snprintf(path, sizeof path, "%s/%s", folder_path, entry->d_name);
+            reads_back(path);
+            checked++;
+        }
+    }
+    (void)closedir(folder);
+    return checked;
+}
+
+static void resolved_text_is_the_same_case(void **state)
+{
+    (void)state;
+    assert_true(all_read_back(VALID) >= 3);
+    (void)all_read_back(LACUNA_SOURCE_DIR "/cases");
+}
+
+static void overrides_apply(void **state)
+{
+    (void)state;
+    const lac_override overrides[] = {
+        {"friction.aging.dc", "3 um"},
+        {"load.pore_pressure.0.constant.value", "0.3 MPa"},
+        {"load.pore_pressure.1.constant.value", "0.4 MPa"},
+        {"time.stop_when.mean_slip", "2 m"},
+        {"solver.method", "adams"},
+        {"interface.surface", "{self-affine: {rms_height: 1 mm}}"},
+        {"title", "x"},
+        {"title", "a: b"},
+        {"title", "'a: b'"},
+    };
+    size_t count = sizeof overrides / sizeof overrides[0];
+    lac_case *c = read_or_fail(VALID "/full.yaml", overrides, count);
+    is_nearly(((const lac_friction_params *)c->friction.params)->dc, 3e-6);
+    assert_int_equal(c->pore.count, 2);
+    is_nearly(c->run.stop_slip, 2.0);
+    assert_true(c->run.method == LAC_ADAMS);
+    is_nearly(((const lac_self_affine *)c->surface.params)->rms_height, 1e-3);
+    assert_true(isnan(((const lac_self_affine *)c->surface.params)->rolloff));
+    assert_string_equal(c->title, "a: b");
+    lac_case_free(c);
+}
+
+static void wrong_overrides_are_blamed(void **state)
+{
+    (void)state;
+    static const struct {
+        lac_override override;
+        const char *line;
+    } wrong[] = {
+        {{"friction.aging.dc", "-1 um"}, "--set: friction.aging.dc: \"-1 um\" must be > 0 m"},
+        {{"friction.aging.dcc", "1"},
+         "--set: friction.aging.dcc: is no key here; did you mean \"dc\"?"},
+        {{"load.pore_pressure.2.constant.value", "1"},
+         "--set: load.pore_pressure.2.constant.value: names item 2 of a list of 1"},
+        {{"load.pore_pressure.x.constant.value", "1"},
+         "--set: load.pore_pressure.x.constant.value: names \"x\" below a list, whose items are "
+         "numbers from 0"},
+        {{"title.x", "1"}, "--set: title.x: names \"x\" below a value, which has no keys"},
+        {{"title", ""}, "--set: title: must be a text that is not empty"},
+        {{"title", "["},
+         "--set: title: is not valid YAML: while parsing a flow node, did not "
+         "find expected node content"},
+        {{"", "1"}, "--set: is no dotted key such as friction.aging.dc"},
+        {{"a..b", "1"}, "--set: a..b: is no dotted key such as friction.aging.dc"},
+        {{"title.", "1"}, "--set: title.: is no dotted key such as friction.aging.dc"},
+        {{".title", "1"}, "--set: .title: is no dotted key such as friction.aging.dc"},
+        {{"friction.slip.a", "1"},
+         "--set: friction.slip: is a second model beside aging; exactly one is allowed"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        lac_case *c = NULL;
+        lac_case_report report;
+        char line[2000];
+        assert_int_equal(
+            lac_case_read(VALID "/full.yaml", &wrong[i].override, 1, &c, &report, NULL),
+            LAC_EINPUT);
+        assert_true(report.count >= 1);
+        assert_string_equal(lac_case_issue_format(&report.issue[0], line, sizeof line),
+                            wrong[i].line);
+        assert_int_equal(report.issue[0].line, 0);
+        lac_case_report_clear(&report);
+    }
+}
+
+// Every beginning of a case, and every case with one byte changed: an error or a case.
+static void cut_and_changed_cases_are_survived(void **state)
+{
+    (void)state;
+    static char text[10000];
+    lac_units *units = NULL;
+    FILE *file = fopen(VALID "/every-key.yaml", "rb");
+    assert_non_null(file);
+    size_t size = fread(text, 1, sizeof text, file);
+    (void)fclose(file);
+    assert_int_equal(lac_units_create(&units, NULL), LAC_OK);
+    for (size_t i = 0; i < 2 * size; i++) {
+        lac_case *c = NULL;
+        lac_case_report report;
+        lac_error err = {""};
+        char kept = text[i % size];
+        text[i % size] = i < size ? kept : (char)(kept ^ (1 << i % 7));
+        lac_status status =
+            lac_case_build(units, "x.yaml", text, i < size ? i : size, NULL, 0, &c, &report, &err);
+        text[i % size] = kept;
+        assert_true((status == LAC_OK) == (c != NULL));
+        assert_true((status == LAC_OK) == (report.errors == 0));
+        assert_true(status == LAC_OK || err.message[0] != '\0');
+        lac_case_report_clear(&report);
+        lac_case_free(c);
+    }
+    lac_units_free(units);
+}
+
+static void tables_describe_themselves(void **state)
+{
+    (void)state;
+    size_t kinds = 0;
+    size_t rows = 0;
+    for (; lac_kind_at(kinds) != NULL; kinds++) {
+        const lac_kind *kind = lac_kind_at(kinds);
+        assert_true(kind->name[0] != '\0' && kind->summary[0] != '\0');
+        assert_non_null(kind->at(0));
+    }
+    assert_int_equal(kinds, LAC_KIND_SPREAD + 1);
+    for (size_t i = 0; lac_section_at(i) != NULL; i++) {
+        const lac_section *section = lac_section_at(i);
+        for (size_t k = 0; k < section->param_count; k++, rows++) {
+            assert_true(section->params[k].doc[0] != '\0');
+            assert_non_null(section->params[k].unit);
+        }
+    }
+    assert_true(rows > 40);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_example_reads_in_si),
+        cmocka_unit_test(every_key_reads),
+        cmocka_unit_test(resolved_text_is_the_same_case),
+        cmocka_unit_test(overrides_apply),
+        cmocka_unit_test(wrong_overrides_are_blamed),
+        cmocka_unit_test(cut_and_changed_cases_are_survived),
+        cmocka_unit_test(tables_describe_themselves),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
