@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
+
 enum { MAX_KNOWN = 64 };
 
 static const double largest_whole = 0x1p53; // beyond it doubles skip integers

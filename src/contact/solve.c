@@ -33,32 +33,31 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
     if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
         !isfinite(lac_grid_area(grid))) {
         return lac_fail(err, LAC_EINPUT,
-                        "contact: a grid of %zu x %zu cells of %g x %g m is not "
+                        "a grid of %zu x %zu cells of %g x %g m is not "
                         "possible",
                         grid->nx, grid->ny, grid->dx, grid->dy);
     }
     if (!grid->periodic) {
-        return lac_fail(err, LAC_EINPUT, "contact: only periodic interfaces can be solved");
+        return lac_fail(err, LAC_EINPUT, "only periodic interfaces can be solved");
     }
     if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
-        return lac_fail(err, LAC_EINPUT, "contact: the modulus E* must be > 0 Pa, not %g",
-                        def->e_star);
+        return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
     }
     if (!(def->mean_pressure > 0.0 && isfinite(def->mean_pressure))) {
-        return lac_fail(err, LAC_EINPUT, "contact: the mean pressure must be > 0 Pa, not %g",
+        return lac_fail(err, LAC_EINPUT, "the mean pressure must be > 0 Pa, not %g",
                         def->mean_pressure);
     }
     if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
-        return lac_fail(err, LAC_EINPUT, "contact: the tolerance must lie between 0 and 1, not %g",
+        return lac_fail(err, LAC_EINPUT, "the tolerance must lie between 0 and 1, not %g",
                         def->tolerance);
     }
     if (def->max_iterations < 1) {
-        return lac_fail(err, LAC_EINPUT, "contact: at least one iteration must be allowed");
+        return lac_fail(err, LAC_EINPUT, "at least one iteration must be allowed");
     }
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
         if (!isfinite(def->heights[i])) {
-            return lac_fail(err, LAC_EINPUT, "contact: the height of cell (%zu, %zu) is %g",
-                            i % grid->nx, i / grid->nx, def->heights[i]);
+            return lac_fail(err, LAC_EINPUT, "the height of cell (%zu, %zu) is %g", i % grid->nx,
+                            i / grid->nx, def->heights[i]);
         }
     }
     return LAC_OK;
@@ -87,7 +86,7 @@ static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_erro
         p->h[i] = p->h[i] / p->h_rms;
     }
     if (!isfinite(p->h_rms)) {
-        return lac_fail(err, LAC_EINPUT, "contact: the heights span more than numbers can hold");
+        return lac_fail(err, LAC_EINPUT, "the heights span more than numbers can hold");
     }
     return LAC_OK;
 }
@@ -108,7 +107,7 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     double load = def->mean_pressure / p->unit;
     if (!isfinite(p->unit) || (p->h_rms > 0.0 && load == 0.0)) {
         status = lac_fail(err, LAC_EINPUT,
-                          "contact: a mean pressure of %g Pa is beyond what can be "
+                          "a mean pressure of %g Pa is beyond what can be "
                           "solved for E* = %g Pa and an rms height of %g m",
                           def->mean_pressure, def->e_star, p->h_rms);
     }
@@ -234,7 +233,7 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                    .approach = d.closest * p->h_rms};
     if (!lac_residual_holds(&d.residual, def->tolerance)) {
         status = lac_fail(err, LAC_ENUMERIC,
-                          "contact: no convergence to %g after %lld iterations: complementarity "
+                          "no convergence to %g after %lld iterations: complementarity "
                           "%.3g, penetration %.3g of the rms height, load %.3g",
                           def->tolerance, (long long)d.iterations, d.residual.complementarity,
                           d.residual.penetration, d.residual.load);

@@ -228,9 +228,11 @@ lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
     uint8_t *work = NULL;
     *result = (lac_box_count){0};
     lac_status status;
-    if (domain->n == 0 || def->origins == 0) {
-        return lac_fail(err, LAC_EINPUT, "box counting: %s",
-                        domain->n == 0 ? "no cell is in contact" : "at least one origin is needed");
+    if (domain->n == 0 || lac_grid_cells(grid) == 0) {
+        return lac_fail(err, LAC_EINPUT, "box counting: no cell is in contact");
+    }
+    if (def->origins == 0) {
+        return lac_fail(err, LAC_EINPUT, "box counting: at least one origin is needed");
     }
     LAC_TRY(choose_range(grid, def, result, err));
     // Room for the largest shift where nothing wraps.

@@ -2,7 +2,6 @@
 #include "store/columns.h"
 
 #include <stddef.h>
-#include <string.h>
 
 #define SEEN(field) offsetof(lac_row, record.seen.field)
 #define RECORD(field) offsetof(lac_row, record.field)
@@ -170,12 +169,3 @@ const lac_field lac_fields[LAC_FIELDS] = {
      LAC_FIELD_TRACTION,
      FIELD(traction)},
 };
-
-uint64_t lac_column_hash(uint64_t hash, double value)
-{
-    // FNV-1a on words, with the high half folded in so that every bit reaches every other.
-    uint64_t bits = 0;
-    memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * UINT64_C(0x100000001b3);
-    return hash ^ hash >> 32;
-}

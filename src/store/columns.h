@@ -2,8 +2,6 @@
 #ifndef LACUNA_STORE_COLUMNS_H
 #define LACUNA_STORE_COLUMNS_H
 
-#include <inttypes.h>
-
 #include "store/nc.h"
 
 /// A record with what follows from it.
@@ -26,14 +24,6 @@ typedef struct lac_field {
     unsigned flag;
     size_t offset;
 } lac_field;
-
-/// Checksum of the values of a column, one after the other; 0 at the start. Written when a run ends
-/// as the attribute LAC_CHECKSUM, "COUNT values, HASH": parts of a chunk that are appended to
-/// cannot have HDF5's own.
-uint64_t lac_column_hash(uint64_t hash, double value);
-
-#define LAC_CHECKSUM "lacuna_checksum"
-#define LAC_CHECKSUM_FORMAT "%zu values, %016" PRIx64
 
 enum { LAC_COLUMNS = 14, LAC_FIELDS = 4, LAC_COLUMN_TIME = 0 };
 

@@ -60,8 +60,8 @@ static char *part_name(const char *path)
 static lac_status take_part(lac_nc *file, lac_error *err)
 {
     (void)unlink(file->part);
-    file->reserve = open(file->part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    return file->reserve >= 0
+    file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return file->fd >= 0
                ? LAC_OK
                : lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
 }
@@ -76,7 +76,7 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
 {
     struct rlimit limit;
     off_t more = (off_t)bytes + RESERVE;
-    off_t size = file->reserve >= 0 ? size_of(file->reserve) : -1;
+    off_t size = file->fd >= 0 ? size_of(file->fd) : -1;
     int reason = 0;
     if (size < 0) {
         return LAC_OK;
@@ -84,7 +84,7 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
     if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
         (rlim_t)(size + more) > limit.rlim_cur) {
         reason = EFBIG;
-    } else if (fallocate(file->reserve, FALLOC_FL_KEEP_SIZE, size, more) != 0) {
+    } else if (fallocate(file->fd, FALLOC_FL_KEEP_SIZE, size, more) != 0) {
         reason = errno;
     }
     if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) {
@@ -93,22 +93,25 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
     return LAC_OK;
 }
 
-// Gives back the space that was reserved and not used.
-static void end_reserve(lac_nc *file)
+// Gives back the space that was reserved and not used, and seals a file that is whole.
+static void end_reserve(lac_nc *file, bool whole)
 {
-    if (file->reserve < 0) {
+    if (file->fd < 0) {
         return;
     }
-    off_t size = size_of(file->reserve);
-    int wasted = size >= 0 ? ftruncate(file->reserve, size) : 0;
+    off_t size = size_of(file->fd);
+    int wasted = size >= 0 ? ftruncate(file->fd, size) : 0;
     (void)wasted;
-    (void)close(file->reserve);
-    file->reserve = -1;
+    if (whole) {
+        lac_nc_seal(file->fd);
+    }
+    (void)close(file->fd);
+    file->fd = -1;
 }
 
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err)
 {
-    *file = (lac_nc){.force = force, .reserve = -1};
+    *file = (lac_nc){.force = force, .fd = -1};
     bool exists = false;
     lac_status status = lac_nc_path(path, &exists, err);
     if (status != LAC_OK) {
@@ -172,7 +175,7 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err)
     file->open = false;
     errno = 0;
     lac_status status = lac_nc_check(file->path, nc_close(file->id), err, "close", "");
-    end_reserve(file);
+    end_reserve(file, status == LAC_OK);
     return status;
 }
 
@@ -181,7 +184,7 @@ void lac_nc_clear(lac_nc *file)
     if (file->open) {
         (void)lac_nc_close(file, NULL);
     }
-    end_reserve(file);
+    end_reserve(file, false);
     if (file->part != NULL && !file->published) {
         (void)unlink(file->part);
     }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HDF5's global heap, which links variables to their dimensions, is the one part of a netCDF-4
-// file's structure without a checksum: an object of size 0 in it makes HDF5 1.10 loop for ever.
-// So the heap is walked here before HDF5 sees the file (HDF5 File Format Specification III.E).
+// HDF5's global heap, which links variables to their dimensions, has no checksum, and an object of
+// size 0 in it makes HDF5 1.10 loop for ever. A file whose writer was killed has no seal either, so
+// its heap is walked here before HDF5 sees it (HDF5 File Format Specification III.E).
 #define _GNU_SOURCE // memmem
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "store/nc.h"
 
@@ -59,26 +58,15 @@ static bool are_heaps_sound(const unsigned char *bytes, size_t size)
     return true;
 }
 
-lac_status lac_nc_heap(const char *path, size_t size, lac_error *err)
+lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err)
 {
     size = size < SCAN_MAX ? size : SCAN_MAX;
     unsigned char *bytes = malloc(size > 0 ? size : 1);
     if (bytes == NULL) {
         return lac_fail_memory(err);
     }
-    lac_status status = LAC_OK;
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
-    }
-    size = fread(bytes, 1, size, file);
-    if (!are_heaps_sound(bytes, size)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is damaged", path));
-    }
-out:
-    if (file != NULL) {
-        (void)fclose(file);
-    }
+    ssize_t got = pread(fd, bytes, size, 0);
+    bool sound = got >= 0 && are_heaps_sound(bytes, (size_t)got);
     free(bytes);
-    return status;
+    return sound ? LAC_OK : lac_fail(err, LAC_EIO, "%s: is damaged", path);
 }

@@ -12,9 +12,9 @@ typedef struct lac_nc {
     int id;
     bool open, published;
     bool force;
-    int reserve; ///< descriptor by which space is reserved; -1: none
-    char *path;  ///< where it will be
-    char *part;  ///< where it is built
+    int fd;     ///< by which space is reserved and the file sealed; -1: none
+    char *path; ///< where it will be
+    char *part; ///< where it is built
 } lac_nc;
 
 /// One variable: all that a reader is told of it. NULL leaves an attribute out.
@@ -51,7 +51,7 @@ lac_status lac_nc_publish(lac_nc *file, lac_error *err);
 /// @return LAC_OK, also where the file system cannot reserve; LAC_EIO where there is no space
 lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
 
-/// Closes the file.
+/// Closes and seals the file.
 /// @return LAC_OK; LAC_EIO (a full disk shows up here)
 lac_status lac_nc_close(lac_nc *file, lac_error *err);
 
@@ -75,10 +75,21 @@ lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double val
 lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
                           lac_error *err);
 
-/// Looks at what HDF5 would believe unseen.
+/// Puts a checksum behind the end of a closed file; where it cannot, the file stays without.
+/// @param fd  open for reading and writing
+void lac_nc_seal(int fd);
+
+typedef enum lac_seal { LAC_SEAL_NONE = 0, LAC_SEAL_SOUND, LAC_SEAL_BROKEN } lac_seal;
+
+/// Whether a file is as it was sealed.
+/// @param size  of the file [bytes]
+lac_seal lac_nc_seal_state(int fd, size_t size);
+
+/// Looks at the part of an unsealed file that HDF5 would believe unseen.
+/// @param fd    open for reading
 /// @param size  of the file [bytes]
 /// @return LAC_OK; LAC_EIO where the file is damaged; LAC_ENOMEM
-lac_status lac_nc_heap(const char *path, size_t size, lac_error *err);
+lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
 
 /// The global attributes that every file of Lacuna carries.
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,

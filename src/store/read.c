@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reading back. Nothing a file says is believed before it is bounded by the size of the file.
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "store/columns.h"
 
@@ -36,20 +38,37 @@ static lac_status fail_open(const lac_input *in, int code, lac_error *err)
     return lac_fail(err, LAC_EIO, "%s: %s", in->path, why);
 }
 
-static lac_status open_input(lac_input *in, const char *path, lac_error *err)
+// What can be said of a file before HDF5 opens it.
+static lac_status inspect(lac_input *in, lac_error *err)
 {
-    *in = (lac_input){.path = path};
+    struct stat info;
     bool exists = false;
-    lac_status status = lac_nc_path(path, &exists, err);
+    lac_status status = lac_nc_path(in->path, &exists, err);
     if (status != LAC_OK) {
         return status;
     }
-    struct stat info;
-    if (!exists || stat(path, &info) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(ENOENT));
+    int fd = open(in->path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &info) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", in->path, strerror(errno)));
     }
     in->size = (size_t)info.st_size;
-    status = lac_nc_heap(path, in->size, err);
+    lac_seal seal = lac_nc_seal_state(fd, in->size);
+    if (seal == LAC_SEAL_BROKEN) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is damaged: differs from its checksum", in->path));
+    } else if (seal == LAC_SEAL_NONE) {
+        LAC_TRY(lac_nc_heap(in->path, fd, in->size, err));
+    }
+out:
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return status;
+}
+
+static lac_status open_input(lac_input *in, const char *path, lac_error *err)
+{
+    *in = (lac_input){.path = path};
+    lac_status status = inspect(in, err);
     if (status != LAC_OK) {
         return status;
     }
@@ -102,29 +121,6 @@ static double fill_of(const lac_input *in, int id, nc_type type)
                              : (double)NC_FILL_INT64;
 }
 
-// Compares with the checksum that the run left, if the series is still as long as then.
-static lac_status check_values(const lac_input *in, int id, const char *name, const double *values,
-                               lac_error *err)
-{
-    char text[64] = "";
-    size_t length = 0;
-    size_t count = 0;
-    uint64_t expected = 0;
-    uint64_t hash = 0;
-    if (nc_inq_attlen(in->id, id, LAC_CHECKSUM, &length) != NC_NOERR || length >= sizeof text ||
-        nc_get_att_text(in->id, id, LAC_CHECKSUM, text) != NC_NOERR ||
-        sscanf(text, "%zu values, %" SCNx64, &count, &expected) != 2 || count != in->records) {
-        return LAC_OK;
-    }
-    for (size_t i = 0; i < in->records; i++) {
-        hash = lac_column_hash(hash, values[i]);
-    }
-    return hash == expected
-               ? LAC_OK
-               : lac_fail(err, LAC_EIO, "%s: %s differs from its checksum: damaged, or edited",
-                          in->path, name);
-}
-
 // The values of a variable over `time`, NaN where missing.
 static lac_status read_variable(const lac_input *in, const char *name, double *values,
                                 lac_error *err)
@@ -152,10 +148,6 @@ static lac_status read_variable(const lac_input *in, const char *name, double *v
     }
     if (code != NC_NOERR) {
         return fail_read(in, code, err, name);
-    }
-    lac_status status = check_values(in, id, name, values, err);
-    if (status != LAC_OK) {
-        return status;
     }
     double fill = fill_of(in, id, type);
     for (size_t i = 0; i < in->records; i++) {

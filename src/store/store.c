@@ -79,7 +79,7 @@ out:
 
 static const void *at(const lac_row *row, size_t offset) { return (const char *)row + offset; }
 
-static int put_reals(lac_store *s, size_t column)
+static int put_reals(const lac_store *s, size_t column)
 {
     double values[BATCH_MAX];
     for (size_t i = 0; i < s->buffered; i++) {
@@ -87,12 +87,11 @@ static int put_reals(lac_store *s, size_t column)
         if (isnan(values[i])) {
             values[i] = NC_FILL_DOUBLE;
         }
-        s->hashes[column] = lac_column_hash(s->hashes[column], values[i]);
     }
     return nc_put_vara_double(s->file.id, s->columns[column], &s->written, &s->buffered, values);
 }
 
-static int put_integers(lac_store *s, size_t column)
+static int put_integers(const lac_store *s, size_t column)
 {
     long long values[BATCH_MAX];
     const lac_column *c = &lac_columns[column];
@@ -100,7 +99,6 @@ static int put_integers(lac_store *s, size_t column)
         int64_t value = 0;
         memcpy(&value, at(&s->rows[i], c->offset), sizeof value);
         values[i] = c->var.fill && value == 0 ? NC_FILL_INT : value;
-        s->hashes[column] = lac_column_hash(s->hashes[column], (double)values[i]);
     }
     return nc_put_vara_longlong(s->file.id, s->columns[column], &s->written, &s->buffered, values);
 }
@@ -120,14 +118,11 @@ static lac_status write_rows(lac_store *s, lac_error *err)
     if (space != LAC_OK) {
         return space;
     }
-    uint64_t before[LAC_COLUMNS];
-    memcpy(before, s->hashes, sizeof before);
     for (size_t c = 0; c < LAC_COLUMNS; c++) {
         errno = 0;
         int code = lac_columns[c].var.type == NC_DOUBLE ? put_reals(s, c) : put_integers(s, c);
         lac_status status = lac_nc_check(s->file.path, code, err, "write", lac_columns[c].var.name);
         if (status != LAC_OK) {
-            memcpy(s->hashes, before, sizeof before);
             return status;
         }
     }
@@ -238,17 +233,6 @@ lac_sink lac_store_sink(lac_store *store)
     return (lac_sink){.context = store, .record = put_record, .snapshot = put_snapshot};
 }
 
-static lac_status put_checksums(const lac_store *s, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t c = 0; c < LAC_COLUMNS && status == LAC_OK; c++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, LAC_CHECKSUM_FORMAT, s->written, s->hashes[c]);
-        status = lac_nc_text(&s->file, s->columns[c], LAC_CHECKSUM, text, err);
-    }
-    return status;
-}
-
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
                             double wall_time, lac_error *err)
 {
@@ -257,9 +241,6 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
     lac_status first = write_rows(store, err);
     if (first == LAC_OK) {
         first = sync_file(store, err);
-    }
-    if (first == LAC_OK) {
-        first = put_checksums(store, err);
     }
     lac_error *later = first == LAC_OK ? err : NULL;
     const char *said = first == LAC_OK ? status : "failed";

@@ -12,9 +12,8 @@ struct lac_store {
     bool dated;
     double start_date, now; ///< seconds since 1970
     int columns[LAC_COLUMNS], field_ids[LAC_FIELDS], snapshot_time;
-    uint64_t hashes[LAC_COLUMNS]; ///< of what is in the file
-    lac_row *rows;                ///< [capacity] not yet written
-    size_t buffered, written;     ///< records in `rows`, in the file
+    lac_row *rows;            ///< [capacity] not yet written
+    size_t buffered, written; ///< records in `rows`, in the file
     size_t capacity;
     size_t pending;                 ///< given to netCDF and not yet synced [bytes]
     size_t snapshots;               ///< in the file

@@ -98,13 +98,13 @@ static lac_status band_of(const lac_self_affine *params, const lac_grid *grid, b
     double shortest = isnan(params->shortest) ? 2.0 * cell : params->shortest;
     if (shortest > longest * edge) {
         return lac_fail(err, LAC_EINPUT,
-                        "surface self-affine: the shortest wavelength, %g m, is longer than the "
+                        "self-affine: the shortest wavelength, %g m, is longer than the "
                         "interface, %g m",
                         shortest, longest);
     }
     if (rolloff < shortest) {
         return lac_fail(err, LAC_EINPUT,
-                        "surface self-affine: the rolloff, %g m, must not be shorter than the "
+                        "self-affine: the rolloff, %g m, must not be shorter than the "
                         "shortest wavelength, %g m%s",
                         rolloff, shortest,
                         isnan(params->shortest) ? " (two cells, as none is given)" : "");

@@ -27,12 +27,11 @@ static lac_status check_params(const lac_descriptor *about, const void *params, 
         bool numeric = param->type == LAC_REAL || param->type == LAC_INTEGER;
         bool given = lac_param_given(param, params);
         if (!given && (param->flags & LAC_OPTIONAL) == 0) {
-            return lac_fail(err, LAC_EINPUT, "surface %s: %s must be given", about->name,
-                            param->key);
+            return lac_fail(err, LAC_EINPUT, "%s: %s must be given", about->name, param->key);
         }
         char why[120];
         if (given && numeric && !lac_param_allows(param, number(param, params), why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "surface %s: %s %s", about->name, param->key, why);
+            return lac_fail(err, LAC_EINPUT, "%s: %s %s", about->name, param->key, why);
         }
     }
     return LAC_OK;

@@ -418,6 +418,23 @@ static void contact_maps_come_back(void **state)
     (void)nc_close(id);
 }
 
+// Other programs may add to a file: HDF5 then takes the seal off.
+static void edited_file_is_read(void **state)
+{
+    (void)state;
+    lac_store_def def = store_def(scratch_path(&folder, "edited.nc"));
+    lac_store *store = create(&def);
+    write_records(store, 50);
+    assert_int_equal(lac_store_finish(store, "complete", NULL, 1.0, NULL), LAC_OK);
+    lac_store_free(store);
+    int id = 0;
+    assert_int_equal(nc_open(def.path, NC_WRITE, &id), NC_NOERR);
+    assert_int_equal(nc_put_att_text(id, NC_GLOBAL, "note", 4, "mine"), NC_NOERR);
+    assert_int_equal(nc_close(id), NC_NOERR);
+    expect_attribute(def.path, "note", "mine");
+    expect_records(def.path, 50);
+}
+
 static void long_case_text_is_whole(void **state)
 {
     (void)state;
@@ -473,6 +490,7 @@ int main(void)
         cmocka_unit_test(snapshots_hold_what_was_asked),
         cmocka_unit_test(levels_are_named),
         cmocka_unit_test(contact_maps_come_back),
+        cmocka_unit_test(edited_file_is_read),
         cmocka_unit_test(long_case_text_is_whole),
         cmocka_unit_test(other_files_are_refused),
     };
