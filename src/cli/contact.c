@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/units.h"
 #include "cli/command.h"
 #include "cli/libraries.h"
 #include "cli/measures.h"
@@ -48,7 +47,7 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
         cli_row_quantity("penetration", fabs(report->penetration), "m");
         cli_row_quantity("approach", report->approach, "m");
     }
-    cli_row("time taken", "CPU %s", lac_units_format(cli_cpu_time(), "s", cpu, sizeof cpu));
+    cli_row("time taken", "CPU %s", cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
     cli_row("file", "%s", path);
 }
 
