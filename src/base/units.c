@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE // strtod_l
-#endif
 #include "base/units.h"
 
 #include <ctype.h>
@@ -350,11 +347,14 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
     }
     errno = 0;
     char *read = NULL;
-    double number = strtod_l(copy, &read, units->c_locale);
+    locale_t before = uselocale(units->c_locale);
+    double number = strtod(copy, &read);
+    int range = errno;
+    (void)uselocale(before);
     if (read != end) {
         return refuse(err, unit, "");
     }
-    if (errno == ERANGE || !isfinite(number)) {
+    if (range == ERANGE || !isfinite(number)) {
         return refuse(err, unit, "the number cannot be represented");
     }
     const char *tail = end + strspn(end, " ");

@@ -119,17 +119,16 @@ static void summarise(const lac_reader *reader, lac_error *err)
     }
 }
 
-lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
-                          const lac_override *overrides, size_t count, lac_case **out,
+lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
                           lac_case_report *report, lac_error *err)
 {
     *out = NULL;
     *report = (lac_case_report){0};
-    lac_reader reader = {.name = name, .units = units, .report = report};
+    lac_reader reader = {.name = from->name, .units = units, .report = report};
     lac_case *c = NULL;
-    lac_node *root = parse_file(&reader, text, size);
-    for (size_t i = 0; root != NULL && i < count; i++) {
-        lac_apply_override(&reader, &root, &overrides[i]);
+    lac_node *root = parse_file(&reader, from->text, from->size);
+    for (size_t i = 0; root != NULL && i < from->count; i++) {
+        lac_apply_override(&reader, &root, &from->overrides[i]);
     }
     if (root != NULL) {
         reader.root = root;
@@ -162,7 +161,8 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     *report = (lac_case_report){0};
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
-        status = lac_case_build(units, name, text, size, overrides, count, out, report, err);
+        lac_case_source from = {name, text, size, overrides, count};
+        status = lac_case_build(units, &from, out, report, err);
     }
     lac_units_free(units);
     return status;

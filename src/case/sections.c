@@ -52,6 +52,8 @@ static const lac_param interface_rows[] = {
      .offset = FIELD(interface.shape),
      .doc = "of the interface"},
     {.key = "boundary", .doc = "periodic, which is what this version solves", OWN},
+    {.key = "surface", .doc = "{MODEL: {...}}: heights to press", OWN},
+    {.key = "domain", .doc = "{MODEL: {...}}: contact cells, instead of a surface", OWN},
 };
 
 static const char *const interface_own[] = {"boundary", "surface", "domain", NULL};

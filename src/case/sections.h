@@ -45,9 +45,17 @@ void lac_check_case(lac_reader *reader, lac_case *c);
 /// @param root  may come to hold another node
 void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override *override);
 
+/// A case in memory and what changes it.
+typedef struct lac_case_source {
+    const char *name; ///< stands for the path
+    const char *text; ///< [size]
+    size_t size;
+    const lac_override *overrides; ///< [count]
+    size_t count;
+} lac_case_source;
+
 /// lac_case_read_text with a units database that is there already.
-lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
-                          const lac_override *overrides, size_t count, lac_case **out,
+lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
                           lac_case_report *report, lac_error *err);
 
 #endif

@@ -260,9 +260,10 @@ static void cut_and_changed_cases_are_survived(void **state)
         lac_case_report report;
         lac_error err = {""};
         char kept = text[i % size];
-        text[i % size] = i < size ? kept : (char)(kept ^ (1 << i % 7));
-        lac_status status =
-            lac_case_build(units, "x.yaml", text, i < size ? i : size, NULL, 0, &c, &report, &err);
+        unsigned flipped = (unsigned char)kept ^ (i < size ? 0u : 1u << i % 7);
+        text[i % size] = (char)(unsigned char)flipped;
+        lac_case_source from = {.name = "x.yaml", .text = text, .size = i < size ? i : size};
+        lac_status status = lac_case_build(units, &from, &c, &report, &err);
         text[i % size] = kept;
         assert_true((status == LAC_OK) == (c != NULL));
         assert_true((status == LAC_OK) == (report.errors == 0));

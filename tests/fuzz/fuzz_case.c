@@ -39,8 +39,8 @@ static void check_text(const lac_units *units, const lac_case *c)
     lac_case *again = NULL;
     lac_case_report report;
     require(text != NULL);
-    require(lac_case_build(units, "folder/fuzz.yaml", text, strlen(text), NULL, 0, &again, &report,
-                           NULL) == LAC_OK);
+    lac_case_source from = {.name = "folder/fuzz.yaml", .text = text, .size = strlen(text)};
+    require(lac_case_build(units, &from, &again, &report, NULL) == LAC_OK);
     char *second = lac_case_text(again);
     require(second != NULL && strcmp(text, second) == 0);
     lac_case_report_clear(&report);
@@ -49,14 +49,12 @@ static void check_text(const lac_units *units, const lac_case *c)
     free(text);
 }
 
-static void read_bytes(const lac_units *units, const char *text, size_t size,
-                       const lac_override *override)
+static void read_bytes(const lac_units *units, const lac_case_source *from)
 {
     lac_case *c = NULL;
     lac_case_report report;
     lac_error err = {""};
-    lac_status status = lac_case_build(units, "folder/fuzz.yaml", text, size, override,
-                                       override != NULL ? 1 : 0, &c, &report, &err);
+    lac_status status = lac_case_build(units, from, &c, &report, &err);
     check_report(&report);
     if (status == LAC_OK) {
         require(report.errors == 0);
@@ -85,8 +83,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (value != NULL) {
         *value = '\0';
     }
-    read_bytes(units, text, set != NULL ? (size_t)(set - text) : size,
-               set != NULL ? &override : NULL);
+    lac_case_source from = {.name = "folder/fuzz.yaml",
+                            .text = text,
+                            .size = set != NULL ? (size_t)(set - text) : size,
+                            .overrides = &override,
+                            .count = set != NULL ? 1 : 0};
+    read_bytes(units, &from);
     free(text);
     return 0;
 }

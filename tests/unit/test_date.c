@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define _GNU_SOURCE // timegm
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
