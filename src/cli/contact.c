@@ -22,11 +22,15 @@ static lac_status write_file(const cli_request *request, const lac_case *c,
     }
     lac_provenance provenance =
         cli_provenance(request, c, case_text, cli_libraries(libraries, sizeof libraries));
+    const lac_contact_view view = {.grid = &contact->grid,
+                                   .heights = contact->heights,
+                                   .gap = contact->gap,
+                                   .pressure = contact->pressure,
+                                   .report = contact->solved ? &contact->report : NULL,
+                                   .boxes = contact->counted ? &contact->boxes : NULL};
     cli_signals_hold();
-    lac_status status = lac_store_contact(
-        path, cli_given(request, CLI_OPT_FORCE), &provenance, &contact->grid, contact->heights,
-        contact->gap, contact->pressure, contact->solved ? &contact->report : NULL,
-        contact->counted ? &contact->boxes : NULL, err);
+    lac_status status =
+        lac_store_contact(path, cli_given(request, CLI_OPT_FORCE), &provenance, &view, err);
     free(case_text);
     return status;
 }
