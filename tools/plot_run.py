@@ -300,8 +300,8 @@ def main():
                 run, options.observed, options.time, options.displacement, options.velocity,
                 options.label,
             )
-    except OSError as wrong:
-        sys.exit(f"plot_run: {wrong}")
+    except (OSError, ValueError) as wrong:
+        sys.exit(f"plot_run: {str(wrong).splitlines()[0]}")
     output = options.output or os.path.splitext(options.run)[0] + ".png"
     draw(run, observed, output)
     print(output)
