@@ -89,6 +89,11 @@ class Observed:
         self.seconds = np.array([self.when(run, row[time]) for row in rows])
         self.slip = self.column(rows, displacement)
         self.rate = self.column(rows, velocity)
+        read = [np.isfinite(values) for values in (self.slip, self.rate) if values is not None]
+        given = self.seconds[np.logical_or.reduce(read) & np.isfinite(self.seconds)]
+        if not given.size:
+            sys.exit(f"plot_run: {path}: no readings in the columns named")
+        self.first, self.last = given.min(), given.max()
 
     @staticmethod
     def when(run, text):
@@ -179,7 +184,7 @@ def mark_failure(axes, run):
 
 def draw_slip(axes, run, observed, window):
     # The slip of the failure itself would flatten the creep: the axis ends just before it.
-    creep = np.interp(run.seconds[-1] - 1e-4 * np.ptp(run.seconds), run.seconds, run.slip)
+    creep = np.interp(run.seconds[-1] - 3e-3 * np.ptp(run.seconds), run.seconds, run.slip)
     top = 1.15 * max(creep, 1e-12)
     seen = observed is not None and observed.slip is not None
     if seen:
@@ -198,7 +203,8 @@ def draw_slip(axes, run, observed, window):
 
 
 def draw_rate(axes, run, observed, window):
-    axes.plot(run.axis(run.seconds), run.fastest, color=FAST, lw=1.0, label="fastest cell")
+    if np.any(run.fastest > 1.05 * run.rate):
+        axes.plot(run.axis(run.seconds), run.fastest, color=FAST, lw=1.0, label="fastest cell")
     axes.plot(run.axis(run.seconds), run.rate, color=INK, lw=1.6, label="mean")
     values = [run.rate[run.rate > 0].min(), run.fastest.max()]
     if observed is not None and observed.rate is not None:
@@ -259,8 +265,8 @@ def draw(run, observed, path):
     style()
     window = [run.seconds[0], run.seconds[-1] + 0.03 * np.ptp(run.seconds)]
     if observed is not None:
-        window[0] = min(window[0], np.nanmin(observed.seconds))
-        window[1] = max(window[1], np.nanmax(observed.seconds) + 0.03 * np.ptp(run.seconds))
+        window[0] = min(window[0], observed.first)
+        window[1] = max(window[1], observed.last + 0.03 * np.ptp(run.seconds))
     figure, panels = plt.subplots(1, 3, figsize=(10.5, 3.5), layout="constrained")
     figure.suptitle(run.title, x=0.008, ha="left", fontsize=11, fontweight="bold")
     figure.get_layout_engine().set(wspace=0.06)
@@ -294,8 +300,8 @@ def main():
                 run, options.observed, options.time, options.displacement, options.velocity,
                 options.label,
             )
-    except OSError as wrong:
-        sys.exit(f"plot_run: {wrong}")
+    except (OSError, ValueError) as wrong:
+        sys.exit(f"plot_run: {str(wrong).splitlines()[0]}")
     output = options.output or os.path.splitext(options.run)[0] + ".png"
     draw(run, observed, output)
     print(output)

@@ -50,14 +50,19 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
 /// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
 void lac_store_free(lac_store *store);
 
+/// A solved contact, as it is written.
+typedef struct lac_contact_view {
+    const lac_grid *grid;
+    const double *heights, *gap;      ///< [ny * nx] [m]; NULL: a domain without surface
+    const double *pressure;           ///< [ny * nx] [Pa]
+    const lac_contact_report *report; ///< NULL: not solved
+    const lac_box_count *boxes;       ///< NULL: not counted
+} lac_contact_view;
+
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.
-/// @param heights, gap, pressure  [ny * nx]; heights and gap may be NULL (a domain without surface)
-/// @param report, boxes           may be NULL
 /// @return as lac_store_create
 lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_grid *grid, const double *heights, const double *gap,
-                             const double *pressure, const lac_contact_report *report,
-                             const lac_box_count *boxes, lac_error *err);
+                             const lac_contact_view *contact, lac_error *err);
 
 /// Reads one variable over `time` from a run's file, bounded by the file's own dimension.
 /// @param values  [n] allocated here, the caller frees

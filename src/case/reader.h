@@ -2,6 +2,7 @@
 #ifndef LACUNA_CASE_READER_H
 #define LACUNA_CASE_READER_H
 
+#include "base/nearest.h"
 #include "base/units.h"
 #include "case/tree.h"
 #include "lacuna/case.h"

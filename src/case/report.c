@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/nearest.h"
 #include "case/reader.h"
 
 enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 400 };

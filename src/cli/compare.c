@@ -102,12 +102,12 @@ static void print_reading(const char *when, double observed, double modelled, co
     if (isnan(modelled)) {
         (void)snprintf(right, sizeof right, "- (outside)");
     } else {
-        (void)lac_units_format(modelled, unit, right, sizeof right);
+        (void)cli_quantity(modelled, unit, right, sizeof right);
         if (observed != 0) {
             (void)snprintf(ratio, sizeof ratio, "%.2g", modelled / observed);
         }
     }
-    printf("    %-21s %-18s %-18s %s\n", when, lac_units_format(observed, unit, left, sizeof left),
+    printf("    %-21s %-18s %-18s %s\n", when, cli_quantity(observed, unit, left, sizeof left),
            right, ratio);
 }
 
@@ -162,9 +162,9 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
     char rms[32], offset[32];
     if (misfit->displacement_count > 0) {
         cli_row("  slip misfit", "rms %s over %zu readings, after an offset of %s",
-                lac_units_format(misfit->displacement_rms, "m", rms, sizeof rms),
+                cli_quantity(misfit->displacement_rms, "m", rms, sizeof rms),
                 misfit->displacement_count,
-                lac_units_format(misfit->displacement_offset, "m", offset, sizeof offset));
+                cli_quantity(misfit->displacement_offset, "m", offset, sizeof offset));
     }
     if (misfit->velocity_count > 0) {
         cli_row("  rate misfit", "rms of log10 %.3g over %zu readings (a factor of %.2g)",

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/units.h"
 #include "cli/command.h"
 #include "cli/libraries.h"
 #include "cli/measures.h"
@@ -23,11 +22,15 @@ static lac_status write_file(const cli_request *request, const lac_case *c,
     }
     lac_provenance provenance =
         cli_provenance(request, c, case_text, cli_libraries(libraries, sizeof libraries));
+    const lac_contact_view view = {.grid = &contact->grid,
+                                   .heights = contact->heights,
+                                   .gap = contact->gap,
+                                   .pressure = contact->pressure,
+                                   .report = contact->solved ? &contact->report : NULL,
+                                   .boxes = contact->counted ? &contact->boxes : NULL};
     cli_signals_hold();
-    lac_status status = lac_store_contact(
-        path, cli_given(request, CLI_OPT_FORCE), &provenance, &contact->grid, contact->heights,
-        contact->gap, contact->pressure, contact->solved ? &contact->report : NULL,
-        contact->counted ? &contact->boxes : NULL, err);
+    lac_status status =
+        lac_store_contact(path, cli_given(request, CLI_OPT_FORCE), &provenance, &view, err);
     free(case_text);
     return status;
 }
@@ -48,7 +51,7 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
         cli_row_quantity("penetration", fabs(report->penetration), "m");
         cli_row_quantity("approach", report->approach, "m");
     }
-    cli_row("time taken", "CPU %s", lac_units_format(cli_cpu_time(), "s", cpu, sizeof cpu));
+    cli_row("time taken", "CPU %s", cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
     cli_row("file", "%s", path);
 }
 

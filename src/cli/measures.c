@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "base/units.h"
 #include "cli/words.h"
 
 static double fraction(const lac_scene_contact *contact)
@@ -43,7 +42,7 @@ void cli_measures_print(const lac_scene_contact *contact)
     const lac_grid *grid = &contact->grid;
     char side[32];
     cli_row("grid", "%zu x %zu cells of %s", grid->nx, grid->ny,
-            lac_units_format(grid->dx, "m", side, sizeof side));
+            cli_quantity(grid->dx, "m", side, sizeof side));
     cli_row("contact cells", "%zu (%.3g %% of the area)", contact->domain->n,
             100 * fraction(contact));
     cli_row_quantity("mean real pressure", mean_real_pressure(contact->domain), "Pa");

@@ -54,10 +54,20 @@ static void append(char *text, size_t size, const char *more)
     (void)snprintf(text + used, size - used, "%s", more);
 }
 
+// In SI: limits are often absurd numbers, which no unit makes readable.
+static void append_limit(char *text, size_t size, const char *sign, const lac_param *param,
+                         double limit)
+{
+    char one[64];
+    bool bare = strcmp(param->unit, "1") == 0;
+    (void)snprintf(one, sizeof one, "%s%s %g%s%s", text[0] != '\0' ? ", " : "", sign, limit,
+                   bare ? "" : " ", bare ? "" : param->unit);
+    append(text, size, one);
+}
+
 // "a or b", "> 0 m, <= 1 km"; nothing for texts, whose doc says what they are
 static void format_range(const lac_param *param, char *text, size_t size)
 {
-    char number[64];
     text[0] = '\0';
     if (param->type == LAC_CHOICE) {
         for (size_t i = 0; param->choices[i] != NULL; i++) {
@@ -71,12 +81,11 @@ static void format_range(const lac_param *param, char *text, size_t size)
         return;
     }
     if (is_bounded(param->min)) {
-        append(text, size, (param->flags & LAC_ABOVE_MIN) != 0 ? "> " : ">= ");
-        append(text, size, format_number(param, param->min, number, sizeof number));
+        append_limit(text, size, (param->flags & LAC_ABOVE_MIN) != 0 ? ">" : ">=", param,
+                     param->min);
     }
     if (is_bounded(param->max)) {
-        append(text, size, text[0] != '\0' ? ", <= " : "<= ");
-        append(text, size, format_number(param, param->max, number, sizeof number));
+        append_limit(text, size, "<=", param, param->max);
     }
     append(text, size, text[0] != '\0' ? "" : "any number");
 }

@@ -9,7 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/units.h"
 #include "cli/signals.h"
 #include "cli/words.h"
 
@@ -43,9 +42,9 @@ static const char *describe(const lac_progress *now, char *text, size_t size)
 {
     char time[32], end[32], rate[32];
     (void)snprintf(text, size, "%s of %s, mean slip rate %s, %" PRId64 " steps",
-                   lac_units_format(now->time, "s", time, sizeof time),
-                   lac_units_format(now->end, "s", end, sizeof end),
-                   lac_units_format(now->mean_rate, "m/s", rate, sizeof rate), now->steps);
+                   cli_quantity(now->time, "s", time, sizeof time),
+                   cli_quantity(now->end, "s", end, sizeof end),
+                   cli_quantity(now->mean_rate, "m/s", rate, sizeof rate), now->steps);
     return text;
 }
 

@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/nearest.h"
@@ -49,10 +50,18 @@ void cli_row(const char *label, const char *format, ...)
     va_end(args);
 }
 
+const char *cli_quantity(double value, const char *unit, char *text, size_t size)
+{
+    char exact[64], *rest;
+    double number = strtod(lac_units_format(value, unit, exact, sizeof exact), &rest);
+    (void)snprintf(text, size, "%.4g%s", number, rest);
+    return text;
+}
+
 void cli_row_quantity(const char *label, double value, const char *unit)
 {
     char text[64];
-    cli_row(label, "%s", lac_units_format(value, unit, text, sizeof text));
+    cli_row(label, "%s", cli_quantity(value, unit, text, sizeof text));
 }
 
 void cli_wrap(const char *indent, const char *text)

@@ -21,6 +21,10 @@ void cli_note_list(const char *format, va_list args) __attribute__((format(print
 /// Prints `  label    text` on stdout.
 void cli_row(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/// Writes a value to four digits with the unit that reads best.
+/// @return text, which also stands in `text`
+const char *cli_quantity(double value, const char *unit, char *text, size_t size);
+
 /// Prints `  label    value unit` on stdout, the unit chosen to read well.
 void cli_row_quantity(const char *label, double value, const char *unit);
 

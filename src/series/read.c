@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
-#define _GNU_SOURCE // newlocale
 #include <errno.h>
+#include <locale.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -32,7 +32,7 @@ typedef struct lac_parser {
     size_t fields; ///< of the header
     char mark;     ///< decimal mark: '.', ',' or 0 while none has been seen
     bool time_known, dated;
-    locale_t plain;
+    locale_t plain, callers; ///< the "C" locale, and the one of the thread before
     lac_reading *readings;
     size_t count, capacity, missing;
     char *attribution;
@@ -83,7 +83,11 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
                         "%s: neither a displacement nor a velocity column was named", def->path);
     }
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    return p->plain != (locale_t)0 ? prepare_units(p, def, units, err) : lac_fail_memory(err);
+    if (p->plain == (locale_t)0) {
+        return lac_fail_memory(err);
+    }
+    p->callers = uselocale(p->plain);
+    return prepare_units(p, def, units, err);
 }
 
 static lac_status add_attribution(lac_parser *p, const char *comment, lac_error *err)
@@ -220,7 +224,7 @@ static lac_status parse_time(lac_parser *p, const char *field, double *time, lac
     }
     bool dated = lac_date_parse(field, time);
     bool comma = p->separator != ',' && strchr(field, ',') != NULL;
-    if (!dated && !lac_text_number(field, comma ? ',' : '.', p->plain, time)) {
+    if (!dated && !lac_text_number(field, comma ? ',' : '.', time)) {
         return fail_at(p, err, name, field,
                        "must be a date like 1963-10-09 or 1963-10-09T22:39:00Z, or seconds");
     }
@@ -248,7 +252,7 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
     if (used != NULL && mark == ',' && p->separator == ',') {
         return fail_at(p, err, w->name, field, "must have a decimal point in a file with commas");
     }
-    if (!lac_text_number(field, mark, p->plain, value)) {
+    if (!lac_text_number(field, mark, value)) {
         return fail_at(p, err, w->name, field, "must be a number, or NA where there is none");
     }
     if (used != NULL && p->mark != '\0' && mark != p->mark) {
@@ -454,6 +458,7 @@ lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
     LAC_TRY(build(&p, out, err));
 out:
     if (p.plain != (locale_t)0) {
+        (void)uselocale(p.callers);
         freelocale(p.plain);
     }
     free(p.attribution);

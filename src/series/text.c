@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define _GNU_SOURCE // strtod_l
 #include "series/text.h"
 
 #include <errno.h>
@@ -148,7 +147,7 @@ bool lac_text_missing(const char *field)
     return false;
 }
 
-bool lac_text_number(const char *field, char mark, locale_t plain, double *value)
+bool lac_text_number(const char *field, char mark, double *value)
 {
     char text[NUMBER_MAX];
     size_t length = strlen(field);
@@ -164,7 +163,7 @@ bool lac_text_number(const char *field, char mark, locale_t plain, double *value
         text[i] = (char)(c == mark && c != '\0' ? '.' : c);
     }
     char *end = NULL;
-    *value = strtod_l(text, &end, plain);
+    *value = strtod(text, &end);
     return *end == '\0' && end != text && isfinite(*value);
 }
 

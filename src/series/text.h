@@ -2,7 +2,6 @@
 #ifndef LACUNA_SERIES_TEXT_H
 #define LACUNA_SERIES_TEXT_H
 
-#include <locale.h>
 #include <stdio.h>
 
 #include "lacuna/series.h"
@@ -39,8 +38,9 @@ bool lac_text_missing(const char *field);
 
 /// A number as it may be written in a file: decimal, whole field.
 /// @param mark  '.' or ',': the decimal mark
+/// @pre   the thread's locale is "C"
 /// @return false where it is not one, or not finite
-bool lac_text_number(const char *field, char mark, locale_t plain, double *value);
+bool lac_text_number(const char *field, char mark, double *value);
 
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);

@@ -152,9 +152,7 @@ out:
 }
 
 lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_grid *grid, const double *heights, const double *gap,
-                             const double *pressure, const lac_contact_report *report,
-                             const lac_box_count *boxes, lac_error *err)
+                             const lac_contact_view *contact, lac_error *err)
 {
     const lac_map maps[] = {
         {{.name = "heights",
@@ -162,19 +160,19 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
           .long_name = "composite height of the two surfaces",
           .comment = "peaks up; contact of the sum on a flat",
           .type = NC_DOUBLE},
-         heights},
+         contact->heights},
         {{.name = "gap",
           .unit = "m",
           .long_name = "gap between the surfaces under load",
           .comment = "zero in contact, within the solver's tolerance",
           .type = NC_DOUBLE},
-         gap},
+         contact->gap},
         {{.name = "pressure",
           .unit = "Pa",
           .long_name = "normal contact pressure",
           .comment = "exactly zero outside the contact",
           .type = NC_DOUBLE},
-         pressure},
+         contact->pressure},
     };
     lac_nc file = {0};
     lac_status status = LAC_OK;
@@ -183,12 +181,12 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
                               "Contact of a rough rock joint under normal load: maps over the "
                               "interface, and the box counts of the contact domain.",
                               err));
-    LAC_TRY(put_maps(&file, grid, maps, sizeof maps / sizeof maps[0], err));
-    if (report != NULL) {
-        LAC_TRY(put_report(&file, grid, report, err));
+    LAC_TRY(put_maps(&file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
+    if (contact->report != NULL) {
+        LAC_TRY(put_report(&file, contact->grid, contact->report, err));
     }
-    if (boxes != NULL) {
-        LAC_TRY(put_boxes(&file, boxes, err));
+    if (contact->boxes != NULL) {
+        LAC_TRY(put_boxes(&file, contact->boxes, err));
     }
     LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
     LAC_TRY(lac_nc_close(&file, err));

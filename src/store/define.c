@@ -64,7 +64,8 @@ static double value_x(const lac_domain *domain, size_t cell)
 
 static double value_y(const lac_domain *domain, size_t cell)
 {
-    return ((double)(domain->index[cell] / domain->grid.nx) + 0.5) * domain->grid.dy;
+    size_t row = domain->index[cell] / domain->grid.nx;
+    return ((double)row + 0.5) * domain->grid.dy;
 }
 
 static double value_pressure(const lac_domain *domain, size_t cell)

@@ -2,7 +2,6 @@
 // HDF5's global heap, which links variables to their dimensions, has no checksum, and an object of
 // size 0 in it makes HDF5 1.10 loop for ever. A file whose writer was killed has no seal either, so
 // its heap is walked here before HDF5 sees it (HDF5 File Format Specification III.E).
-#define _GNU_SOURCE // memmem
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -41,19 +40,29 @@ static bool is_heap_sound(const unsigned char *heap, size_t size)
     return at <= size;
 }
 
+static const unsigned char *find_heap(const unsigned char *at, const unsigned char *end)
+{
+    while (end - at >= HEADER) {
+        at = memchr(at, signature[0], (size_t)(end - at) - HEADER + 1);
+        if (at == NULL || memcmp(at, signature, sizeof signature) == 0) {
+            return at;
+        }
+        at++;
+    }
+    return NULL;
+}
+
 static bool are_heaps_sound(const unsigned char *bytes, size_t size)
 {
     const unsigned char *end = bytes + size;
-    const unsigned char *heap = memmem(bytes, size, signature, sizeof signature);
+    const unsigned char *heap = find_heap(bytes, end);
     while (heap != NULL) {
-        size_t left = (size_t)(end - heap);
-        uint64_t length = left >= HEADER ? little_endian(heap + 8, 8) : 0;
+        uint64_t length = little_endian(heap + 8, 8);
         // One that runs past what was read is left to HDF5, which bounds it by the file.
-        if (length >= HEADER && length <= left && !is_heap_sound(heap, (size_t)length)) {
+        if (length <= (uint64_t)(end - heap) && !is_heap_sound(heap, (size_t)length)) {
             return false;
         }
-        heap += sizeof signature;
-        heap = memmem(heap, (size_t)(end - heap), signature, sizeof signature);
+        heap = find_heap(heap + sizeof signature, end);
     }
     return true;
 }

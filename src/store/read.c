@@ -41,7 +41,7 @@ static lac_status fail_open(const lac_input *in, int code, lac_error *err)
 // What can be said of a file before HDF5 opens it.
 static lac_status inspect(lac_input *in, lac_error *err)
 {
-    struct stat info;
+    struct stat info = {0};
     bool exists = false;
     lac_status status = lac_nc_path(in->path, &exists, err);
     if (status != LAC_OK) {

@@ -300,6 +300,14 @@ class Runs(Case):
                                       "solver.rtol=1e-10").stdout)
         self.assertAlmostEqual(done["failure_time_s"] / block_failure_time(), 1, delta=1e-5)
 
+    def test_a_computation_that_breaks(self):
+        done = self.expect(1, "run", "block.yaml", "--json", "--set", "solver.max_steps=10")
+        self.assertEqual(self.status_attribute("block.nc"), "failed")
+        result = json.loads(done.stdout)
+        self.assertEqual((result["status"], result["failed"], result["steps"]),
+                         ("failed", False, 10))
+        self.assertRegex(done.stderr, r"^lacuna: .*steps.*\n$")
+
     def test_no_failure_is_said(self):
         out = self.expect(0, "run", "block.yaml", "--set", "initial.state.ratio_to_steady=1.5")
         self.assertRegex(out.stdout, r"failure +none by the end, after 30 day")

@@ -387,12 +387,14 @@ static void contact_maps_come_back(void **state)
                                  .error = 0.1};
     const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
     const char *path = scratch_path(&folder, "contact.nc");
-    assert_int_equal(lac_store_contact(path, false, &provenance, &grid, heights, gap, pressure,
-                                       &report, &boxes, NULL),
-                     LAC_OK);
-    assert_int_equal(lac_store_contact(path, false, &provenance, &grid, heights, gap, pressure,
-                                       &report, &boxes, NULL),
-                     LAC_EINPUT);
+    lac_contact_view view = {.grid = &grid,
+                             .heights = heights,
+                             .gap = gap,
+                             .pressure = pressure,
+                             .report = &report,
+                             .boxes = &boxes};
+    assert_int_equal(lac_store_contact(path, false, &provenance, &view, NULL), LAC_OK);
+    assert_int_equal(lac_store_contact(path, false, &provenance, &view, NULL), LAC_EINPUT);
     expect_attribute(path, "status", "complete");
     expect_attribute(path, "iterations", "17");
     expect_attribute(path, "d_box", "1.5");
@@ -410,9 +412,8 @@ static void contact_maps_come_back(void **state)
 
     // a domain without a surface
     path = scratch_path(&folder, "domain.nc");
-    assert_int_equal(
-        lac_store_contact(path, false, &provenance, &grid, NULL, NULL, pressure, NULL, NULL, NULL),
-        LAC_OK);
+    view = (lac_contact_view){.grid = &grid, .pressure = pressure};
+    assert_int_equal(lac_store_contact(path, false, &provenance, &view, NULL), LAC_OK);
     assert_int_equal(nc_open(path, NC_NOWRITE, &id), NC_NOERR);
     assert_int_equal(nc_inq_varid(id, "heights", &var), NC_ENOTVAR);
     (void)nc_close(id);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <string.h>
+
+#include "cli/command.h"
+
+enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
+
+static const cli_command commands[] = {
+    {"run", "CASE", "integrate a case in time, write a netCDF time series",
+     "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
+     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed; a second one "
+     "kills it. SIGUSR1 prints how far it is.\n",
+     "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SET, cli_run},
+    {"check", "CASE", "validate a case, print it and what it will cost",
+     "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
+    {"contact", "CASE", "press the surface, measure its contact, and stop",
+     "Writes heights, gaps and pressures to -o FILE, else CASE-contact.nc in this folder.\n",
+     "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1, CLI_OPT_WRITES | CLI_OPT_SET,
+     cli_contact},
+    {"new", "[NAME]", "write a commented case file to start from",
+     "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
+     "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
+    {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
+     "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
+     "lacuna describe friction aging", 0, 2, 0, cli_describe},
+};
+
+const cli_command *cli_command_at(size_t index)
+{
+    return index < sizeof commands / sizeof *commands ? &commands[index] : NULL;
+}
+
+const cli_command *cli_command_find(const char *name)
+{
+    const cli_command *command;
+    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+        if (strcmp(command->name, name) == 0) {
+            return command;
+        }
+    }
+    return NULL;
+}

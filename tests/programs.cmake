@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Tests that call programs: the command line, the bundled cases and what they write.
+include(cli.cmake)
+
+# Every bundled case checks, runs, and writes a file that meets CF and opens in xarray.
+set(case_environment
+    "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
+file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml)
+foreach(bundled ${bundled_cases})
+  get_filename_component(name ${bundled} NAME_WE)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.nc)
+  add_test(NAME case.${name}.check COMMAND lacuna_program check -q ${bundled})
+  add_test(NAME case.${name}.run
+           COMMAND lacuna_program run ${bundled} -o ${output} --force --no-progress)
+  add_test(NAME case.${name}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py ${output})
+  set_tests_properties(case.${name}.check case.${name}.run case.${name}.cf PROPERTIES
+                       LABELS case ENVIRONMENT ${case_environment})
+  set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
+  set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
+endforeach()
