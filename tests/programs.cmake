@@ -19,3 +19,13 @@ foreach(bundled ${bundled_cases})
   set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
   set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
 endforeach()
+
+# The library's allocations fail one after the other.
+add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c)
+target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
+                      ${CMOCKA_LIBRARY})
+target_link_options(unit_test_memory PRIVATE
+                    -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc)
+add_test(NAME unit.test_memory COMMAND unit_test_memory)
+set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})

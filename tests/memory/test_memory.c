@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every allocation of a whole run fails once: each time the error is said, and nothing leaks
+// (under sanitizers) or crashes.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include "lacuna/lacuna.h"
+#include "memory/failing_malloc.h"
+
+static const char text[] =
+    "lacuna: 1\n"
+    "title: Everything at once\n"
+    "interface:\n"
+    "  size: \"16 m\"\n"
+    "  levels: 6\n"
+    "  surface: {self-affine: {hurst: 0.8, rms_height: \"2 cm\", shortest: \"1 m\"}}\n"
+    "material: {shear_modulus: \"10 GPa\", density: \"2700 kg/m3\"}\n"
+    "load:\n"
+    "  normal: {pressure: \"5 MPa\"}\n"
+    "  shear: [{ramp: {rate: \"1 kPa/day\"}}]\n"
+    "  pore_pressure: [{constant: \"0.1 MPa\"}]\n"
+    "friction:\n"
+    "  aging: {a: 0.01, b: 0.015, dc: \"1 mm\"}\n"
+    "  spread: {dc: {lognormal: {sigma: 0.2}}, a: {uniform: {half_width: 0.1}}}\n"
+    "initial:\n"
+    "  slip_rate: \"1 mm/day\"\n"
+    "  state: {ratio_to_steady: 0.5}\n"
+    "  spread: {slip_rate: {normal: {sigma: 0.1}}}\n"
+    "transfer: {hierarchy: {stiffness: elastic}}\n"
+    "time: {start: \"2020-01-01\", end: \"1 min\"}\n"
+    "output: {every: \"20 s\", fields: [slip, traction], fields_every: \"30 s\"}\n"
+    "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
+
+static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
+                            lac_error *err)
+{
+    lac_store *store = NULL;
+    lac_status status = LAC_OK;
+    lac_run_result result = {0};
+    lac_store_def def = {.path = path,
+                         .force = true,
+                         .provenance = {.title = c->title, .seed = 1},
+                         .dated = c->dated,
+                         .start_date = c->start_date,
+                         .domain = scene->contact.domain,
+                         .hierarchy = scene->hierarchy,
+                         .fields = c->fields,
+                         .compression = c->compression,
+                         .sync_every = 10};
+    LAC_TRY(lac_store_create(&def, &store, err));
+    lac_sink sink = lac_store_sink(store);
+    LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
+    LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
+out:
+    lac_store_free(store);
+    return status;
+}
+
+// Case to netCDF file.
+static lac_status whole_run(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_case_report report = {0};
+    const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.aging.f0", "0.6"}};
+    LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, overrides, 2, &c, &report, err));
+    char *resolved = lac_case_text(c);
+    if (resolved == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    free(resolved);
+    LAC_TRY(lac_scene_create(c, &scene, err));
+    LAC_TRY(store_run(c, scene, path, err));
+out:
+    lac_scene_free(scene);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static void every_allocation_fails(bool for_good)
+{
+    char path[] = "/tmp/lacuna-memory-XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    (void)close(fd);
+    long k = 0;
+    for (;; k++) {
+        lac_error err = {""};
+        fail_allocation(k, for_good);
+        lac_status status = whole_run(path, &err);
+        if (!stop_failing()) {
+            assert_int_equal(status, LAC_OK);
+            break;
+        }
+        if (status != LAC_ENOMEM || strstr(err.message, "memory") == NULL) {
+            fail_msg("allocation %ld: status %d, \"%s\"", k, (int)status, err.message);
+        }
+    }
+    printf("%ld allocations failed, one by one%s\n", k, for_good ? " and all that follow" : "");
+    assert_true(k > 50);
+    (void)unlink(path);
+}
+
+static void one_fails(void **state)
+{
+    (void)state;
+    every_allocation_fails(false);
+}
+
+static void all_fail_from_one_on(void **state)
+{
+    (void)state;
+    every_allocation_fails(true);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_fails),
+        cmocka_unit_test(all_fail_from_one_on),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
