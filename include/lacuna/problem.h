@@ -89,8 +89,16 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 /// The first time after t at which a load jumps or bends; INFINITY if none.
 double lac_problem_next_break(const lac_problem *problem, double t);
 
-/// A step that resolves the fastest change at (t, y) well [s].
-double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
+/// A thousandth of the fastest cell's own time scale, that of its state or of dc/v [s].
+double lac_problem_first_step(const lac_problem *problem, const double *y);
+
+/// Whether the effective normal pressure is positive at time t.
+bool lac_problem_pressed(const lac_problem *problem, double t);
+
+/// Whether every cell still carries shear traction: where it vanishes, slip stops or turns back,
+/// which ln v cannot follow.
+/// @param cell  the first that does not; untouched where all do
+bool lac_problem_slips(const lac_problem *problem, const double *y, size_t *cell);
 
 /// What is asked of the initial rate and state (a case's section `initial`).
 typedef enum lac_initial_state {

@@ -17,7 +17,7 @@ typedef struct lac_cadence {
 typedef struct lac_record {
     double time_origin, time_local; ///< t = origin + local since the start [s]
     lac_observation seen;
-    double step_size; ///< of the step that ended here [s]; NaN at the start
+    double step_size; ///< of the step that ended here or that this time lies in [s]; NaN at t = 0
     int64_t order;    ///< of that step; 0 at the start
     int64_t rhs_evaluations;
 } lac_record;
@@ -50,7 +50,7 @@ typedef struct lac_run_def {
     lac_method method;
     double rtol;         ///< on ln v and ln theta: relative on v and theta
     int64_t max_order;   ///< 0: the method's own
-    double first_step;   ///< [s]; NaN: from the problem's time scales
+    double first_step;   ///< [s]; NaN: from the problem's time scales, which also bound it
     int64_t max_steps;   ///< of the whole run
     double end;          ///< [s]
     double failure_rate; ///< mean slip rate that is failure [m/s]

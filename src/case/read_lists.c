@@ -20,9 +20,8 @@ static const lac_param age_row = {
     .key = "state",
     .unit = "s",
     .fallback = NAN,
-    .min = 0,
+    .min = 1e-12,
     .max = 1e20,
-    .flags = LAC_ABOVE_MIN,
     .offset = offsetof(lac_initial_def, state_value),
     .doc = "theta",
 };

@@ -81,17 +81,13 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
     return check == 0.0;
 }
 
-double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)
+double lac_problem_first_step(const lac_problem *problem, const double *y)
 {
-    // Rates relative to one e-fold: a thousandth of the fastest cell's time scale. dc/v bounds
-    // it from above where a cell starts at rest relative to its steady state.
     size_t n = problem->n;
     double fastest = 0.0;
     double v[LAC_FRICTION_BLOCK];
     lac_block s;
     lac_friction_values values = lac_block_values(&s);
-    (void)t;
-    (void)work;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         lac_vexp(length, y + first, v);

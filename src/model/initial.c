@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
-#include "lacuna/problem.h"
+#include "model/internal.h"
 
 // One cell at the start.
 typedef struct start_cell {
@@ -12,12 +12,15 @@ typedef struct start_cell {
     double eta;
 } start_cell;
 
-// Traction that steady sliding at ln v = u takes, over what the loads give.
-static double steady_excess(const start_cell *c, double u)
+// Whether steady sliding at ln v = u takes more (1) or less (-1) traction than the loads give; 0
+// where rounding would decide, as it does everywhere for b = a and a load of f0.
+static int steady_excess(const start_cell *c, double u)
 {
     double w = lac_friction_steady_state(c->friction, c->cell, u);
     double f = lac_friction_coefficient(c->friction, c->cell, u, w);
-    return c->pressure * f + c->eta * exp(u) - c->traction;
+    double excess = c->pressure * f + c->eta * exp(u) - c->traction;
+    double noise = 1e-14 * fabs(c->traction);
+    return (excess > noise) - (excess < -noise);
 }
 
 // The slowest steady ln v under the load: b > a with damping has a second, fast one. NaN if none.
@@ -27,13 +30,13 @@ static double steady_rate(const start_cell *c)
     const double fastest = 30.0;   // ... to 1e13 m/s
     const double stride = 0.5;
     double low = slowest;
-    double at_low = steady_excess(c, low);
+    int at_low = steady_excess(c, low);
     for (double high = low + stride; high <= fastest; high += stride) {
-        double at_high = steady_excess(c, high);
-        if ((at_low <= 0.0) != (at_high <= 0.0)) {
+        int at_high = steady_excess(c, high);
+        if (at_low * at_high < 0) {
             for (int i = 0; i < 100; i++) {
                 double middle = 0.5 * (low + high);
-                if ((steady_excess(c, middle) <= 0.0) == (at_low <= 0.0)) {
+                if (steady_excess(c, middle) == at_low) {
                     low = middle;
                 } else {
                     high = middle;
@@ -41,8 +44,10 @@ static double steady_rate(const start_cell *c)
             }
             return 0.5 * (low + high);
         }
-        low = high;
-        at_low = at_high;
+        if (at_high != 0) {
+            low = high;
+            at_low = at_high;
+        }
     }
     return NAN;
 }
@@ -52,8 +57,9 @@ static double rate_in_state(const start_cell *c, double w)
     return lac_friction_rate_for(c->friction, c->cell, w, c->traction, c->pressure, c->eta);
 }
 
-// theta = x theta_ss at the load that follows: theta = x^(1 - b/a) dc/v (constant load: Helmstetter
-// et al. 2004, doi 10.1029/2002JB002160; the same for the slip law, and regularised).
+// theta = x theta_ss at the load that follows, damping left out of account: theta = x^(1 - b/a)
+// dc/v (Helmstetter et al. 2004, doi 10.1029/2002JB002160; the same for the slip law, and
+// regularised).
 static double state_at_ratio(const start_cell *c, double u, double x)
 {
     double a = c->friction->column[LAC_A][c->cell];
@@ -98,12 +104,23 @@ static void rate_from_load(const start_cell *c, lac_initial_state how, double va
     }
 }
 
-static lac_status cannot_start(const start_cell *c, lac_error *err)
+static lac_status cannot_start(const start_cell *c, double rate, double value, lac_error *err)
 {
+    double a = c->friction->column[LAC_A][c->cell];
+    double b = c->friction->column[LAC_B][c->cell];
+    if (rate <= 0.0 || value <= 0.0) {
+        return lac_fail(err, LAC_EINPUT, "%s of cell %zu is %g: must be > 0",
+                        rate <= 0.0 ? "slip rate" : "state", c->cell, rate <= 0.0 ? rate : value);
+    }
+    if (a <= 0.0 || b <= 0.0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a = %g and b = %g of cell %zu leave its rate or state undetermined", a, b,
+                        c->cell);
+    }
     return lac_fail(
         err, LAC_EINPUT,
-        "no initial rate and state of cell %zu carry its load: traction %g Pa, effective "
-        "normal pressure %g Pa, ratio %g",
+        "no rate and state of cell %zu carry its load: traction %g Pa, effective normal "
+        "pressure %g Pa, ratio %g",
         c->cell, c->traction, c->pressure, c->traction / c->pressure);
 }
 
@@ -117,10 +134,7 @@ typedef struct start_load {
 static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
                                 lac_error *err)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += domain->pressure[i];
-    }
+    double sum = lac_problem_sum(domain->n, domain->pressure);
     double area = lac_grid_area(&domain->grid);
     double cell = lac_grid_cell_area(&domain->grid);
     double mean = sum * cell / area;
@@ -155,7 +169,7 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
             state_from_rate(&c, initial->state, log_rate[i], value, &log_state[i]);
         }
         if (!isfinite(log_rate[i]) || !isfinite(log_state[i])) {
-            status = cannot_start(&c, err);
+            status = cannot_start(&c, rate, value, err);
         }
     }
     return status;

@@ -16,10 +16,14 @@ struct lac_problem {
     double mean_pressure; // P/L^2 [Pa]
     double sum_pressure;  // sum of p_i [Pa]
     double spring_share;  // L^2/(n r^2): nominal stress of a spring -> traction of a cell
+    double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
     double *traction0;              // [n] q_i at t = 0 [Pa]
     double *log_rate0, *log_state0; // [n]
 };
+
+// Sum in the order of the cells.
+double lac_problem_sum(size_t n, const double *x);
 
 // What the loads do at one time, as the cells feel it.
 typedef struct lac_drive {

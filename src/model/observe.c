@@ -3,15 +3,6 @@
 
 #include "model/internal.h"
 
-static double mean_of(size_t n, const double *x)
-{
-    double total = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        total += x[i];
-    }
-    return total / (double)n;
-}
-
 void lac_problem_speed(const lac_problem *problem, const double *y, double *mean, double *max,
                        double *work)
 {
@@ -28,7 +19,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 {
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
-    double mean = mean_of(problem->n, slip);
+    double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
     double common = drive.spring - drive.spring_stiffness * mean;
     problem->transfer.kind->apply(problem->transfer.state, slip, traction, work + 3 * problem->n);
     for (size_t i = 0; i < problem->n; i++) {
@@ -76,17 +67,35 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
         seen->fastest = v[i] > v[seen->fastest] ? i : seen->fastest;
     }
     seen->max_rate = v[seen->fastest];
-    seen->mean_slip = mean_of(n, slip);
+    seen->mean_slip = lac_problem_sum(n, slip) / (double)n;
 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
-    double start = mean_of(n, problem->traction0) * (double)n;
-    double total = start + problem->sum_pressure * drive.ratio + (double)n * spring;
+    double total =
+        problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * spring;
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;
 
     lac_problem_traction(problem, t, slip, traction, work);
     seen->balance_residual = balance_residual(problem, &drive, y, v, traction);
+}
+
+bool lac_problem_slips(const lac_problem *problem, const double *y, size_t *cell)
+{
+    // Regularised, f falls to nothing as exp of this sum over a; plain, f is the sum.
+    const lac_friction *friction = problem->friction;
+    const double *a = friction->column[LAC_A];
+    const double *b = friction->column[LAC_B];
+    const double *u = y;
+    const double *w = y + problem->n;
+    double folds = friction->form == LAC_FORM_REGULARISED ? -20.0 : 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        if (friction->constant[i] + a[i] * u[i] + b[i] * w[i] <= folds * a[i]) {
+            *cell = i;
+            return false;
+        }
+    }
+    return true;
 }
 
 bool lac_problem_jump(const lac_problem *problem, double t, double *y)

@@ -7,7 +7,7 @@
 
 #include "model/internal.h"
 
-static double sum(size_t n, const double *x)
+double lac_problem_sum(size_t n, const double *x)
 {
     double total = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -22,7 +22,7 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
     problem->pressure = domain->pressure;
     problem->cell_area = lac_grid_cell_area(&domain->grid);
     problem->nominal_area = lac_grid_area(&domain->grid);
-    problem->sum_pressure = sum(domain->n, domain->pressure);
+    problem->sum_pressure = lac_problem_sum(domain->n, domain->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
 }
@@ -46,6 +46,7 @@ static void fill_traction(lac_problem *problem, double share)
         double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
         problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
     }
+    problem->sum_traction0 = lac_problem_sum(problem->n, problem->traction0);
 }
 
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
@@ -138,4 +139,10 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
     drive->share = 1.0 - now.pore / mean;
     drive->share_rate = -now.pore_rate / mean;
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
+}
+
+bool lac_problem_pressed(const lac_problem *problem, double t)
+{
+    lac_drive drive;
+    return lac_problem_drive(problem, t, &drive);
 }

@@ -40,3 +40,12 @@ void lac_engine_free(lac_engine *engine)
     free(engine->work);
     free(engine);
 }
+
+double lac_engine_mean_slip(const lac_engine *engine, const double *slip)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < engine->n; i++) {
+        sum += slip[i];
+    }
+    return sum / (double)engine->n;
+}

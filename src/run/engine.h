@@ -58,6 +58,9 @@ static inline double lac_engine_time(const lac_engine *engine)
     return engine->origin + (engine->base + engine->t);
 }
 
+// Mean of the cells' slip [m].
+double lac_engine_mean_slip(const lac_engine *engine, const double *slip);
+
 // The integrator's time of a time since the start.
 static inline double lac_engine_inner(const lac_engine *engine, double time)
 {

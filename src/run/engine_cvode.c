@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cvodes/cvodes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
@@ -228,21 +229,25 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     size_t worst = 0;
     sunrealtype h = 0.0;
     int order = 0;
-    if (CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS) {
+    (void)CVodeGetCurrentStep(c->mem, &h);
+    (void)CVodeGetCurrentOrder(c->mem, &order);
+    bool known = order > 0 && CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS;
+    if (known) {
         for (size_t i = 1; i < 2 * engine->n; i++) {
             worst = fabs(e[i]) > fabs(e[worst]) ? i : worst;
         }
     }
-    (void)CVodeGetCurrentStep(c->mem, &h);
-    (void)CVodeGetCurrentOrder(c->mem, &order);
     char *name = CVodeGetReturnFlagName(flag);
     lac_status status = lac_fail(
-        err, LAC_ENUMERIC,
-        "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d; worst unknown: "
-        "%s of cell %zu",
-        name != NULL ? name : "?", lac_engine_time(engine), h, order,
-        worst < engine->n ? "ln v" : "ln theta", worst % engine->n);
+        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d",
+        name != NULL ? name : "?", lac_engine_time(engine), h, order);
     free(name);
+    if (known && err != NULL) {
+        size_t used = strlen(err->message);
+        (void)snprintf(err->message + used, sizeof err->message - used,
+                       "; worst unknown: %s of cell %zu", worst < engine->n ? "ln v" : "ln theta",
+                       worst % engine->n);
+    }
     return status;
 }
 

@@ -13,6 +13,7 @@ typedef struct erk {
     void *mem;
     N_Vector y, scratch;
     double *saved; // [3n]
+    double first;  // step that a restart begins with [s]
     int64_t before[3];
 } erk;
 
@@ -140,6 +141,7 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     const lac_run_result *counts = &engine->counts;
     int64_t now[3] = {counts->steps, counts->rhs_evaluations, counts->error_test_fails};
     memcpy(c->before, now, sizeof now);
+    c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
         ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
@@ -164,7 +166,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
 static bool rates_failed(int flag)
 {
     return flag == ARK_RHSFUNC_FAIL || flag == ARK_UNREC_RHSFUNC_ERR ||
-           flag == ARK_REPTD_RHSFUNC_ERR || flag == ARK_FIRST_RHSFUNC_ERR;
+           flag == ARK_REPTD_RHSFUNC_ERR;
 }
 
 static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
@@ -173,7 +175,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     double *data = lac_vector_data(c->y);
     size_t bytes = 3 * engine->n * sizeof *data;
     memcpy(c->saved, data, bytes);
-    double h = engine->step > 0.0 ? engine->step : stop - engine->t;
+    double h = c->first > 0.0 ? c->first : engine->step;
 
     for (int tries = 0;; tries++) {
         sunrealtype t = engine->t;
@@ -185,7 +187,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
         }
         memcpy(data, c->saved, bytes);
         h *= 0.1;
-        if (!rates_failed(flag) || tries == 20 || engine->t + h == engine->t) {
+        if (!rates_failed(flag) || tries == 40 || engine->t + h == engine->t) {
             return gave_up(engine, flag, err);
         }
         stop -= engine->t;
@@ -195,7 +197,9 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
         if (status != LAC_OK) {
             return status;
         }
+        engine->counts.restarts++;
     }
+    c->first = 0.0;
     sunrealtype last;
     (void)ERKStepGetLastStep(c->mem, &last);
     engine->step = last;

@@ -13,11 +13,7 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
     double mean;
     double max;
     if (kind == LAC_CROSSING_SLIP) {
-        double sum = 0.0;
-        for (size_t i = 0; i < engine->n; i++) {
-            sum += slip[i];
-        }
-        return sum / (double)engine->n - def->stop_slip;
+        return lac_engine_mean_slip(engine, slip) - def->stop_slip;
     }
     lac_problem_speed(engine->problem, y, &mean, &max, engine->work);
     return kind == LAC_CROSSING_FAILURE ? log(mean / def->failure_rate) : log(max / def->stop_rate);
@@ -40,7 +36,8 @@ static bool look(probe *p, double t, double *value)
     return true;
 }
 
-// Illinois' false position on the step's interpolant; `high` ends at or after the crossing.
+// Illinois' false position on the step's interpolant, until no number lies between the ends;
+// `high` ends at the crossing or the number after it.
 static bool locate(probe *p, double low, double *high)
 {
     double at_low;
@@ -48,10 +45,14 @@ static bool locate(probe *p, double low, double *high)
     if (!look(p, low, &at_low) || !look(p, *high, &at_high)) {
         return false;
     }
+    if (at_low >= 0.0) {
+        *high = low; // the step began there
+    }
     int side = 0;
-    for (int i = 0; i < 100 && at_low < 0.0 && at_high > 0.0; i++) {
+    for (int i = 0; i < 200 && at_low < 0.0 && at_high > 0.0; i++) {
         double middle = *high - at_high * (*high - low) / (at_high - at_low);
-        if (!(middle > low && middle < *high)) {
+        middle = middle > low ? middle : nextafter(low, *high);
+        if (!(middle < *high)) {
             break;
         }
         double at_middle;
@@ -68,9 +69,6 @@ static bool locate(probe *p, double low, double *high)
             at_low = at_middle;
             at_high *= side == -1 ? 0.5 : 1.0;
             side = -1;
-        }
-        if (fabs(at_middle) < 1e-14) {
-            break;
         }
     }
     double ignored;

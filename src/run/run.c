@@ -8,6 +8,12 @@
 #include "run/engine.h"
 #include "run/events.h"
 
+// When something was last put out.
+typedef struct instant {
+    bool set;
+    double origin, local;
+} instant;
+
 // A run on its way.
 typedef struct run {
     const lac_problem *problem;
@@ -16,14 +22,14 @@ typedef struct run {
     lac_engine *engine;
     lac_run_result *result;
     lac_clock record_clock, snapshot_clock;
-    double last_origin, last_local; // of the last record
-    bool recorded;
+    instant last_record, last_snapshot;
     double *between; // [3n] state and slip within a step, where records fall there; or NULL
     double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
     lac_end end;
     bool done;
+    bool broken; // the step ended where the loads jump or bend
 } run;
 
 lac_run_def lac_run_default(void)
@@ -40,12 +46,22 @@ lac_run_def lac_run_default(void)
                          .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
 }
 
+// Whether a time is later than the last one put out, which it then becomes.
+static bool moves_on(instant *last, double origin, double local)
+{
+    if (last->set && (origin - last->origin) + (local - last->local) <= 0.0) {
+        return false;
+    }
+    *last = (instant){.set = true, .origin = origin, .local = local};
+    return true;
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
     lac_engine *engine = r->engine;
     double local = engine->base + t;
-    if (r->recorded && (engine->origin - r->last_origin) + (local - r->last_local) <= 0.0) {
+    if (!moves_on(&r->last_record, engine->origin, local)) {
         return LAC_OK;
     }
     engine->kind->count(engine);
@@ -55,10 +71,9 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
                        .order = engine->step > 0.0 ? engine->order : 0,
                        .rhs_evaluations = engine->counts.rhs_evaluations};
     lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.seen, engine->work);
-    r->result->balance_residual = fmax(r->result->balance_residual, line.seen.balance_residual);
-    r->recorded = true;
-    r->last_origin = engine->origin;
-    r->last_local = local;
+    if (!(line.seen.balance_residual <= r->result->balance_residual)) {
+        r->result->balance_residual = line.seen.balance_residual; // a NaN stays
+    }
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
     }
@@ -71,7 +86,9 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     double *v = r->fields;
     double *theta = v + n;
     double *traction = theta + n;
-    if (r->sink == NULL || r->sink->snapshot == NULL) {
+    double local = r->engine->base + t;
+    if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
+        r->sink->snapshot == NULL) {
         return LAC_OK;
     }
     lac_problem_rates(r->problem, y, v);
@@ -80,7 +97,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     }
     lac_problem_traction(r->problem, lac_engine_clock(r->engine, t), slip, traction,
                          r->engine->work);
-    lac_snapshot fields = {.time = r->engine->origin + (r->engine->base + t),
+    lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
@@ -88,7 +105,13 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
-// Records and snapshots that are due at exact times within the step just made.
+static bool interrupted(const run *r)
+{
+    return r->def->interrupted != NULL && r->def->interrupted(r->def->context);
+}
+
+// Records and snapshots that are due at exact times within the step just made. An interrupt ends
+// the run in the midst of them, with the step.
 static lac_status output_between(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
@@ -99,6 +122,11 @@ static lac_status output_between(run *r, lac_error *err)
         double next_snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
         double next = fmin(next_record, next_snapshot);
         if (!(next <= now)) {
+            return LAC_OK;
+        }
+        if (interrupted(r)) {
+            r->end = r->done ? r->end : LAC_END_INTERRUPT;
+            r->done = true;
             return LAC_OK;
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
@@ -124,9 +152,6 @@ static lac_status output_step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_status status = LAC_OK;
-    if (r->between != NULL) {
-        LAC_TRY(output_between(r, err));
-    }
     if (lac_clock_due(&r->record_clock, r->mean_rate) || r->done) {
         LAC_TRY(record(r, engine->t, engine->y, engine->slip, err));
     }
@@ -137,7 +162,7 @@ out:
     return status;
 }
 
-// Begins the integrator's time anew; origin + base stays exactly the time reached.
+// Begins the integrator's time anew: origin + base is the time reached, to the digits of base.
 static void move_origin(lac_engine *engine)
 {
     double local = engine->base + engine->t;
@@ -153,47 +178,89 @@ static lac_status restart(run *r, double h, lac_error *err)
     return r->engine->kind->restart(r->engine, h, err);
 }
 
-// Takes the state across a jump or bend of the loads and begins anew exactly there.
+// Takes the state across a jump or bend of the loads. A jump can be the failure itself.
 static lac_status cross_break(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
+    const lac_run_def *def = r->def;
     double t = r->next_break;
+    double mean_before = r->mean_rate;
+    r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
+    if (!lac_problem_pressed(r->problem, t)) {
+        return lac_fail(err, LAC_ENUMERIC,
+                        "the pore pressure reaches the normal pressure at t = %g s", t);
+    }
     if (!lac_problem_jump(r->problem, t, engine->y)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load that jumps at t = %g s",
                         t);
     }
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-    return restart(r, lac_problem_first_step(r->problem, t, engine->y, engine->work), err);
+    bool failed = mean_before < def->failure_rate && r->mean_rate >= def->failure_rate;
+    if (failed || r->max_rate >= def->stop_rate) {
+        r->done = true;
+        r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
+    }
+    return LAC_OK;
+}
+
+// Whether and why the run ends with the step just made.
+static lac_status look_for_end(run *r, double mean_before, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    lac_crossing_kind crossing;
+    lac_status status = lac_crossing_find(engine, r->def, mean_before, &crossing, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (crossing != LAC_CROSSING_NONE) {
+        lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+        r->done = true;
+        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
+    } else if (engine->t >= lac_engine_inner(engine, r->def->end)) {
+        r->done = true;
+        r->end = LAC_END_TIME;
+    } else if (interrupted(r)) {
+        r->done = true;
+        r->end = LAC_END_INTERRUPT;
+    }
+    return LAC_OK;
+}
+
+// Slip that stops or turns back cannot be followed in ln v.
+static lac_status check_slipping(const run *r, lac_error *err)
+{
+    size_t cell;
+    if (lac_problem_slips(r->problem, r->engine->y, &cell)) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_ENUMERIC,
+                    "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
+                    "takes it away or reverses it cannot be followed with ln v as unknown",
+                    cell, lac_engine_time(r->engine));
 }
 
 // One step, cut short where the run ends within it.
 static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
-    const lac_run_def *def = r->def;
     lac_status status = LAC_OK;
-    double stop = fmin(def->end, r->next_break);
+    double stop = fmin(r->def->end, r->next_break);
     double mean_before = r->mean_rate;
     LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-
-    lac_crossing_kind crossing;
-    LAC_TRY(lac_crossing_find(engine, def, mean_before, &crossing, err));
-    if (crossing != LAC_CROSSING_NONE) {
-        lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-        r->done = true;
-        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
-    } else if (engine->t >= lac_engine_inner(engine, def->end)) {
-        r->done = true;
-        r->end = LAC_END_TIME;
-    } else if (def->interrupted != NULL && def->interrupted(def->context)) {
-        r->done = true;
-        r->end = LAC_END_INTERRUPT;
+    LAC_TRY(check_slipping(r, err));
+    LAC_TRY(look_for_end(r, mean_before, err));
+    if (r->between != NULL) {
+        LAC_TRY(output_between(r, err));
+    }
+    // What is put out at a break is what holds from then on.
+    if (!r->done && engine->t >= lac_engine_inner(engine, r->next_break)) {
+        LAC_TRY(cross_break(r, err));
     }
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
     LAC_TRY(output_step(r, err));
@@ -201,13 +268,14 @@ out:
     return status;
 }
 
-// After a step: over a break of the loads, or a new origin where time runs out of digits.
+// After a step: beyond a break of the loads, or with a new origin where time runs out of digits.
 static lac_status go_on(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
-    if (engine->t >= lac_engine_inner(engine, r->next_break)) {
-        return cross_break(r, err);
+    if (r->broken) {
+        r->broken = false;
+        return restart(r, lac_problem_first_step(r->problem, engine->y), err);
     }
     if (engine->step < digits * engine->t) {
         move_origin(engine);
@@ -269,7 +337,33 @@ static lac_status check_def(const lac_run_def *def, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
                         def->rtol, def->failure_rate);
     }
+    const lac_cadence *every[] = {&def->record, &def->snapshot};
+    for (size_t i = 0; i < 2; i++) {
+        // NaN, not given, passes.
+        if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
+            return lac_fail(err, LAC_EINPUT,
+                            "output every %g s or %g times a decade: must be positive",
+                            every[i]->time, every[i]->per_decade);
+        }
+    }
     return LAC_OK;
+}
+
+static lac_status check_start(const run *r, lac_error *err)
+{
+    if (r->mean_rate >= r->def->failure_rate) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
+                        "%g m/s",
+                        r->mean_rate, r->def->failure_rate);
+    }
+    if (r->max_rate >= r->def->stop_rate) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the largest slip rate at the start, %g m/s, is not below the one to stop "
+                        "at, %g m/s",
+                        r->max_rate, r->def->stop_rate);
+    }
+    return check_slipping(r, err);
 }
 
 static lac_status allocate_output(run *r, lac_error *err)
@@ -292,12 +386,7 @@ static lac_status begin(run *r, lac_error *err)
     lac_status status = LAC_OK;
     LAC_TRY(allocate_output(r, err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-    if (r->mean_rate >= def->failure_rate) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
-                        "%g m/s",
-                        r->mean_rate, def->failure_rate);
-    }
+    LAC_TRY(check_start(r, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
@@ -307,9 +396,9 @@ static lac_status begin(run *r, lac_error *err)
     }
     r->next_break = lac_problem_next_break(r->problem, 0.0);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    double h = isnan(def->first_step)
-                   ? lac_problem_first_step(r->problem, 0.0, engine->y, engine->work)
-                   : def->first_step;
+    // A first step longer than an e-fold of the fastest cell could leap over its failure.
+    double h = lac_problem_first_step(r->problem, engine->y);
+    h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
     status = engine->kind->restart(engine, fmin(h, 0.5 * fmin(def->end, r->next_break)), err);
 out:
     return status;
@@ -327,13 +416,10 @@ static void finish(run *r)
     result->linear_solves = counts.linear_solves;
     result->error_test_fails = counts.error_test_fails;
     result->nonlinear_fails = counts.nonlinear_fails;
+    result->restarts += counts.restarts;
     result->time = lac_engine_time(engine);
     result->end = r->end;
-    double sum = 0.0;
-    for (size_t i = 0; i < engine->n; i++) {
-        sum += engine->slip[i];
-    }
-    result->mean_slip = sum / (double)engine->n;
+    result->mean_slip = lac_engine_mean_slip(engine, engine->slip);
     if (r->done && r->end == LAC_END_FAILURE) {
         result->failed = true;
         result->failure_origin = engine->origin;
