@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/fractal.h"
+
+// One cluster while they are put in order.
+typedef struct rank {
+    uint32_t size, first; // cells; its first cell in the domain
+} rank;
+
+static uint32_t root(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+// The earlier cell of the domain becomes the root, so that a root is its cluster's first cell.
+static void join(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    a = root(parent, a);
+    b = root(parent, b);
+    if (a < b) {
+        parent[b] = a;
+    } else {
+        parent[a] = b;
+    }
+}
+
+// Joins cell i with the four of its neighbours that lie ahead: each pair is seen once.
+static void join_neighbours(const lac_domain *domain, const uint32_t *at, uint32_t i,
+                            uint32_t *parent)
+{
+    const lac_grid *grid = &domain->grid;
+    static const int ahead[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+    size_t x = domain->index[i] % grid->nx;
+    size_t y = domain->index[i] / grid->nx;
+    for (size_t k = 0; k < 4; k++) {
+        // One cell before the first is nx - 1 where it wraps, and nx, outside, where it does not.
+        size_t nx = ahead[k][0] < 0 && x == 0 ? (grid->periodic ? grid->nx - 1 : grid->nx)
+                                              : x + (size_t)(ptrdiff_t)ahead[k][0];
+        size_t ny = y + (size_t)ahead[k][1];
+        if (grid->periodic) {
+            nx %= grid->nx;
+            ny %= grid->ny;
+        }
+        if (nx < grid->nx && ny < grid->ny && at[ny * grid->nx + nx] != UINT32_MAX) {
+            join(parent, i, at[ny * grid->nx + nx]);
+        }
+    }
+}
+
+static int by_size(const void *left, const void *right)
+{
+    const rank *a = left;
+    const rank *b = right;
+    if (a->size != b->size) {
+        return a->size > b->size ? -1 : 1;
+    }
+    return a->first < b->first ? -1 : a->first > b->first;
+}
+
+// Each cell's root becomes its cluster's number; sizes are counted. Ranks has room for each cell.
+static void number(lac_clusters *c, uint32_t *parent, rank *ranks)
+{
+    for (size_t i = 0; i < c->cells; i++) {
+        uint32_t r = root(parent, (uint32_t)i);
+        if (r == i) {
+            c->label[i] = (uint32_t)c->n;
+            ranks[c->n++] = (rank){.size = 0, .first = r};
+        }
+        ranks[c->label[r]].size++;
+    }
+    qsort(ranks, c->n, sizeof *ranks, by_size);
+    for (size_t k = 0; k < c->n; k++) {
+        c->label[ranks[k].first] = (uint32_t)k;
+    }
+    for (size_t i = 0; i < c->cells; i++) {
+        c->label[i] = c->label[root(parent, (uint32_t)i)];
+    }
+}
+
+// A connected set leaves no line out between the first and the last, so its extent is the number
+// of lines that it occupies, also round a periodic edge. `order` lists the
+// cells of the domain cluster by cluster; `line` says which line each is on.
+static void count_lines(const lac_clusters *c, const uint32_t *line, uint32_t *seen, size_t lines,
+                        const uint32_t *order, uint32_t *extent)
+{
+    memset(seen, 0xff, lines * sizeof *seen);
+    for (size_t k = 0, j = 0; k < c->n; k++) {
+        extent[k] = 0;
+        for (size_t end = j + c->size[k]; j < end; j++) {
+            extent[k] += seen[line[order[j]]] != k;
+            seen[line[order[j]]] = (uint32_t)k;
+        }
+    }
+}
+
+// The cells of the domain cluster by cluster.
+static void group(const lac_clusters *c, uint32_t *next, uint32_t *order)
+{
+    uint32_t start = 0;
+    for (size_t k = 0; k < c->n; k++) {
+        next[k] = start;
+        start += c->size[k];
+    }
+    for (size_t i = 0; i < c->cells; i++) {
+        order[next[c->label[i]]++] = (uint32_t)i;
+    }
+}
+
+// Columns and rows of each cluster. Scratch: `seen` has one entry per column or row, line and order
+// one per cell of the domain.
+static void measure(const lac_domain *domain, lac_clusters *c, uint32_t *seen, uint32_t *line,
+                    uint32_t *order)
+{
+    const lac_grid *grid = &domain->grid;
+    group(c, line, order);
+    for (size_t i = 0; i < c->cells; i++) {
+        line[i] = domain->index[i] % (uint32_t)grid->nx;
+    }
+    count_lines(c, line, seen, grid->nx, order, c->width);
+    for (size_t i = 0; i < c->cells; i++) {
+        line[i] = domain->index[i] / (uint32_t)grid->nx;
+    }
+    count_lines(c, line, seen, grid->ny, order, c->depth);
+}
+
+static lac_status allocate(lac_clusters *c, size_t n, lac_error *err)
+{
+    c->size = calloc(n, sizeof *c->size);
+    c->width = calloc(n, sizeof *c->width);
+    c->depth = calloc(n, sizeof *c->depth);
+    bool whole = c->size != NULL && c->width != NULL && c->depth != NULL;
+    return whole ? LAC_OK : lac_fail_memory(err);
+}
+
+lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac_error *err)
+{
+    *out = NULL;
+    lac_status status = LAC_OK;
+    size_t cells = lac_grid_cells(&domain->grid);
+    if (domain->n == 0) {
+        return lac_fail(err, LAC_EINPUT, "clusters: no cell is in contact");
+    }
+    lac_clusters *c = calloc(1, sizeof *c);
+    uint32_t *at = malloc(cells * sizeof *at);
+    uint32_t *parent = malloc(domain->n * sizeof *parent);
+    rank *ranks = malloc(domain->n * sizeof *ranks);
+    if (c != NULL) {
+        c->label = malloc(domain->n * sizeof *c->label);
+    }
+    if (c == NULL || c->label == NULL || at == NULL || parent == NULL || ranks == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    memset(at, 0xff, cells * sizeof *at);
+    for (uint32_t i = 0; i < domain->n; i++) {
+        at[domain->index[i]] = i;
+        parent[i] = i;
+    }
+    for (uint32_t i = 0; i < domain->n; i++) {
+        join_neighbours(domain, at, i, parent);
+    }
+    c->cells = domain->n;
+    number(c, parent, ranks);
+    LAC_TRY(allocate(c, c->n, err));
+    for (size_t k = 0; k < c->n; k++) {
+        c->size[k] = ranks[k].size;
+    }
+    // Nothing of the ranks is needed any more: their room holds the order of the cells.
+    measure(domain, c, at, parent, (uint32_t *)ranks);
+    *out = c;
+    c = NULL;
+out:
+    lac_clusters_free(c);
+    free(at);
+    free(parent);
+    free(ranks);
+    return status;
+}
+
+void lac_clusters_free(lac_clusters *clusters)
+{
+    if (clusters != NULL) {
+        free(clusters->label);
+        free(clusters->size);
+        free(clusters->width);
+        free(clusters->depth);
+    }
+    free(clusters);
+}
+
+double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, size_t cluster)
+{
+    return fmax(clusters->width[cluster] * grid->dx, clusters->depth[cluster] * grid->dy);
+}
