@@ -57,4 +57,62 @@ void lac_clusters_free(lac_clusters *clusters);
 /// Linear extent of one cluster: the longer of its two extents [m].
 double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, size_t cluster);
 
+enum { LAC_SCALING_POINTS = 24 };
+
+/// How a finer grid becomes a coarser one; the two give different slopes of the surface.
+typedef enum lac_coarsening {
+    LAC_SAMPLE,     ///< one point of each block: h[::m, ::m]
+    LAC_BLOCK_MEAN, ///< the mean of each block
+} lac_coarsening;
+
+/// The same interface under the same load at one resolution r.
+typedef struct lac_resolution {
+    double cell;     ///< r, side of a cell [m]
+    double area;     ///< A_r, real area of contact [m2]
+    double pressure; ///< p_r, mean over A_r [Pa]
+    double slope;    ///< h'_r, rms slope between neighbouring cells along x and y [1]; not fitted
+    size_t cells;    ///< cells in contact; not fitted
+    double local;    ///< Delta_S between this resolution and the next finer one; NaN at the finest
+} lac_resolution;
+
+/// Area scaling of an interface, A_r ~ r^(2 - Delta_S), and what follows from it.
+typedef struct lac_scaling {
+    size_t n;                              ///< resolutions
+    lac_resolution at[LAC_SCALING_POINTS]; ///< [n] coarsest first
+    lac_coarsening coarsening;             ///< how the coarser ones came about
+    size_t left_out;                       ///< finest resolutions left out of the fit
+    double dimension;                      ///< Delta_S
+    double regression_error;               ///< its standard error, from the regression alone
+    double error;                          ///< its standard error, with the spread over sub-ranges
+    double load;                           ///< P, mean of p_r A_r [N]
+    double load_error;                     ///< largest |p_r A_r - P| / P [1]
+    double fractal_area;     ///< A* = A_r r^(Delta_S - 2), mean over the fit [m^Delta_S]
+    double fractal_pressure; ///< p* = P / A* [N m^-Delta_S]
+} lac_scaling;
+
+/// Fits Delta_S = 2 - d ln A_r / d ln r, docs/theory/fractal.md.
+/// The finest resolution of a surface is its own cut-off, where the area stops falling: leave it
+/// out where it belongs to the series.
+/// @param scaling  n and cell, area and pressure of each resolution given; the rest is filled in
+/// @param left_out finest resolutions to leave out of the fit; at least three must stay
+/// @return LAC_OK; LAC_EINPUT (too few, not finer from one to the next, areas or pressures not > 0)
+lac_status lac_scaling_fit(lac_scaling *scaling, size_t left_out, lac_error *err);
+
+/// Which resolutions of one interface are solved.
+typedef struct lac_scaling_def {
+    size_t coarsest;           ///< cells along the shorter side of the coarsest grid, at most
+    size_t left_out;           ///< finest resolutions solved but left out of the fit
+    lac_coarsening coarsening; ///< how the coarser grids are made
+} lac_scaling_def;
+
+/// From 64 cells by point sampling, the finest resolution left out of the fit.
+lac_scaling_def lac_scaling_default(void);
+
+/// Solves the contact of one interface at its own resolution and at 2, 4, 8 ... times its cell and
+/// fits the areas. Each resolution is solved on its own, from a flat start.
+/// @param contact  the finest resolution; its sides divide by two as often as it is coarsened
+/// @return LAC_OK; what lac_contact_solve or lac_scaling_fit return; LAC_ENOMEM
+lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling_def *def,
+                               lac_scaling *scaling, lac_error *err);
+
 #endif
