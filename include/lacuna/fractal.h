@@ -115,4 +115,29 @@ lac_scaling_def lac_scaling_default(void);
 lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling_def *def,
                                lac_scaling *scaling, lac_error *err);
 
+/// Strength of specimens of other sizes than the one measured.
+typedef struct lac_size_def {
+    double dimension, error; ///< Delta_S and its standard error
+    double size;             ///< b_0, side of the interface that was measured [m]
+    double pressure;         ///< p_0(b_0), its apparent mean pressure, or its shear strength [Pa]
+} lac_size_def;
+
+/// One specimen.
+typedef struct lac_size_strength {
+    double size;      ///< b, side of the specimen [m]
+    double pressure;  ///< p_0(b) at the same fractal pressure p*, or the shear strength [Pa]
+    double relative;  ///< p_0(b) / p_0(b_0), as q_crit(b) / q_crit(b_0) [1]
+    double low, high; ///< relative, at Delta_S a standard error lower and higher [1]; low <= high
+} lac_size_strength;
+
+/// The size effect: q_crit ~ p_0 ~ p* b^-(2 - Delta_S).
+/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 4.
+/// @param n     specimens
+/// @param size  [n] their sides [m]
+/// @param rows  [n] overwritten
+/// @return LAC_OK; LAC_EINPUT (a size or pressure not > 0, Delta_S not in (0, 2], error < 0)
+/// @source Borri-Brunetto, Carpinteri and Chiaia (2004), eq. 2 and 3
+lac_status lac_size_effect(const lac_size_def *def, size_t n, const double *size,
+                           lac_size_strength *rows, lac_error *err);
+
 #endif
