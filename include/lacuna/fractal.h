@@ -17,10 +17,10 @@ typedef struct lac_box_count {
     size_t sizes;                  ///< number of box sides counted
     double side[LAC_BOX_SIZES];    ///< [cells]
     double count[LAC_BOX_SIZES];   ///< occupied boxes, mean over the origins
-    double minimum[LAC_BOX_SIZES]; ///< occupied boxes, least over the origins
+    double minimum[LAC_BOX_SIZES]; ///< occupied boxes, least over these and the grid's own origin
     double slope[LAC_BOX_SIZES];   ///< local slope between side i and i + 1
     size_t fit_first, fit_last;    ///< range of the fit (indices)
-    double dimension, error;       ///< D_box and its standard error
+    double dimension, error;       ///< D_box and its standard error: stated as D +- 2 errors
     bool few_cells;                ///< fewer than 500 cells: a weak estimate
     bool dense;                    ///< more than 30 % of the area: not a fractal set
 } lac_box_count;
@@ -30,7 +30,7 @@ lac_box_def lac_box_default(void);
 
 /// Box-counting dimension of a contact domain.
 /// N(s) ~ s^-D; least squares of ln N on ln s; the error covers the spread over origins and over
-/// sub-ranges of the fit, not the regression alone.
+/// sub-ranges of the fit and the bias of boxes that cover loosely, not the regression alone.
 /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where fewer than three box sides fit the grid
 lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
                              lac_box_count *result, lac_error *err);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "fractal/line_fit.h"
 #include "lacuna/fractal.h"
 
 enum { FEW_CELLS = 500, LEAST_SIDES = 3 };
@@ -132,48 +133,26 @@ static void count_from(const lac_domain *domain, size_t ox, size_t oy, uint8_t *
     }
 }
 
-// Dimension over sides first ... last: minus the least-squares slope of ln N on ln s; the standard
-// error of the regression goes to `error` (0 for two sides).
-static double fit(const double *counts, size_t first, size_t last, double *error)
+// Logarithms of sides and counts, to be fitted.
+typedef struct logs {
+    double side[LAC_BOX_SIZES], count[LAC_BOX_SIZES];
+} logs;
+
+static logs logs_of(const double *counts, size_t sizes)
 {
-    double n = (double)(last - first + 1);
-    double mean_x = 0.5 * (double)(first + last) * log(2.0);
-    double mean_y = 0.0;
-    for (size_t j = first; j <= last; j++) {
-        mean_y += log(counts[j]) / n;
+    logs l;
+    for (size_t j = 0; j < sizes; j++) {
+        l.side[j] = (double)j * log(2.0);
+        l.count[j] = log(counts[j]);
     }
-    double xx = 0.0;
-    double xy = 0.0;
-    double yy = 0.0;
-    for (size_t j = first; j <= last; j++) {
-        double x = (double)j * log(2.0) - mean_x;
-        double y = log(counts[j]) - mean_y;
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-    }
-    double slope = xy / xx;
-    double rest = fmax(0.0, yy - slope * xy);
-    *error = n > 2.0 ? sqrt(rest / (n - 2.0) / xx) : 0.0;
-    return -slope;
+    return l;
 }
 
-// rms departure of the dimension over all runs of at least half of the sides (and two).
-static double range_spread(const lac_box_count *r)
+// Least squares over sides first ... last: the dimension is minus the slope.
+static lac_line fit(const double *counts, size_t first, size_t last)
 {
-    size_t sides = r->fit_last - r->fit_first + 1;
-    size_t least = (sides + 1) / 2;
-    double sum = 0.0;
-    double runs = 0.0;
-    double ignored;
-    for (size_t a = r->fit_first; a + least <= r->fit_last + 1; a++) {
-        for (size_t b = a + least - 1; b <= r->fit_last; b++) {
-            double departure = fit(r->count, a, b, &ignored) - r->dimension;
-            sum += departure * departure;
-            runs += 1.0;
-        }
-    }
-    return sqrt(sum / runs);
+    logs l = logs_of(counts, last + 1);
+    return lac_line_fit(&l.side[first], &l.count[first], last - first + 1);
 }
 
 // Mean and least counts over the origins; returns the variance of the dimension among them.
@@ -184,24 +163,46 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
     uint64_t shifts = (uint64_t)1 << r->fit_last;
     double sum = 0.0;
     double sum2 = 0.0;
+    // The grid's own blocks are the tightest cover of a set made of them; random origins miss it.
+    count_from(domain, 0, 0, work, r->sizes, r->minimum);
     for (size_t k = 0; k < def->origins; k++) {
         uint64_t bits[4];
         double counts[LAC_BOX_SIZES];
-        double ignored;
         lac_random(def->seed, LAC_STREAM_BOX_ORIGIN, k, 0, bits);
         size_t ox = grid->nx > 1 ? (size_t)(bits[0] % (grid->periodic ? grid->nx : shifts)) : 0;
         size_t oy = grid->ny > 1 ? (size_t)(bits[1] % (grid->periodic ? grid->ny : shifts)) : 0;
         count_from(domain, ox, oy, work, r->sizes, counts);
         for (size_t j = 0; j < r->sizes; j++) {
             r->count[j] += counts[j] / (double)def->origins;
-            r->minimum[j] = k == 0 ? counts[j] : fmin(r->minimum[j], counts[j]);
+            r->minimum[j] = fmin(r->minimum[j], counts[j]);
         }
-        double dimension = fit(counts, r->fit_first, r->fit_last, &ignored);
+        double dimension = -fit(counts, r->fit_first, r->fit_last).slope;
         sum += dimension;
         sum2 += dimension * dimension;
     }
     double mean = sum / (double)def->origins;
     return fmax(0.0, sum2 / (double)def->origins - mean * mean);
+}
+
+// What a wider range, the least cover or the edges would change: guesses at one bias, the largest.
+static double bias(const lac_grid *grid, const lac_box_count *r)
+{
+    // Boxes of the next smaller side still see the cells: counts bend most there.
+    double finer = r->fit_first > 0 ? fit(r->count, r->fit_first - 1, r->fit_last).slope : 0.0;
+    finer = r->fit_first > 0 ? finer + r->dimension : 0.0;
+    double cover = fit(r->minimum, r->fit_first, r->fit_last).slope + r->dimension;
+    double edge = 0.0;
+    if (!grid->periodic) {
+        // A side of n cells is cut into 1 + (s - 1)/n times as many boxes as fit it.
+        double whole[LAC_BOX_SIZES];
+        for (size_t j = 0; j < r->sizes; j++) {
+            double along_x = grid->nx > 1 ? 1.0 + (r->side[j] - 1.0) / (double)grid->nx : 1.0;
+            double along_y = grid->ny > 1 ? 1.0 + (r->side[j] - 1.0) / (double)grid->ny : 1.0;
+            whole[j] = r->count[j] / (along_x * along_y);
+        }
+        edge = fit(whole, r->fit_first, r->fit_last).slope + r->dimension;
+    }
+    return fmax(fabs(finer), fmax(fabs(cover), fabs(edge)));
 }
 
 static void measure(const lac_domain *domain, double origin_variance, lac_box_count *r)
@@ -210,13 +211,14 @@ static void measure(const lac_domain *domain, double origin_variance, lac_box_co
         r->side[j] = (double)((size_t)1 << j);
         r->slope[j] = j + 1 < r->sizes ? log2(r->count[j + 1] / r->count[j]) : (double)NAN;
     }
-    double regression;
-    double ignored;
-    r->dimension = fit(r->count, r->fit_first, r->fit_last, &regression);
-    double ranges = range_spread(r);
-    // Boxes that stick out over an edge make the mean differ from the least cover.
-    double cover = fit(r->minimum, r->fit_first, r->fit_last, &ignored) - r->dimension;
-    r->error = sqrt(origin_variance + ranges * ranges + cover * cover + regression * regression);
+    size_t first = r->fit_first;
+    logs l = logs_of(r->count, r->sizes);
+    lac_line line = fit(r->count, first, r->fit_last);
+    double ranges =
+        lac_line_range_spread(&l.side[first], &l.count[first], r->fit_last - first + 1, line.slope);
+    r->dimension = -line.slope;
+    double departure = hypot(ranges, bias(&domain->grid, r));
+    r->error = sqrt(origin_variance + departure * departure + line.error * line.error);
     r->few_cells = domain->n < FEW_CELLS;
     r->dense = (double)domain->n > dense_fraction * (double)lac_grid_cells(&domain->grid);
 }
