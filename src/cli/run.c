@@ -12,6 +12,7 @@
 #include "cli/report.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
+#include "cli/words.h"
 
 enum { RECORDS_BETWEEN_SYNCS = 64 };
 
