@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "base/date.h"
 #include "base/units.h"
