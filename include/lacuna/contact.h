@@ -9,7 +9,7 @@
 
 /// A rough rigid surface pressed on an elastic half-space (normal contact, load controlled).
 typedef struct lac_contact_def {
-    lac_grid grid;          ///< periodic
+    lac_grid grid;          ///< periodic; else faces that end at its border, free beyond
     const double *heights;  ///< [ny * nx] composite height, peaks up [m]
     double e_star;          ///< contact modulus E* = G/(1-nu) of two equal half-spaces [Pa]
     double mean_pressure;   ///< over the nominal area [Pa], > 0
@@ -26,14 +26,14 @@ typedef struct lac_contact_report {
     double penetration;           ///< deepest negative gap outside the contact [m], >= 0
     double load_error;            ///< |mean p - mean_pressure| / mean_pressure [1]
     double max_pressure;          ///< [Pa]
-    double approach;              ///< mean plane of the body minus mean of the heights [m]
+    double approach;              ///< far (mean) plane of the body minus mean of the heights [m]
 } lac_contact_report;
 
 /// A def with tolerance 1e-8 and 1000 iterations; the rest is the caller's.
 lac_contact_def lac_contact_default(void);
 
 /// Solves for pressures p >= 0 and gaps g >= 0 with p g = 0 and the given mean pressure.
-/// u_hat = 2 p_hat / (E* |q|); docs/theory/contact.md.
+/// u_hat = 2 p_hat / (E* |q|); free: u = sum of Love's solution; docs/theory/contact.md.
 /// @param pressure  [ny * nx] [Pa]; overwritten; exactly 0 outside the contact
 /// @param gap       [ny * nx] [m], 0 in contact within the tolerance; NULL if not wanted
 /// @return LAC_OK; LAC_EINPUT (not finite, load <= 0); LAC_ENUMERIC (no convergence); LAC_ENOMEM

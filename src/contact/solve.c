@@ -15,11 +15,10 @@ static const int64_t coarse_iterations = 200;
 
 // The problem in the solver's own units, and what brings it back to SI.
 typedef struct problem {
-    size_t nx, ny;
-    double dqx, dqy; // spacing of kappa
-    double *h;       // [ny * nx] heights less their mean, over h_rms
-    double h_rms;    // [m]
-    double unit;     // of pressure: E* h_rms / (2 length) [Pa]
+    lac_extent at;
+    double *h;    // [ny * nx] heights less their mean, over the unit of height
+    double h_rms; // unit of height: the rms height, or what the load dents where that is more [m]
+    double unit;  // of pressure: pi E* h_rms / (longest side) [Pa]
 } problem;
 
 lac_contact_def lac_contact_default(void)
@@ -36,9 +35,6 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
                         "a grid of %zu x %zu cells of %g x %g m is not "
                         "possible",
                         grid->nx, grid->ny, grid->dx, grid->dy);
-    }
-    if (!grid->periodic) {
-        return lac_fail(err, LAC_EINPUT, "only periodic interfaces can be solved");
     }
     if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
         return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
@@ -63,10 +59,11 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
     return LAC_OK;
 }
 
-// Heights less their mean, in units of their rms.
-static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_error *err)
+// Heights less their mean, in units of their rms, but at least of `least`.
+static lac_status scale_heights(const lac_contact_def *def, double least, problem *p,
+                                lac_error *err)
 {
-    size_t n = p->nx * p->ny;
+    size_t n = lac_grid_cells(&def->grid);
     double mean = 0.0;
     for (size_t i = 0; i < n; i++) {
         mean += def->heights[i] / (double)n;
@@ -81,7 +78,7 @@ static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_erro
         double x = p->h[i] / most;
         sum += x * x;
     }
-    p->h_rms = most * sqrt(sum / (double)n);
+    p->h_rms = fmax(least, most * sqrt(sum / (double)n));
     for (size_t i = 0; i < n && most > 0.0; i++) {
         p->h[i] = p->h[i] / p->h_rms;
     }
@@ -97,12 +94,11 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     double lx = (double)grid->nx * grid->dx;
     double ly = (double)grid->ny * grid->dy;
     double longest = fmax(lx, ly);
-    p->nx = grid->nx;
-    p->ny = grid->ny;
-    p->dqx = longest / lx;
-    p->dqy = longest / ly;
+    p->at = (lac_extent){grid->nx, grid->ny, longest / lx, longest / ly, grid->periodic};
+    // Free faces are dented by any load, however smooth they are.
+    double dent = def->mean_pressure / (0.5 * TWO_PI * def->e_star) * longest;
     lac_status status;
-    LAC_TRY(scale_heights(def, p, err));
+    LAC_TRY(scale_heights(def, grid->periodic ? 0.0 : dent, p, err));
     p->unit = 0.5 * TWO_PI * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
     if (!isfinite(p->unit) || (p->h_rms > 0.0 && load == 0.0)) {
@@ -119,7 +115,10 @@ out:
 static bool full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
                          double *pressure)
 {
-    size_t n = p->nx * p->ny;
+    if (!p->at.periodic) {
+        return false; // edges have no such closed form
+    }
+    size_t n = p->at.nx * p->at.ny;
     memcpy(s->fft->real, p->h, n * sizeof(double));
     lac_half_space_unload(s);
     for (size_t i = 0; i < n; i++) {
@@ -166,7 +165,7 @@ static lac_status coarse_guess(const problem *p, double load, double *pressure, 
 static lac_status solve_coarse(const problem *p, double load, double *pressure, lac_error *err)
 {
     lac_half_space *s = NULL;
-    double *gap = malloc(p->nx * p->ny * sizeof *gap);
+    double *gap = malloc(p->at.nx * p->at.ny * sizeof *gap);
     lac_descent d = {.heights = p->h,
                      .mean_pressure = load,
                      .tolerance = coarse_tolerance,
@@ -174,7 +173,7 @@ static lac_status solve_coarse(const problem *p, double load, double *pressure, 
     lac_status status = gap != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(coarse_guess(p, load, pressure, err));
-    LAC_TRY(lac_half_space_create(p->nx, p->ny, p->dqx, p->dqy, &s, err));
+    LAC_TRY(lac_half_space_create(&p->at, &s, err));
     LAC_TRY(lac_descend(s, &d, pressure, gap, err));
 out:
     lac_half_space_free(s);
@@ -185,23 +184,23 @@ out:
 // First guess: the solution of the next coarser grid; uniform on the coarsest.
 static lac_status coarse_guess(const problem *p, double load, double *pressure, lac_error *err)
 {
-    size_t n = p->nx * p->ny;
-    if (n == 1 || !can_halve(p->nx) || !can_halve(p->ny)) {
+    size_t n = p->at.nx * p->at.ny;
+    if (n == 1 || !can_halve(p->at.nx) || !can_halve(p->at.ny)) {
         for (size_t i = 0; i < n; i++) {
             pressure[i] = load;
         }
         return LAC_OK;
     }
     problem c = *p;
-    c.nx = p->nx > 1 ? p->nx / 2 : 1;
-    c.ny = p->ny > 1 ? p->ny / 2 : 1;
-    c.h = malloc(c.nx * c.ny * sizeof *c.h);
-    double *guess = malloc(c.nx * c.ny * sizeof *guess);
+    c.at.nx = p->at.nx > 1 ? p->at.nx / 2 : 1;
+    c.at.ny = p->at.ny > 1 ? p->at.ny / 2 : 1;
+    c.h = malloc(c.at.nx * c.at.ny * sizeof *c.h);
+    double *guess = malloc(c.at.nx * c.at.ny * sizeof *guess);
     lac_status status = c.h != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    halve(p->h, p->nx, p->ny, c.h);
+    halve(p->h, p->at.nx, p->at.ny, c.h);
     LAC_TRY(solve_coarse(&c, load, guess, err));
-    inject(guess, p->nx, p->ny, pressure);
+    inject(guess, p->at.nx, p->at.ny, pressure);
 out:
     free(c.h);
     free(guess);
@@ -213,7 +212,7 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                   double *pressure, double *gap, lac_contact_report *report,
                                   lac_error *err)
 {
-    size_t n = p->nx * p->ny;
+    size_t n = p->at.nx * p->at.ny;
     lac_descent d = {.heights = p->h,
                      .mean_pressure = def->mean_pressure / p->unit,
                      .tolerance = def->tolerance,
@@ -273,7 +272,7 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     status = p.h != NULL && gap != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(scale_problem(def, &p, err));
-    LAC_TRY(lac_half_space_create(p.nx, p.ny, p.dqx, p.dqy, &s, err));
+    LAC_TRY(lac_half_space_create(&p.at, &s, err));
     if (full_contact(def, &p, s, pressure)) {
         memset(gap, 0, n * sizeof *gap);
         r->products = 1;

@@ -76,57 +76,57 @@ static sums gradient_row(size_t n, const double *restrict p, const double *restr
 static double gradient(iteration *it)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
     double *swap = it->g_old;
     it->g_old = it->g;
     it->g_old_mean = it->g_mean;
     it->g = swap;
     for (size_t j = 0; j < it->ny; j++) {
-        load_row(n, it->scale, &it->p[j * n], &real[j * n]);
+        load_row(n, it->scale, &it->p[j * n], &real[j * stride]);
     }
     it->scale = 1.0;
     lac_half_space_displace(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        add(&total, gradient_row(n, &it->p[r], &real[r], &it->h[r], &it->g[r]));
+        add(&total, gradient_row(n, &it->p[r], &real[j * stride], &it->h[r], &it->g[r]));
     }
     it->cells = total.a;
     it->g_mean = total.b / total.a;
     return total.c;
 }
 
-// The gap of the contact goes into the transform; sums: p |g|, g^2 over I, g over all cells
+// The gap of the contact goes into the transform; sums: p |g|, g^2 over I
 static sums residual_row(size_t n, double g_mean, const double *restrict p,
                          const double *restrict g, double *restrict real)
 {
     double pg = 0.0;
     double g2 = 0.0;
-    double sum = 0.0;
-#pragma omp simd reduction(+ : pg, g2, sum)
+#pragma omp simd reduction(+ : pg, g2)
     for (size_t i = 0; i < n; i++) {
         double gap = g[i] - g_mean;
         double inside = p[i] > 0.0 ? gap : 0.0;
         real[i] = inside;
         pg += p[i] * fabs(inside);
         g2 += inside * inside;
-        sum += gap;
     }
-    return (sums){.a = pg, .b = g2, .c = sum};
+    return (sums){.a = pg, .b = g2};
 }
 
 static void residual(iteration *it, double sum_p, lac_descent *d)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        add(&total, residual_row(n, it->g_mean, &it->p[r], &it->g[r], &real[r]));
+        add(&total, residual_row(n, it->g_mean, &it->p[r], &it->g[r], &real[j * stride]));
     }
     double n_all = (double)n * (double)it->ny;
     it->g2 = total.b;
-    d->closest = total.c / n_all;
+    d->closest = -it->g_mean;
     d->residual.complementarity = total.a / sum_p;
     d->residual.load = fabs(sum_p / n_all / d->mean_pressure - 1.0);
 }
@@ -200,11 +200,12 @@ static void direction_row(size_t n, double z_mean, double beta, double t_mean,
 static double direction(iteration *it)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
     lac_half_space_unload(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
-        add(&total, overlap_row(it, j * n, &real[j * n]));
+        add(&total, overlap_row(it, j * n, &real[j * stride]));
     }
     double z_mean = total.a / it->cells;
     double t_mean = total.e / it->cells;
@@ -219,7 +220,7 @@ static double direction(iteration *it)
     }
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        direction_row(n, z_mean, beta, t_mean, &it->p[r], &it->t[r], &real[r]);
+        direction_row(n, z_mean, beta, t_mean, &it->p[r], &it->t[r], &real[j * stride]);
     }
     it->G_old = G;
     return G + beta * total.f;
@@ -288,7 +289,7 @@ static void give_gap(const iteration *it, double *gap)
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err)
 {
-    size_t n = s->fft->nx * s->fft->ny;
+    size_t n = s->nx * s->ny;
     double *g = calloc(n, sizeof *g);
     double *t = calloc(n, sizeof *t);
     lac_status status = LAC_OK;
@@ -298,8 +299,8 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
     }
     memset(gap, 0, n * sizeof *gap);
     iteration it = {.s = s,
-                    .nx = s->fft->nx,
-                    .ny = s->fft->ny,
+                    .nx = s->nx,
+                    .ny = s->ny,
                     .h = d->heights,
                     .p = pressure,
                     .g = gap,

@@ -180,6 +180,50 @@ static void sphere(void **state)
     }
 }
 
+// A sphere of radius 1 on a free half-space: Hertz, nothing to be counted in.
+static void free_sphere(void **state)
+{
+    (void)state;
+    const double a = 0.2;
+    for (size_t n = 32; n <= 256; n *= 2) {
+        fixture f = make(n, 4.0 / 3.0 * a * a * a);
+        f.def.grid.periodic = false;
+        double mean = 0.0;
+        for (size_t i = 0; i < n * n; i++) {
+            f.h[i] = -0.5 * distance2(n, i);
+            mean += f.h[i] / (double)(n * n);
+        }
+        solve(&f);
+        double cell = 1.0 / (double)n;
+        double peak = f.report.max_pressure / (2.0 * a / pi) - 1.0;
+        double depth = -(f.report.approach + mean) / (a * a) - 1.0;
+        double error = hertz_error(&f, a);
+        print_message("free, a/L %.1f, %3zu^2: peak %+.2e, depth %+.2e, pressure rms error %.2e; "
+                      "%lld iterations\n",
+                      a, n, peak, depth, error, (long long)f.report.iterations);
+        assert_true(fabs(peak) < 3.0 * cell * cell);
+        assert_true(fabs(depth) < 3.0 * cell * cell);
+        assert_true(error < 1.5 * cell);
+        free(f.h);
+    }
+}
+
+// The same count as other codes', cell by cell.
+static void rough_surface_with_free_boundaries(void **state)
+{
+    (void)state;
+    fixture f = make(256, 4.9e-3);
+    f.def.grid.periodic = false;
+    assert_int_equal(benchmark_surface(256, f.h), 0);
+    solve(&f);
+    print_message("A08 256^2 free: %zu cells, p_max %.7f; %lld iterations\n", f.report.n_cells,
+                  f.report.max_pressure, (long long)f.report.iterations);
+    assert_int_equal(f.report.n_cells, 6490);
+    assert_true(fabs(f.report.max_pressure - 0.30200) < 5e-6);
+    assert_true(f.report.iterations <= 24);
+    free(f.h);
+}
+
 static fixture rough(size_t n, double tolerance)
 {
     fixture f = make(n, 4.9e-3);
@@ -286,6 +330,8 @@ int main(void)
         cmocka_unit_test(sinusoid_partial),
         cmocka_unit_test(sinusoid_full),
         cmocka_unit_test(sphere),
+        cmocka_unit_test(free_sphere),
+        cmocka_unit_test(rough_surface_with_free_boundaries),
         cmocka_unit_test(rough_surface),
         cmocka_unit_test(rough_surface_at_default_tolerance),
         cmocka_unit_test(rough_surface_against_reference),
