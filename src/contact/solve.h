@@ -22,8 +22,8 @@ typedef struct lac_extent {
 typedef struct lac_half_space {
     size_t nx, ny;
     lac_fft *fft;       ///< rows of fft->real are fft->nx long; what lies beyond nx, ny is ignored
-    double *compliance; ///< [ny * nkx] 1 / (N kappa), 0 for the mean; free: of Love's kernel
-    double *stiffness;  ///< [ny * nkx] kappa / N
+    double *compliance; ///< [nkx * ny] 1 / (N kappa), 0 for the mean; free: of Love's kernel
+    double *stiffness;  ///< [nkx * ny] kappa / N
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
 

@@ -46,17 +46,8 @@ static void add(sums *total, sums row)
     total->f += row.f;
 }
 
-// p <- scale p, also into the transform
-static void load_row(size_t n, double scale, double *restrict p, double *restrict real)
-{
-    for (size_t i = 0; i < n; i++) {
-        p[i] *= scale;
-        real[i] = p[i];
-    }
-}
-
-// g = u - h; sums: cells of I, sum of g over I, sum of p
-static sums gradient_row(size_t n, const double *restrict p, const double *restrict u,
+// p <- scale p, g = scale u - h; sums: cells of I, sum of g over I, sum of p
+static sums gradient_row(size_t n, double scale, double *restrict p, const double *restrict u,
                          const double *restrict h, double *restrict g)
 {
     double cells = 0.0;
@@ -64,7 +55,8 @@ static sums gradient_row(size_t n, const double *restrict p, const double *restr
     double sum_p = 0.0;
 #pragma omp simd reduction(+ : cells, sum_g, sum_p)
     for (size_t i = 0; i < n; i++) {
-        g[i] = u[i] - h[i];
+        p[i] *= scale;
+        g[i] = scale * u[i] - h[i];
         cells += p[i] > 0.0 ? 1.0 : 0.0;
         sum_g += p[i] > 0.0 ? g[i] : 0.0;
         sum_p += p[i];
@@ -72,7 +64,7 @@ static sums gradient_row(size_t n, const double *restrict p, const double *restr
     return (sums){.a = cells, .b = sum_g, .c = sum_p};
 }
 
-// g = S p - h on a fresh product; returns the sum of p
+// g = S p - h on a fresh product, from the p in the transform; returns the sum of p
 static double gradient(iteration *it)
 {
     size_t n = it->nx;
@@ -82,15 +74,11 @@ static double gradient(iteration *it)
     it->g_old = it->g;
     it->g_old_mean = it->g_mean;
     it->g = swap;
-    for (size_t j = 0; j < it->ny; j++) {
-        load_row(n, it->scale, &it->p[j * n], &real[j * stride]);
-    }
-    it->scale = 1.0;
     lac_half_space_displace(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        add(&total, gradient_row(n, &it->p[r], &real[j * stride], &it->h[r], &it->g[r]));
+        add(&total, gradient_row(n, it->scale, &it->p[r], &real[j * stride], &it->h[r], &it->g[r]));
     }
     it->cells = total.a;
     it->g_mean = total.b / total.a;
@@ -240,8 +228,8 @@ static void choose_step(iteration *it, double gt)
 }
 
 // p = max(0, p - tau t) in contact, -tau_ov g where the bodies overlap outside; sums: p, and g^2
-// of the cells that close
-static sums step_row(const iteration *it, size_t r)
+// of the cells that close. The new p goes into the transform, too.
+static sums step_row(const iteration *it, size_t r, double *restrict real)
 {
     double *restrict p = &it->p[r];
     const double *restrict g = &it->g[r];
@@ -258,8 +246,10 @@ static sums step_row(const iteration *it, size_t r)
         double outside = p[i] > 0.0 ? 0.0 : gap;
         double overlap = outside < 0.0 ? outside : 0.0;
         double moved = p[i] - tau * t[i] - tau_ov * overlap;
-        p[i] = moved > 0.0 ? moved : 0.0;
-        sum += p[i];
+        moved = moved > 0.0 ? moved : 0.0;
+        p[i] = moved;
+        real[i] = moved;
+        sum += moved;
         closing += overlap * overlap;
     }
     return (sums){.a = sum, .b = closing};
@@ -267,9 +257,10 @@ static sums step_row(const iteration *it, size_t r)
 
 static void step(iteration *it, double mean_pressure)
 {
+    const lac_fft *fft = it->s->fft;
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
-        add(&total, step_row(it, j * it->nx));
+        add(&total, step_row(it, j * it->nx, &fft->real[j * fft->nx]));
     }
     it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
     // New cells change the problem: the directions so far are conjugate no more.
@@ -307,6 +298,9 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .g_old = g,
                     .t = t,
                     .scale = 1.0};
+    for (size_t j = 0; j < s->ny; j++) {
+        memcpy(&s->fft->real[j * s->fft->nx], &pressure[j * s->nx], s->nx * sizeof *pressure);
+    }
     residual(&it, gradient(&it), d);
     d->iterations = 0;
     d->products = 1;

@@ -14,13 +14,14 @@ static void fill_tables(lac_half_space *s, const lac_extent *extent)
     double dqx = extent->dqx * (double)s->nx / (double)fft->nx;
     double dqy = extent->dqy * (double)s->ny / (double)fft->ny;
     double self = 0.0;
-    for (size_t j = 0; j < fft->ny; j++) {
-        double qy = lac_fft_frequency(j, fft->ny) * dqy;
-        for (size_t i = 0; i < fft->nkx; i++) {
-            double kappa = hypot((double)i * dqx, qy);
+    for (size_t i = 0; i < fft->nkx; i++) {
+        double qx = (double)i * dqx;
+        for (size_t j = 0; j < fft->ny; j++) {
+            double qy = lac_fft_frequency(j, fft->ny) * dqy;
+            double kappa = hypot(qx, qy);
             double compliance = i + j > 0 ? 1.0 / (kappa * cells) : 0.0;
-            s->compliance[j * fft->nkx + i] = compliance;
-            s->stiffness[j * fft->nkx + i] = kappa / cells;
+            s->compliance[i * fft->ny + j] = compliance;
+            s->stiffness[i * fft->ny + j] = kappa / cells;
             self += (i > 0 && 2 * i < fft->nx ? 2.0 : 1.0) * compliance;
         }
     }
@@ -73,8 +74,10 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
     s->self = fft->real[0];
     lac_fft_forward(s->fft);
     double cells = (double)fft->nx * (double)fft->ny;
-    for (size_t k = 0; k < fft->nkx * fft->ny; k++) {
-        s->compliance[k] = creal(fft->spectrum[k]) / cells;
+    for (size_t i = 0; i < fft->nkx; i++) {
+        for (size_t j = 0; j < fft->ny; j++) {
+            s->compliance[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
+        }
     }
     return LAC_OK;
 }
@@ -103,6 +106,7 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     if (!extent->periodic) {
         LAC_TRY(fill_free(s, extent, err));
     }
+    LAC_TRY(lac_fft_plan_filter(s->fft, s->ny, err));
     *out = s;
     return LAC_OK;
 out:
@@ -121,60 +125,29 @@ void lac_half_space_free(lac_half_space *s)
     free(s);
 }
 
-// Nothing presses beyond a free grid.
+// Nothing presses beyond a free grid; rows below it are not read.
 static void clear_padding(const lac_half_space *s)
 {
     const lac_fft *fft = s->fft;
     for (size_t j = 0; j < s->ny && fft->nx > s->nx; j++) {
         memset(&fft->real[j * fft->nx + s->nx], 0, (fft->nx - s->nx) * sizeof(double));
     }
-    memset(&fft->real[s->ny * fft->nx], 0, (fft->ny - s->ny) * fft->nx * sizeof(double));
 }
 
-static void filter(lac_half_space *s, const double *table)
+void lac_half_space_displace(lac_half_space *s)
 {
-    lac_fft *fft = s->fft;
     clear_padding(s);
-    lac_fft_forward(fft);
-    size_t modes = fft->nkx * fft->ny;
-    for (size_t k = 0; k < modes; k++) {
-        fft->spectrum[k] *= table[k];
-    }
-    lac_fft_inverse(fft);
+    lac_fft_filter(s->fft, s->compliance);
 }
 
-void lac_half_space_displace(lac_half_space *s) { filter(s, s->compliance); }
-
-void lac_half_space_unload(lac_half_space *s) { filter(s, s->stiffness); }
-
-// sum of |x_k|^2 w_k over a run of modes
-static double power(size_t n, const double *x, const double *w)
+void lac_half_space_unload(lac_half_space *s)
 {
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t k = 0; k < n; k++) {
-        sum += w[k] * (x[2 * k] * x[2 * k] + x[2 * k + 1] * x[2 * k + 1]);
-    }
-    return sum;
+    clear_padding(s);
+    lac_fft_filter(s->fft, s->stiffness);
 }
 
 double lac_half_space_energy(lac_half_space *s)
 {
-    lac_fft *fft = s->fft;
     clear_padding(s);
-    lac_fft_forward(fft);
-    double energy = 0.0;
-    for (size_t j = 0; j < fft->ny; j++) {
-        size_t row = j * fft->nkx;
-        const double *x = (const double *)&fft->spectrum[row];
-        const double *w = &s->compliance[row];
-        // Half of the spectrum stands for the whole: its inner columns count twice.
-        double ends = power(1, x, w);
-        if (fft->nx % 2 == 0) {
-            size_t last = fft->nkx - 1;
-            ends += power(1, &x[2 * last], &w[last]);
-        }
-        energy += 2.0 * power(fft->nkx, x, w) - ends;
-    }
-    return energy;
+    return lac_fft_power(s->fft, s->compliance);
 }

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <omp.h>
 
 #include "lacuna/contact.h"
 #include "support/benchmark_surface.h"
@@ -265,6 +266,51 @@ static void rough_surface_at_default_tolerance(void **state)
     }
 }
 
+// From a few cells to nearly all of them: no load takes long.
+static void rough_surface_at_every_load(void **state)
+{
+    (void)state;
+    const double loads[] = {5e-6, 5e-5, 5e-4, 5e-3, 1.5e-2, 3e-2, 5e-2, 8e-2, 0.12, 0.2, 0.3};
+    fixture f = make(512, 1.0);
+    assert_int_equal(benchmark_surface(512, f.h), 0);
+    size_t cells = 0;
+    for (size_t k = 0; k < sizeof loads / sizeof loads[0]; k++) {
+        f.def.mean_pressure = loads[k];
+        solve(&f);
+        print_message("A08 512^2 at %g E*: contact fraction %.6f, %lld iterations\n", loads[k],
+                      (double)f.report.n_cells / (512.0 * 512.0), (long long)f.report.iterations);
+        assert_true(f.report.iterations <= 40);
+        assert_true(f.report.n_cells >= cells);
+        cells = f.report.n_cells;
+    }
+    assert_int_equal(cells, 512 * 512);
+    free(f.h);
+}
+
+// The same bits whatever the number of threads.
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    const int most = omp_get_max_threads();
+    for (int periodic = 0; periodic < 2; periodic++) {
+        fixture one = make(128, 4.9e-3);
+        fixture more = make(128, 4.9e-3);
+        assert_int_equal(benchmark_surface(128, one.h), 0);
+        memcpy(more.h, one.h, 128 * 128 * sizeof(double));
+        one.def.grid.periodic = more.def.grid.periodic = periodic == 1;
+        omp_set_num_threads(1);
+        solve(&one);
+        for (int threads = 2; threads <= 5; threads++) {
+            omp_set_num_threads(threads);
+            solve(&more);
+            assert_memory_equal(one.h, more.h, 3 * 128 * 128 * sizeof(double));
+        }
+        free(one.h);
+        free(more.h);
+    }
+    omp_set_num_threads(most);
+}
+
 // Pressures of the same problem by other codes, where the reference is at hand:
 // LACUNA_CONTACT_DATA, or shared/data/contact beside the source.
 static void rough_surface_against_reference(void **state)
@@ -334,6 +380,8 @@ int main(void)
         cmocka_unit_test(rough_surface_with_free_boundaries),
         cmocka_unit_test(rough_surface),
         cmocka_unit_test(rough_surface_at_default_tolerance),
+        cmocka_unit_test(rough_surface_at_every_load),
+        cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(rough_surface_against_reference),
         cmocka_unit_test(joint_at_several_resolutions),
     };
