@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "base/fft.h"
+#include "lacuna/contact.h"
 
 // The solver works on numbers of order one: heights and gaps in units of the rms height h_rms,
 // wavenumbers kappa = |q| length, pressures in units of E* h_rms / (2 length), so that
@@ -52,7 +53,9 @@ typedef struct lac_residual {
 /// What the conjugate gradients need beside the half-space, and what they say.
 typedef struct lac_descent {
     const double *heights; ///< [ny * nx]
-    double mean_pressure;
+    lac_contact_control control;
+    double mean_pressure; ///< given or that of the first guess
+    double approach;      ///< given, where it is what is controlled
     double tolerance;
     int64_t max_iterations;
     int64_t iterations, products; ///< done
@@ -61,7 +64,7 @@ typedef struct lac_descent {
 } lac_descent;
 
 /// Constrained conjugate gradients on the pressures from a first guess.
-/// @param pressure  [ny * nx] first guess, >= 0 with the given mean; overwritten
+/// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
 /// @param gap       [ny * nx] gap of the result; overwritten
 /// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,

@@ -25,6 +25,7 @@ typedef struct iteration {
     double G_old;       // z.g of the step before; 0 to start afresh
     double tau, tau_ov; // step along t; step of the cells that open or close
     double scale;       // brings p back to the load, not yet applied
+    bool held;          // the load is given: directions keep it, and the gap has mean 0 over I
 } iteration;
 
 bool lac_residual_holds(const lac_residual *r, double tolerance)
@@ -81,7 +82,9 @@ static double gradient(iteration *it)
         add(&total, gradient_row(n, it->scale, &it->p[r], &real[j * stride], &it->h[r], &it->g[r]));
     }
     it->cells = total.a;
-    it->g_mean = total.b / total.a;
+    if (it->held) {
+        it->g_mean = total.b / total.a;
+    }
     return total.c;
 }
 
@@ -115,8 +118,8 @@ static void residual(iteration *it, double sum_p, lac_descent *d)
     double n_all = (double)n * (double)it->ny;
     it->g2 = total.b;
     d->closest = -it->g_mean;
-    d->residual.complementarity = total.a / sum_p;
-    d->residual.load = fabs(sum_p / n_all / d->mean_pressure - 1.0);
+    d->residual.complementarity = sum_p > 0.0 ? total.a / sum_p : 0.0;
+    d->residual.load = it->held ? fabs(sum_p / n_all / d->mean_pressure - 1.0) : 0.0;
 }
 
 // Deepest negative gap where p = 0.
@@ -184,20 +187,54 @@ static void direction_row(size_t n, double z_mean, double beta, double t_mean,
     }
 }
 
+// 1 on I, 0 elsewhere, or the gap there into the transform; returns the sum of the gap over I
+static double fill_contact(const iteration *it, bool ones)
+{
+    const lac_fft *fft = it->s->fft;
+    double total = 0.0;
+    for (size_t j = 0; j < it->ny; j++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < it->nx; i++) {
+            size_t cell = j * it->nx + i;
+            double gap = it->p[cell] > 0.0 ? it->g[cell] - it->g_mean : 0.0;
+            fft->real[j * fft->nx + i] = ones && it->p[cell] > 0.0 ? 1.0 : ones ? 0.0 : gap;
+            sum += gap;
+        }
+        total += sum;
+    }
+    return total;
+}
+
+// |q| hardly sees the mean over I, which nothing holds under a given approach; without it contacts
+// nearly complete converge badly. Its own step: sum of g / 1.S1, the two over I.
+static double mean_step(iteration *it, double *sum_g)
+{
+    *sum_g = 0.0;
+    if (it->held) {
+        return 0.0;
+    }
+    (void)fill_contact(it, true);
+    double compliance = lac_half_space_energy(it->s);
+    *sum_g = fill_contact(it, false);
+    return compliance > 0.0 ? *sum_g / compliance : 0.0;
+}
+
 // The search direction: |q| preconditioner and PR+; returns g.t
 static double direction(iteration *it)
 {
     size_t n = it->nx;
     size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
+    double sum_g;
+    double shift = mean_step(it, &sum_g);
     lac_half_space_unload(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         add(&total, overlap_row(it, j * n, &real[j * stride]));
     }
-    double z_mean = total.a / it->cells;
-    double t_mean = total.e / it->cells;
-    double G = total.b;
+    double z_mean = it->held ? total.a / it->cells : -shift;
+    double t_mean = it->held ? total.e / it->cells : 0.0;
+    double G = total.b + shift * sum_g;
     double beta = 0.0;
     if (it->G_old > 0.0) {
         beta = fmax(0.0, (G - (total.c - z_mean * total.d)) / it->G_old);
@@ -262,7 +299,9 @@ static void step(iteration *it, double mean_pressure)
     for (size_t j = 0; j < it->ny; j++) {
         add(&total, step_row(it, j * it->nx, &fft->real[j * fft->nx]));
     }
-    it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
+    if (it->held) {
+        it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
+    }
     // New cells change the problem: the directions so far are conjugate no more.
     if (total.b > 0.01 * it->g2) {
         it->G_old = 0.0;
@@ -297,7 +336,10 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .g = gap,
                     .g_old = g,
                     .t = t,
-                    .scale = 1.0};
+                    .scale = 1.0,
+                    .g_mean = -d->approach,
+                    .g_old_mean = -d->approach,
+                    .held = d->control == LAC_CONTROL_LOAD};
     for (size_t j = 0; j < s->ny; j++) {
         memcpy(&s->fft->real[j * s->fft->nx], &pressure[j * s->nx], s->nx * sizeof *pressure);
     }
@@ -309,7 +351,7 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
         step(&it, d->mean_pressure);
         residual(&it, gradient(&it), d);
         d->iterations++;
-        d->products += 2;
+        d->products += it.held ? 2 : 3;
     }
     d->residual.penetration = penetration(&it);
     give_gap(&it, gap);

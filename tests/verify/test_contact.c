@@ -205,6 +205,13 @@ static void free_sphere(void **state)
         assert_true(fabs(peak) < 3.0 * cell * cell);
         assert_true(fabs(depth) < 3.0 * cell * cell);
         assert_true(error < 1.5 * cell);
+        f.def.control = LAC_CONTROL_APPROACH;
+        f.def.approach = -a * a - mean;
+        solve(&f);
+        double load = f.report.mean_pressure / (4.0 / 3.0 * a * a * a) - 1.0;
+        print_message("  pushed down by a^2: load %+.2e; %lld iterations\n", load,
+                      (long long)f.report.iterations);
+        assert_true(fabs(load) < 5.0 * cell * cell);
         free(f.h);
     }
 }
@@ -285,6 +292,39 @@ static void rough_surface_at_every_load(void **state)
     }
     assert_int_equal(cells, 512 * 512);
     free(f.h);
+}
+
+// Up to 20 % of the area and back in small steps, each from the solution before.
+static void sequence_of_loads_from_warm_starts(void **state)
+{
+    (void)state;
+    fixture cold = make(256, 1.0);
+    fixture warm = make(256, 1.0);
+    assert_int_equal(benchmark_surface(256, cold.h), 0);
+    memcpy(warm.h, cold.h, 256 * 256 * sizeof(double));
+    int64_t cold_steps = 0;
+    int64_t warm_steps = 0;
+    for (int k = 0; k < 24; k++) {
+        double load = 4e-3 * pow(1.1, k < 12 ? k : 23 - k);
+        cold.def.mean_pressure = warm.def.mean_pressure = load;
+        solve(&cold);
+        solve(&warm);
+        warm.def.start = warm.p;
+        cold_steps += cold.report.iterations;
+        warm_steps += warm.report.iterations;
+        assert_int_equal(cold.report.n_cells, warm.report.n_cells);
+        for (size_t i = 0; i < 256 * 256; i++) {
+            assert_true(fabs(cold.p[i] - warm.p[i]) < 1e-6 * cold.report.max_pressure);
+        }
+    }
+    print_message("24 loads: %lld iterations cold, %lld warm\n", (long long)cold_steps,
+                  (long long)warm_steps);
+    assert_true(warm_steps < cold_steps);
+    // the same load again: nothing left to do
+    solve(&warm);
+    assert_true(warm.report.iterations <= 1);
+    free(cold.h);
+    free(warm.h);
 }
 
 // The same bits whatever the number of threads.
@@ -381,6 +421,7 @@ int main(void)
         cmocka_unit_test(rough_surface),
         cmocka_unit_test(rough_surface_at_default_tolerance),
         cmocka_unit_test(rough_surface_at_every_load),
+        cmocka_unit_test(sequence_of_loads_from_warm_starts),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(rough_surface_against_reference),
         cmocka_unit_test(joint_at_several_resolutions),
