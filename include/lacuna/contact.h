@@ -7,12 +7,19 @@
 #include "lacuna/grid.h"
 #include "lacuna/param.h"
 
-/// A rough rigid surface pressed on an elastic half-space (normal contact, load controlled).
+/// What is given: the load or how near the bodies are.
+typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_contact_control;
+
+/// A rough rigid surface pressed on an elastic half-space (normal contact).
 typedef struct lac_contact_def {
-    lac_grid grid;          ///< periodic
-    const double *heights;  ///< [ny * nx] composite height, peaks up [m]
-    double e_star;          ///< contact modulus E* = G/(1-nu) of two equal half-spaces [Pa]
-    double mean_pressure;   ///< over the nominal area [Pa], > 0
+    lac_grid grid;         ///< periodic; else faces that end at its border, free beyond
+    const double *heights; ///< [ny * nx] composite height, peaks up [m]
+    double e_star;         ///< contact modulus E* = G/(1-nu) of two equal half-spaces [Pa]
+    lac_contact_control control;
+    double mean_pressure;   ///< load control: over the nominal area [Pa], > 0
+    double approach;        ///< approach control: as in the report [m]; periodic: > 0
+    const double *start;    ///< [ny * nx] first guess of the pressures [Pa], may be `pressure`
+                            ///< itself; NULL or all 0: from coarser grids
     double tolerance;       ///< on complementarity, penetration and load, relative
     int64_t max_iterations; ///< of the finest grid
 } lac_contact_def;
@@ -24,19 +31,21 @@ typedef struct lac_contact_report {
     int64_t products;             ///< applications of the elastic operator there
     double complementarity_error; ///< sum p |g| / (sum p * h_rms) [1]
     double penetration;           ///< deepest negative gap outside the contact [m], >= 0
-    double load_error;            ///< |mean p - mean_pressure| / mean_pressure [1]
-    double max_pressure;          ///< [Pa]
-    double approach;              ///< mean plane of the body minus mean of the heights [m]
+    double load_error;    ///< |mean p - mean_pressure| / mean_pressure [1]; 0 where not given
+    double mean_pressure; ///< [Pa]
+    double max_pressure;  ///< [Pa]
+    double approach;      ///< far (mean) plane of the body minus mean of the heights [m]
 } lac_contact_report;
 
 /// A def with tolerance 1e-8 and 1000 iterations; the rest is the caller's.
 lac_contact_def lac_contact_default(void);
 
-/// Solves for pressures p >= 0 and gaps g >= 0 with p g = 0 and the given mean pressure.
-/// u_hat = 2 p_hat / (E* |q|); docs/theory/contact.md.
+/// Solves for pressures p >= 0 and gaps g >= 0 with p g = 0 and the given load or approach.
+/// u_hat = 2 p_hat / (E* |q|); free: u = sum of Love's solution; docs/theory/contact.md.
 /// @param pressure  [ny * nx] [Pa]; overwritten; exactly 0 outside the contact
 /// @param gap       [ny * nx] [m], 0 in contact within the tolerance; NULL if not wanted
-/// @return LAC_OK; LAC_EINPUT (not finite, load <= 0); LAC_ENUMERIC (no convergence); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (not finite, load or start < 0); LAC_ENUMERIC (no convergence);
+/// LAC_ENOMEM
 /// @cost   O(N log N) an iteration
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
                              lac_contact_report *report, lac_error *err);

@@ -3,7 +3,11 @@
 
 #include <fftw3.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 16 }; // columns at a time
 
 static void destroy_plan(void *plan)
 {
@@ -48,6 +52,11 @@ void lac_fft_free(lac_fft *fft)
     }
     destroy_plan(fft->forward);
     destroy_plan(fft->inverse);
+    destroy_plan(fft->rows_forward);
+    destroy_plan(fft->rows_inverse);
+    destroy_plan(fft->block_forward);
+    destroy_plan(fft->block_inverse);
+    fftw_free(fft->block);
     fftw_free(fft->real);
     fftw_free(fft->spectrum);
     free(fft);
@@ -56,3 +65,126 @@ void lac_fft_free(lac_fft *fft)
 void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
 
 void lac_fft_inverse(lac_fft *fft) { fftw_execute(fft->inverse); }
+
+lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
+{
+    const int nx = (int)fft->nx;
+    const int ny = (int)fft->ny;
+    const int nkx = (int)fft->nkx;
+    fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
+    fft->rows = rows;
+    fft->lead = fft->ny + 4; // columns a power of two apart would fall on the same cache lines
+    fft->block = (double _Complex *)fftw_alloc_complex(BLOCK * fft->lead);
+    if (fft->block == NULL) {
+        return lac_fail_memory(err);
+    }
+    memset(fft->block, 0, BLOCK * fft->lead * sizeof *fft->block);
+    fftw_complex *block = (fftw_complex *)fft->block;
+    const int lead = (int)fft->lead;
+    fft->rows_forward = fftw_plan_many_dft_r2c(1, &nx, (int)rows, fft->real, NULL, 1, nx, spectrum,
+                                               NULL, 1, nkx, FFTW_ESTIMATE);
+    fft->rows_inverse = fftw_plan_many_dft_c2r(1, &nx, (int)rows, spectrum, NULL, 1, nkx, fft->real,
+                                               NULL, 1, nx, FFTW_ESTIMATE);
+    fft->block_forward = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
+                                            lead, FFTW_FORWARD, FFTW_ESTIMATE);
+    fft->block_inverse = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
+                                            lead, FFTW_BACKWARD, FFTW_ESTIMATE);
+    bool planned = fft->rows_forward != NULL && fft->rows_inverse != NULL &&
+                   fft->block_forward != NULL && fft->block_inverse != NULL;
+    return planned ? LAC_OK : lac_fail_memory(err);
+}
+
+// Columns first ... first + width of the spectrum into the block; inline for a constant width
+static inline void gather(lac_fft *fft, size_t first, size_t width)
+{
+    double _Complex *restrict block = fft->block;
+    const double _Complex *restrict from = &fft->spectrum[first];
+    const size_t lead = fft->lead;
+    for (size_t j = 0; j < fft->rows; j++) {
+        for (size_t k = 0; k < width; k++) {
+            block[k * lead + j] = from[j * fft->nkx + k];
+        }
+    }
+}
+
+static inline void scatter(lac_fft *fft, size_t first, size_t width)
+{
+    const double _Complex *restrict block = fft->block;
+    double _Complex *restrict to = &fft->spectrum[first];
+    const size_t lead = fft->lead;
+    for (size_t j = 0; j < fft->rows; j++) {
+        for (size_t k = 0; k < width; k++) {
+            to[j * fft->nkx + k] = block[k * lead + j];
+        }
+    }
+}
+
+// Columns from first on into the block, and to wavenumbers along y; returns how many
+static size_t transform_columns(lac_fft *fft, size_t first)
+{
+    size_t width = fft->nkx - first < BLOCK ? fft->nkx - first : BLOCK;
+    if (width == BLOCK) {
+        gather(fft, first, BLOCK);
+    } else {
+        gather(fft, first, width);
+    }
+    for (size_t k = 0; k < width; k++) {
+        memset(&fft->block[k * fft->lead + fft->rows], 0,
+               (fft->ny - fft->rows) * sizeof *fft->block);
+    }
+    fftw_execute(fft->block_forward);
+    return width;
+}
+
+static void multiply(size_t n, const double *restrict factor, double *restrict x)
+{
+    for (size_t j = 0; j < n; j++) {
+        x[2 * j] *= factor[j];
+        x[2 * j + 1] *= factor[j];
+    }
+}
+
+void lac_fft_filter(lac_fft *fft, const double *table)
+{
+    fftw_execute(fft->rows_forward);
+    for (size_t first = 0; first < fft->nkx; first += BLOCK) {
+        size_t width = transform_columns(fft, first);
+        for (size_t k = 0; k < width; k++) {
+            multiply(fft->ny, &table[(first + k) * fft->ny], (double *)&fft->block[k * fft->lead]);
+        }
+        fftw_execute(fft->block_inverse);
+        if (width == BLOCK) {
+            scatter(fft, first, BLOCK);
+        } else {
+            scatter(fft, first, width);
+        }
+    }
+    fftw_execute(fft->rows_inverse);
+}
+
+// sum of w |x|^2 over a column
+static double power(size_t n, const double *restrict w, const double *restrict x)
+{
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t j = 0; j < n; j++) {
+        sum += w[j] * (x[2 * j] * x[2 * j] + x[2 * j + 1] * x[2 * j + 1]);
+    }
+    return sum;
+}
+
+double lac_fft_power(lac_fft *fft, const double *table)
+{
+    double total = 0.0;
+    fftw_execute(fft->rows_forward);
+    for (size_t first = 0; first < fft->nkx; first += BLOCK) {
+        size_t width = transform_columns(fft, first);
+        for (size_t k = first; k < first + width; k++) {
+            bool alone = k == 0 || 2 * k == fft->nx;
+            total +=
+                (alone ? 1.0 : 2.0) * power(fft->ny, &table[k * fft->ny],
+                                            (const double *)&fft->block[(k - first) * fft->lead]);
+        }
+    }
+    return total;
+}

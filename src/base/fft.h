@@ -13,6 +13,10 @@ typedef struct lac_fft {
     double *real;              ///< [ny * nx]
     double _Complex *spectrum; ///< [ny * nkx]; destroyed by the inverse
     void *forward, *inverse;
+    size_t rows; ///< of real that lac_fft_filter reads and writes
+    size_t lead; ///< from column to column in block
+    double _Complex *block;
+    void *rows_forward, *rows_inverse, *block_forward, *block_inverse;
 } lac_fft;
 
 /// Plans transforms of an ny x nx grid (x fastest).
@@ -27,6 +31,17 @@ void lac_fft_forward(lac_fft *fft);
 
 /// spectrum -> real, unnormalised (the pair multiplies by nx * ny).
 void lac_fft_inverse(lac_fft *fft);
+
+/// Plans lac_fft_filter and lac_fft_power for data in the first rows only, zeros below.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err);
+
+/// real -> F^-1 (table F real) in the planned rows, unnormalised; table [nkx * ny], by columns.
+/// Columns go forth and back a few at a time, while they are in the cache: cheaper than the pair.
+void lac_fft_filter(lac_fft *fft, const double *table);
+
+/// Sum over all wavenumbers of table |F real|^2; the inner columns stand for their mirror images.
+double lac_fft_power(lac_fft *fft, const double *table);
 
 /// Signed index of wavenumber j of n: 0, 1 ... n/2, -(n/2 - 1) ... -1.
 static inline double lac_fft_frequency(size_t j, size_t n)

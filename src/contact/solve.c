@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -15,11 +16,10 @@ static const int64_t coarse_iterations = 200;
 
 // The problem in the solver's own units, and what brings it back to SI.
 typedef struct problem {
-    size_t nx, ny;
-    double dqx, dqy; // spacing of kappa
-    double *h;       // [ny * nx] heights less their mean, over h_rms
-    double h_rms;    // [m]
-    double unit;     // of pressure: E* h_rms / (2 length) [Pa]
+    lac_extent at;
+    double *h;    // [ny * nx] heights less their mean, over the unit of height
+    double h_rms; // unit of height: the rms height, or what the load dents where that is more [m]
+    double unit;  // of pressure: pi E* h_rms / (longest side) [Pa]
 } problem;
 
 lac_contact_def lac_contact_default(void)
@@ -27,8 +27,28 @@ lac_contact_def lac_contact_default(void)
     return (lac_contact_def){.tolerance = 1e-8, .max_iterations = 1000};
 }
 
+static lac_status check_control(const lac_contact_def *def, lac_error *err)
+{
+    if (def->control == LAC_CONTROL_LOAD &&
+        !(def->mean_pressure > 0.0 && isfinite(def->mean_pressure))) {
+        return lac_fail(err, LAC_EINPUT, "the mean pressure must be > 0 Pa, not %g",
+                        def->mean_pressure);
+    }
+    if (def->control == LAC_CONTROL_APPROACH) {
+        // Periodic faces without a gap carry any load beyond a certain one.
+        double least = def->grid.periodic ? 0.0 : -DBL_MAX;
+        if (!(def->approach > least && isfinite(def->approach))) {
+            return lac_fail(err, LAC_EINPUT, "the approach must be finite%s, not %g m",
+                            def->grid.periodic ? " and > 0 between periodic faces" : "",
+                            def->approach);
+        }
+    }
+    return LAC_OK;
+}
+
 static lac_status check(const lac_contact_def *def, lac_error *err)
 {
+    lac_status status;
     const lac_grid *grid = &def->grid;
     if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
         !isfinite(lac_grid_area(grid))) {
@@ -37,15 +57,12 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
                         "possible",
                         grid->nx, grid->ny, grid->dx, grid->dy);
     }
-    if (!grid->periodic) {
-        return lac_fail(err, LAC_EINPUT, "only periodic interfaces can be solved");
-    }
     if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
         return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
     }
-    if (!(def->mean_pressure > 0.0 && isfinite(def->mean_pressure))) {
-        return lac_fail(err, LAC_EINPUT, "the mean pressure must be > 0 Pa, not %g",
-                        def->mean_pressure);
+    status = check_control(def, err);
+    if (status != LAC_OK) {
+        return status;
     }
     if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
         return lac_fail(err, LAC_EINPUT, "the tolerance must lie between 0 and 1, not %g",
@@ -59,14 +76,33 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
             return lac_fail(err, LAC_EINPUT, "the height of cell (%zu, %zu) is %g", i % grid->nx,
                             i / grid->nx, def->heights[i]);
         }
+        if (def->start != NULL && !(def->start[i] >= 0.0 && isfinite(def->start[i]))) {
+            return lac_fail(err, LAC_EINPUT,
+                            "the first guess of the pressure of cell (%zu, %zu) is %g",
+                            i % grid->nx, i / grid->nx, def->start[i]);
+        }
     }
     return LAC_OK;
 }
 
-// Heights less their mean, in units of their rms.
-static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_error *err)
+// How far the highest peak would stick into the undeformed body; < 0 where they do not touch. [m]
+static double depth(const lac_contact_def *def)
 {
-    size_t n = p->nx * p->ny;
+    size_t n = lac_grid_cells(&def->grid);
+    double mean = 0.0;
+    double highest = -INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        mean += def->heights[i] / (double)n;
+        highest = fmax(highest, def->heights[i]);
+    }
+    return highest - mean - def->approach;
+}
+
+// Heights less their mean, in units of their rms, but at least of `least`.
+static lac_status scale_heights(const lac_contact_def *def, double least, problem *p,
+                                lac_error *err)
+{
+    size_t n = lac_grid_cells(&def->grid);
     double mean = 0.0;
     for (size_t i = 0; i < n; i++) {
         mean += def->heights[i] / (double)n;
@@ -81,7 +117,7 @@ static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_erro
         double x = p->h[i] / most;
         sum += x * x;
     }
-    p->h_rms = most * sqrt(sum / (double)n);
+    p->h_rms = fmax(least, most * sqrt(sum / (double)n));
     for (size_t i = 0; i < n && most > 0.0; i++) {
         p->h[i] = p->h[i] / p->h_rms;
     }
@@ -91,21 +127,28 @@ static lac_status scale_heights(const lac_contact_def *def, problem *p, lac_erro
     return LAC_OK;
 }
 
+// Free faces are dented by any load, however smooth they are. [m]
+static double dent(const lac_contact_def *def, double longest)
+{
+    if (def->control == LAC_CONTROL_LOAD) {
+        return def->mean_pressure / (0.5 * TWO_PI * def->e_star) * longest;
+    }
+    return depth(def);
+}
+
 static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
     double lx = (double)grid->nx * grid->dx;
     double ly = (double)grid->ny * grid->dy;
     double longest = fmax(lx, ly);
-    p->nx = grid->nx;
-    p->ny = grid->ny;
-    p->dqx = longest / lx;
-    p->dqy = longest / ly;
+    p->at = (lac_extent){grid->nx, grid->ny, longest / lx, longest / ly, grid->periodic};
     lac_status status;
-    LAC_TRY(scale_heights(def, p, err));
+    LAC_TRY(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
     p->unit = 0.5 * TWO_PI * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
-    if (!isfinite(p->unit) || (p->h_rms > 0.0 && load == 0.0)) {
+    bool too_little = def->control == LAC_CONTROL_LOAD && p->h_rms > 0.0 && load == 0.0;
+    if (!isfinite(p->unit) || too_little) {
         status = lac_fail(err, LAC_EINPUT,
                           "a mean pressure of %g Pa is beyond what can be "
                           "solved for E* = %g Pa and an rms height of %g m",
@@ -119,14 +162,19 @@ out:
 static bool full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
                          double *pressure)
 {
-    size_t n = p->nx * p->ny;
+    if (!p->at.periodic || def->control != LAC_CONTROL_LOAD) {
+        return false; // edges have no such closed form
+    }
+    size_t n = p->at.nx * p->at.ny;
     memcpy(s->fft->real, p->h, n * sizeof(double));
     lac_half_space_unload(s);
     for (size_t i = 0; i < n; i++) {
-        pressure[i] = def->mean_pressure + p->unit * s->fft->real[i];
-        if (!(pressure[i] > 0.0)) {
-            return false;
+        if (!(def->mean_pressure + p->unit * s->fft->real[i] > 0.0)) {
+            return false; // the pressures may hold the first guess
         }
+    }
+    for (size_t i = 0; i < n; i++) {
+        pressure[i] = def->mean_pressure + p->unit * s->fft->real[i];
     }
     return true;
 }
@@ -160,21 +208,23 @@ static void inject(const double *coarse, size_t nx, size_t ny, double *fine)
     }
 }
 
-static lac_status coarse_guess(const problem *p, double load, double *pressure, lac_error *err);
+static lac_status coarse_guess(const problem *p, const lac_descent *fine, double *pressure,
+                               lac_error *err);
 
 // Solves one coarse grid roughly.
-static lac_status solve_coarse(const problem *p, double load, double *pressure, lac_error *err)
+static lac_status solve_coarse(const problem *p, const lac_descent *fine, double *pressure,
+                               lac_error *err)
 {
     lac_half_space *s = NULL;
-    double *gap = malloc(p->nx * p->ny * sizeof *gap);
-    lac_descent d = {.heights = p->h,
-                     .mean_pressure = load,
-                     .tolerance = coarse_tolerance,
-                     .max_iterations = coarse_iterations};
+    double *gap = malloc(p->at.nx * p->at.ny * sizeof *gap);
+    lac_descent d = *fine;
+    d.heights = p->h;
+    d.tolerance = coarse_tolerance;
+    d.max_iterations = coarse_iterations;
     lac_status status = gap != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    LAC_TRY(coarse_guess(p, load, pressure, err));
-    LAC_TRY(lac_half_space_create(p->nx, p->ny, p->dqx, p->dqy, &s, err));
+    LAC_TRY(coarse_guess(p, fine, pressure, err));
+    LAC_TRY(lac_half_space_create(&p->at, &s, err));
     LAC_TRY(lac_descend(s, &d, pressure, gap, err));
 out:
     lac_half_space_free(s);
@@ -183,29 +233,70 @@ out:
 }
 
 // First guess: the solution of the next coarser grid; uniform on the coarsest.
-static lac_status coarse_guess(const problem *p, double load, double *pressure, lac_error *err)
+static lac_status coarse_guess(const problem *p, const lac_descent *fine, double *pressure,
+                               lac_error *err)
 {
-    size_t n = p->nx * p->ny;
-    if (n == 1 || !can_halve(p->nx) || !can_halve(p->ny)) {
+    size_t n = p->at.nx * p->at.ny;
+    if (n == 1 || !can_halve(p->at.nx) || !can_halve(p->at.ny)) {
         for (size_t i = 0; i < n; i++) {
-            pressure[i] = load;
+            pressure[i] = fine->mean_pressure;
         }
         return LAC_OK;
     }
     problem c = *p;
-    c.nx = p->nx > 1 ? p->nx / 2 : 1;
-    c.ny = p->ny > 1 ? p->ny / 2 : 1;
-    c.h = malloc(c.nx * c.ny * sizeof *c.h);
-    double *guess = malloc(c.nx * c.ny * sizeof *guess);
+    c.at.nx = p->at.nx > 1 ? p->at.nx / 2 : 1;
+    c.at.ny = p->at.ny > 1 ? p->at.ny / 2 : 1;
+    c.h = malloc(c.at.nx * c.at.ny * sizeof *c.h);
+    double *guess = malloc(c.at.nx * c.at.ny * sizeof *guess);
     lac_status status = c.h != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    halve(p->h, p->nx, p->ny, c.h);
-    LAC_TRY(solve_coarse(&c, load, guess, err));
-    inject(guess, p->nx, p->ny, pressure);
+    halve(p->h, p->at.nx, p->at.ny, c.h);
+    LAC_TRY(solve_coarse(&c, fine, guess, err));
+    inject(guess, p->at.nx, p->at.ny, pressure);
 out:
     free(c.h);
     free(guess);
     return status;
+}
+
+// First guess: the given pressures, brought to the load where that is given; false without any.
+static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_descent *d,
+                       double *pressure)
+{
+    size_t n = p->at.nx * p->at.ny;
+    double most = 0.0;
+    double sum = 0.0;
+    for (size_t i = 0; i < n && def->start != NULL; i++) {
+        most = fmax(most, def->start[i]);
+    }
+    for (size_t i = 0; i < n && most > 0.0; i++) {
+        pressure[i] = def->start[i] / most;
+        sum += pressure[i];
+    }
+    double scale =
+        d->control == LAC_CONTROL_LOAD ? d->mean_pressure * (double)n / sum : most / p->unit;
+    for (size_t i = 0; i < n && most > 0.0; i++) {
+        pressure[i] *= scale;
+    }
+    return most > 0.0;
+}
+
+// The bodies do not touch.
+static bool no_contact(const lac_contact_def *def, double *pressure, double *gap)
+{
+    if (def->control == LAC_CONTROL_LOAD || depth(def) > 0.0) {
+        return false;
+    }
+    size_t n = lac_grid_cells(&def->grid);
+    double mean = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean += def->heights[i] / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        pressure[i] = 0.0;
+        gap[i] = def->approach + mean - def->heights[i];
+    }
+    return true;
 }
 
 // Partial contact, in the solver's units until the end.
@@ -213,13 +304,18 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                   double *pressure, double *gap, lac_contact_report *report,
                                   lac_error *err)
 {
-    size_t n = p->nx * p->ny;
+    size_t n = p->at.nx * p->at.ny;
+    const bool load_given = def->control == LAC_CONTROL_LOAD;
     lac_descent d = {.heights = p->h,
-                     .mean_pressure = def->mean_pressure / p->unit,
+                     .control = def->control,
+                     .mean_pressure = load_given ? def->mean_pressure / p->unit : 1.0,
+                     .approach = load_given ? 0.0 : def->approach / p->h_rms,
                      .tolerance = def->tolerance,
                      .max_iterations = def->max_iterations};
     lac_status status;
-    LAC_TRY(coarse_guess(p, d.mean_pressure, pressure, err));
+    if (!warm_guess(def, p, &d, pressure)) {
+        LAC_TRY(coarse_guess(p, &d, pressure, err));
+    }
     LAC_TRY(lac_descend(s, &d, pressure, gap, err));
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= p->unit;
@@ -251,6 +347,7 @@ static void count_contact(const lac_contact_def *def, const double *pressure,
     for (size_t i = 0; i < n; i++) {
         report->n_cells += pressure[i] > 0.0 ? 1 : 0;
         report->max_pressure = fmax(report->max_pressure, pressure[i]);
+        report->mean_pressure += pressure[i] / (double)n;
     }
 }
 
@@ -273,8 +370,10 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     status = p.h != NULL && gap != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(scale_problem(def, &p, err));
-    LAC_TRY(lac_half_space_create(p.nx, p.ny, p.dqx, p.dqy, &s, err));
-    if (full_contact(def, &p, s, pressure)) {
+    LAC_TRY(lac_half_space_create(&p.at, &s, err));
+    if (no_contact(def, pressure, gap)) {
+        r->approach = def->approach;
+    } else if (full_contact(def, &p, s, pressure)) {
         memset(gap, 0, n * sizeof *gap);
         r->products = 1;
     } else {

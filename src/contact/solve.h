@@ -6,30 +6,38 @@
 #include <stdint.h>
 
 #include "base/fft.h"
+#include "lacuna/contact.h"
 
 // The solver works on numbers of order one: heights and gaps in units of the rms height h_rms,
 // wavenumbers kappa = |q| length, pressures in units of E* h_rms / (2 length), so that
 // u_hat = p_hat / kappa.
 
-/// The elastic half-space on one grid.
+/// Where the interface lies and what lies around it.
+typedef struct lac_extent {
+    size_t nx, ny;
+    double dqx, dqy; ///< spacing of kappa along x and y: longest side / side
+    bool periodic;   ///< else the faces end at the grid and the half-space goes on, free
+} lac_extent;
+
+/// The elastic half-space on one grid. Free grids sit in the corner of a transform twice as long.
 typedef struct lac_half_space {
-    lac_fft *fft;
-    double *compliance; ///< [ny * nkx] 1 / (N kappa); 0 for the mean
-    double *stiffness;  ///< [ny * nkx] kappa / N
+    size_t nx, ny;
+    lac_fft *fft;       ///< rows of fft->real are fft->nx long; what lies beyond nx, ny is ignored
+    double *compliance; ///< [nkx * ny] 1 / (N kappa), 0 for the mean; free: of Love's kernel
+    double *stiffness;  ///< [nkx * ny] kappa / N
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
 
-/// @param dqx, dqy  spacing of kappa along x and y
-lac_status lac_half_space_create(size_t nx, size_t ny, double dqx, double dqy, lac_half_space **out,
-                                 lac_error *err);
+/// @return LAC_OK; LAC_EINPUT (a grid too long to transform); LAC_ENOMEM
+lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out, lac_error *err);
 
 /// Frees; NULL is fine.
 void lac_half_space_free(lac_half_space *s);
 
-/// fft->real -> S fft->real, with the mean left out.
+/// fft->real -> S fft->real; periodic: with the mean left out.
 void lac_half_space_displace(lac_half_space *s);
 
-/// fft->real -> |q| fft->real: the inverse of the above.
+/// fft->real -> |q| fft->real: the inverse of the above, roughly where free.
 void lac_half_space_unload(lac_half_space *s);
 
 /// x . S x of x = fft->real by Parseval's theorem; fft->real and spectrum are destroyed.
@@ -45,16 +53,18 @@ typedef struct lac_residual {
 /// What the conjugate gradients need beside the half-space, and what they say.
 typedef struct lac_descent {
     const double *heights; ///< [ny * nx]
-    double mean_pressure;
+    lac_contact_control control;
+    double mean_pressure; ///< given or that of the first guess
+    double approach;      ///< given, where it is what is controlled
     double tolerance;
     int64_t max_iterations;
     int64_t iterations, products; ///< done
     lac_residual residual;        ///< on a fresh product of the pressures returned
-    double closest;               ///< mean gap
+    double closest;               ///< gap less S p - h: how far the faces stand apart
 } lac_descent;
 
 /// Constrained conjugate gradients on the pressures from a first guess.
-/// @param pressure  [ny * nx] first guess, >= 0 with the given mean; overwritten
+/// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
 /// @param gap       [ny * nx] gap of the result; overwritten
 /// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,

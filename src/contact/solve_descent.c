@@ -25,6 +25,7 @@ typedef struct iteration {
     double G_old;       // z.g of the step before; 0 to start afresh
     double tau, tau_ov; // step along t; step of the cells that open or close
     double scale;       // brings p back to the load, not yet applied
+    bool held;          // the load is given: directions keep it, and the gap has mean 0 over I
 } iteration;
 
 bool lac_residual_holds(const lac_residual *r, double tolerance)
@@ -46,17 +47,8 @@ static void add(sums *total, sums row)
     total->f += row.f;
 }
 
-// p <- scale p, also into the transform
-static void load_row(size_t n, double scale, double *restrict p, double *restrict real)
-{
-    for (size_t i = 0; i < n; i++) {
-        p[i] *= scale;
-        real[i] = p[i];
-    }
-}
-
-// g = u - h; sums: cells of I, sum of g over I, sum of p
-static sums gradient_row(size_t n, const double *restrict p, const double *restrict u,
+// p <- scale p, g = scale u - h; sums: cells of I, sum of g over I, sum of p
+static sums gradient_row(size_t n, double scale, double *restrict p, const double *restrict u,
                          const double *restrict h, double *restrict g)
 {
     double cells = 0.0;
@@ -64,7 +56,8 @@ static sums gradient_row(size_t n, const double *restrict p, const double *restr
     double sum_p = 0.0;
 #pragma omp simd reduction(+ : cells, sum_g, sum_p)
     for (size_t i = 0; i < n; i++) {
-        g[i] = u[i] - h[i];
+        p[i] *= scale;
+        g[i] = scale * u[i] - h[i];
         cells += p[i] > 0.0 ? 1.0 : 0.0;
         sum_g += p[i] > 0.0 ? g[i] : 0.0;
         sum_p += p[i];
@@ -72,63 +65,61 @@ static sums gradient_row(size_t n, const double *restrict p, const double *restr
     return (sums){.a = cells, .b = sum_g, .c = sum_p};
 }
 
-// g = S p - h on a fresh product; returns the sum of p
+// g = S p - h on a fresh product, from the p in the transform; returns the sum of p
 static double gradient(iteration *it)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
     double *swap = it->g_old;
     it->g_old = it->g;
     it->g_old_mean = it->g_mean;
     it->g = swap;
-    for (size_t j = 0; j < it->ny; j++) {
-        load_row(n, it->scale, &it->p[j * n], &real[j * n]);
-    }
-    it->scale = 1.0;
     lac_half_space_displace(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        add(&total, gradient_row(n, &it->p[r], &real[r], &it->h[r], &it->g[r]));
+        add(&total, gradient_row(n, it->scale, &it->p[r], &real[j * stride], &it->h[r], &it->g[r]));
     }
     it->cells = total.a;
-    it->g_mean = total.b / total.a;
+    if (it->held) {
+        it->g_mean = total.b / total.a;
+    }
     return total.c;
 }
 
-// The gap of the contact goes into the transform; sums: p |g|, g^2 over I, g over all cells
+// The gap of the contact goes into the transform; sums: p |g|, g^2 over I
 static sums residual_row(size_t n, double g_mean, const double *restrict p,
                          const double *restrict g, double *restrict real)
 {
     double pg = 0.0;
     double g2 = 0.0;
-    double sum = 0.0;
-#pragma omp simd reduction(+ : pg, g2, sum)
+#pragma omp simd reduction(+ : pg, g2)
     for (size_t i = 0; i < n; i++) {
         double gap = g[i] - g_mean;
         double inside = p[i] > 0.0 ? gap : 0.0;
         real[i] = inside;
         pg += p[i] * fabs(inside);
         g2 += inside * inside;
-        sum += gap;
     }
-    return (sums){.a = pg, .b = g2, .c = sum};
+    return (sums){.a = pg, .b = g2};
 }
 
 static void residual(iteration *it, double sum_p, lac_descent *d)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        add(&total, residual_row(n, it->g_mean, &it->p[r], &it->g[r], &real[r]));
+        add(&total, residual_row(n, it->g_mean, &it->p[r], &it->g[r], &real[j * stride]));
     }
     double n_all = (double)n * (double)it->ny;
     it->g2 = total.b;
-    d->closest = total.c / n_all;
-    d->residual.complementarity = total.a / sum_p;
-    d->residual.load = fabs(sum_p / n_all / d->mean_pressure - 1.0);
+    d->closest = -it->g_mean;
+    d->residual.complementarity = sum_p > 0.0 ? total.a / sum_p : 0.0;
+    d->residual.load = it->held ? fabs(sum_p / n_all / d->mean_pressure - 1.0) : 0.0;
 }
 
 // Deepest negative gap where p = 0.
@@ -196,19 +187,54 @@ static void direction_row(size_t n, double z_mean, double beta, double t_mean,
     }
 }
 
+// 1 on I, 0 elsewhere, or the gap there into the transform; returns the sum of the gap over I
+static double fill_contact(const iteration *it, bool ones)
+{
+    const lac_fft *fft = it->s->fft;
+    double total = 0.0;
+    for (size_t j = 0; j < it->ny; j++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < it->nx; i++) {
+            size_t cell = j * it->nx + i;
+            double gap = it->p[cell] > 0.0 ? it->g[cell] - it->g_mean : 0.0;
+            fft->real[j * fft->nx + i] = ones && it->p[cell] > 0.0 ? 1.0 : ones ? 0.0 : gap;
+            sum += gap;
+        }
+        total += sum;
+    }
+    return total;
+}
+
+// |q| hardly sees the mean over I, which nothing holds under a given approach; without it contacts
+// nearly complete converge badly. Its own step: sum of g / 1.S1, the two over I.
+static double mean_step(iteration *it, double *sum_g)
+{
+    *sum_g = 0.0;
+    if (it->held) {
+        return 0.0;
+    }
+    (void)fill_contact(it, true);
+    double compliance = lac_half_space_energy(it->s);
+    *sum_g = fill_contact(it, false);
+    return compliance > 0.0 ? *sum_g / compliance : 0.0;
+}
+
 // The search direction: |q| preconditioner and PR+; returns g.t
 static double direction(iteration *it)
 {
     size_t n = it->nx;
+    size_t stride = it->s->fft->nx;
     double *real = it->s->fft->real;
+    double sum_g;
+    double shift = mean_step(it, &sum_g);
     lac_half_space_unload(it->s);
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
-        add(&total, overlap_row(it, j * n, &real[j * n]));
+        add(&total, overlap_row(it, j * n, &real[j * stride]));
     }
-    double z_mean = total.a / it->cells;
-    double t_mean = total.e / it->cells;
-    double G = total.b;
+    double z_mean = it->held ? total.a / it->cells : -shift;
+    double t_mean = it->held ? total.e / it->cells : 0.0;
+    double G = total.b + shift * sum_g;
     double beta = 0.0;
     if (it->G_old > 0.0) {
         beta = fmax(0.0, (G - (total.c - z_mean * total.d)) / it->G_old);
@@ -219,7 +245,7 @@ static double direction(iteration *it)
     }
     for (size_t j = 0; j < it->ny; j++) {
         size_t r = j * n;
-        direction_row(n, z_mean, beta, t_mean, &it->p[r], &it->t[r], &real[r]);
+        direction_row(n, z_mean, beta, t_mean, &it->p[r], &it->t[r], &real[j * stride]);
     }
     it->G_old = G;
     return G + beta * total.f;
@@ -239,8 +265,8 @@ static void choose_step(iteration *it, double gt)
 }
 
 // p = max(0, p - tau t) in contact, -tau_ov g where the bodies overlap outside; sums: p, and g^2
-// of the cells that close
-static sums step_row(const iteration *it, size_t r)
+// of the cells that close. The new p goes into the transform, too.
+static sums step_row(const iteration *it, size_t r, double *restrict real)
 {
     double *restrict p = &it->p[r];
     const double *restrict g = &it->g[r];
@@ -257,8 +283,10 @@ static sums step_row(const iteration *it, size_t r)
         double outside = p[i] > 0.0 ? 0.0 : gap;
         double overlap = outside < 0.0 ? outside : 0.0;
         double moved = p[i] - tau * t[i] - tau_ov * overlap;
-        p[i] = moved > 0.0 ? moved : 0.0;
-        sum += p[i];
+        moved = moved > 0.0 ? moved : 0.0;
+        p[i] = moved;
+        real[i] = moved;
+        sum += moved;
         closing += overlap * overlap;
     }
     return (sums){.a = sum, .b = closing};
@@ -266,11 +294,14 @@ static sums step_row(const iteration *it, size_t r)
 
 static void step(iteration *it, double mean_pressure)
 {
+    const lac_fft *fft = it->s->fft;
     sums total = {0};
     for (size_t j = 0; j < it->ny; j++) {
-        add(&total, step_row(it, j * it->nx));
+        add(&total, step_row(it, j * it->nx, &fft->real[j * fft->nx]));
     }
-    it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
+    if (it->held) {
+        it->scale = mean_pressure * (double)it->nx * (double)it->ny / total.a;
+    }
     // New cells change the problem: the directions so far are conjugate no more.
     if (total.b > 0.01 * it->g2) {
         it->G_old = 0.0;
@@ -288,7 +319,7 @@ static void give_gap(const iteration *it, double *gap)
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err)
 {
-    size_t n = s->fft->nx * s->fft->ny;
+    size_t n = s->nx * s->ny;
     double *g = calloc(n, sizeof *g);
     double *t = calloc(n, sizeof *t);
     lac_status status = LAC_OK;
@@ -298,14 +329,20 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
     }
     memset(gap, 0, n * sizeof *gap);
     iteration it = {.s = s,
-                    .nx = s->fft->nx,
-                    .ny = s->fft->ny,
+                    .nx = s->nx,
+                    .ny = s->ny,
                     .h = d->heights,
                     .p = pressure,
                     .g = gap,
                     .g_old = g,
                     .t = t,
-                    .scale = 1.0};
+                    .scale = 1.0,
+                    .g_mean = -d->approach,
+                    .g_old_mean = -d->approach,
+                    .held = d->control == LAC_CONTROL_LOAD};
+    for (size_t j = 0; j < s->ny; j++) {
+        memcpy(&s->fft->real[j * s->fft->nx], &pressure[j * s->nx], s->nx * sizeof *pressure);
+    }
     residual(&it, gradient(&it), d);
     d->iterations = 0;
     d->products = 1;
@@ -314,7 +351,7 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
         step(&it, d->mean_pressure);
         residual(&it, gradient(&it), d);
         d->iterations++;
-        d->products += 2;
+        d->products += it.held ? 2 : 3;
     }
     d->residual.penetration = penetration(&it);
     give_gap(&it, gap);

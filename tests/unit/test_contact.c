@@ -10,108 +10,9 @@
 
 #include <math.h>
 
-#include "base/rng.h"
 #include "contact/solve.h"
-#include "lacuna/contact.h"
 #include "lacuna/surface.h"
-
-enum { MOST = 96 * 96 };
-
-typedef struct fixture {
-    double h[MOST], p[MOST], gap[MOST];
-    lac_contact_def def;
-    lac_contact_report report;
-    lac_error err;
-} fixture;
-
-static int set_up(void **state)
-{
-    fixture *f = calloc(1, sizeof *f);
-    if (f == NULL) {
-        return -1;
-    }
-    f->def = lac_contact_default();
-    f->def.grid = (lac_grid){8, 8, 1.0, 1.0, true};
-    f->def.heights = f->h;
-    f->def.e_star = 40e9;
-    f->def.mean_pressure = 1e6;
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    free(*state);
-    return 0;
-}
-
-static lac_status solve(fixture *f)
-{
-    f->err.message[0] = '\0';
-    return lac_contact_solve(&f->def, f->p, f->gap, &f->report, &f->err);
-}
-
-static void must_solve(fixture *f)
-{
-    if (solve(f) != LAC_OK) {
-        fail_msg("%s", f->err.message);
-    }
-}
-
-static double mean(const double *x, size_t n)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i];
-    }
-    return sum / (double)n;
-}
-
-static double rms(const double *x, size_t n)
-{
-    double m = mean(x, n);
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += (x[i] - m) * (x[i] - m);
-    }
-    return sqrt(sum / (double)n);
-}
-
-// p >= 0, g >= 0 where p = 0, p g = 0, and the load: each to the tolerance it was solved to.
-static void check_solution(const fixture *f)
-{
-    size_t n = lac_grid_cells(&f->def.grid);
-    double scale = rms(f->h, n);
-    double load = f->def.mean_pressure;
-    double pg = 0.0;
-    size_t cells = 0;
-    for (size_t i = 0; i < n; i++) {
-        assert_true(isfinite(f->p[i]) && isfinite(f->gap[i]));
-        assert_true(f->p[i] >= 0.0);
-        assert_true(f->p[i] > 0.0 || f->gap[i] >= -f->def.tolerance * scale);
-        pg += f->p[i] / load * fabs(f->gap[i]) / (double)n;
-        cells += f->p[i] > 0.0 ? 1 : 0;
-    }
-    assert_true(pg <= f->def.tolerance * scale);
-    assert_true(fabs(mean(f->p, n) / load - 1.0) < 1e-12);
-    assert_int_equal(cells, f->report.n_cells);
-    assert_true(fabs(mean(f->gap, n) - f->report.approach) <= 1e-9 * scale);
-}
-
-static void fill_random(fixture *f, uint64_t seed)
-{
-    for (size_t i = 0; i < lac_grid_cells(&f->def.grid); i++) {
-        f->h[i] = lac_random_uniform(seed, LAC_STREAM_TEST, i, 0) * 1e-3;
-    }
-}
-
-static void refuse(fixture *f, const char *word)
-{
-    assert_int_equal(solve(f), LAC_EINPUT);
-    if (strstr(f->err.message, word) == NULL) {
-        fail_msg("\"%s\" does not speak of \"%s\"", f->err.message, word);
-    }
-}
+#include "support/pressed.h"
 
 static void wrong_input_is_refused(void **state)
 {
@@ -142,9 +43,6 @@ static void wrong_input_is_refused(void **state)
     f->def = good;
     f->def.grid.nx = 0;
     refuse(f, "grid");
-    f->def = good;
-    f->def.grid.periodic = false;
-    refuse(f, "periodic");
     f->def = good;
     f->def.max_iterations = 0;
     refuse(f, "iteration");
@@ -240,7 +138,8 @@ static void penetration_alone_keeps_it_going(void **state)
     for (size_t i = 0; i < 32 * 32; i++) {
         f->h[i] *= 1e3;
     }
-    assert_int_equal(lac_half_space_create(32, 32, 1.0, 1.0, &s, &f->err), LAC_OK);
+    const lac_extent extent = {32, 32, 1.0, 1.0, true};
+    assert_int_equal(lac_half_space_create(&extent, &s, &f->err), LAC_OK);
     lac_descent d = {
         .heights = f->h, .mean_pressure = 0.5, .tolerance = 1e-9, .max_iterations = 300};
     f->p[100] = 0.5 * 32.0 * 32.0;
@@ -252,7 +151,7 @@ static void penetration_alone_keeps_it_going(void **state)
     for (size_t i = 0; i < 32 * 32; i++) {
         f->report.n_cells += f->p[i] > 0.0 ? 1 : 0;
     }
-    f->report.approach = d.closest;
+    f->report.approach = d.closest - mean(f->h, 32 * 32);
     assert_true(f->report.n_cells > 100);
     check_solution(f);
     lac_half_space_free(s);
@@ -267,15 +166,73 @@ static void every_shape_of_grid(void **state)
         {31, 37, 1.0, 1.0, true}, {1000, 1, 1.0, 1.0, true}, {1, 512, 1.0, 1.0, true},
         {2, 2, 1.0, 1.0, true},   {128, 2, 1.0, 1.0, true},  {3, 1, 1.0, 9.0, true},
     };
-    for (size_t k = 0; k < sizeof grids / sizeof grids[0]; k++) {
-        f->def.grid = grids[k];
-        fill_random(f, k);
+    for (size_t k = 0; k < 2 * sizeof grids / sizeof grids[0]; k++) {
+        f->def.grid = grids[k / 2];
+        f->def.grid.periodic = k % 2 == 0;
+        fill_random(f, k / 2);
         for (double load = 1e-9; load < 100.0; load *= 10.0) {
             f->def.mean_pressure = load * f->def.e_star * 1e-3;
             must_solve(f);
             check_solution(f);
         }
     }
+}
+
+// The integral of 1/r over a cell of sides dx, dy whose middle is at (x, y), by its midpoints.
+static double potential(double x, double y, double dx, double dy)
+{
+    const int m = 200;
+    double sum = 0.0;
+    for (int j = 0; j < m; j++) {
+        for (int i = 0; i < m; i++) {
+            double xs = x + dx * ((i + 0.5) / m - 0.5);
+            double ys = y + dy * ((j + 0.5) / m - 0.5);
+            sum += 1.0 / hypot(xs, ys);
+        }
+    }
+    return sum * dx * dy / (m * m);
+}
+
+// One loaded cell: the free surface sinks by p/(pi E*) times the integral of 1/r over the cell.
+static void free_surface_around_one_cell(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){9, 12, 0.5, 2.0, false};
+    f->def.e_star = 7.0;
+    f->def.mean_pressure = 1e-6;
+    f->h[3 * 9 + 2] = 1e-3;
+    must_solve(f);
+    assert_int_equal(f->report.n_cells, 1);
+    double unit = f->p[3 * 9 + 2] / (3.14159265358979 * 7.0);
+    assert_true(fabs(f->p[3 * 9 + 2] - 108e-6) < 1e-15);
+    // the loaded cell itself: 4 (a asinh(b/a) + b asinh(a/b)), half sides a, b
+    double self = 4.0 * (0.25 * asinh(4.0) + 1.0 * asinh(0.25)) * unit;
+    for (size_t i = 0; i < 108; i++) {
+        double x = ((double)(i % 9) - 2.0) * 0.5;
+        double y = ((double)(i / 9) - 3.0) * 2.0;
+        double gap = i == 3 * 9 + 2 ? 0.0 : potential(x, y, 0.5, 2.0) * unit - self + 1e-3;
+        assert_true(fabs(f->gap[i] - gap) < 2e-5 * self);
+    }
+    // u = 0 far away
+    assert_true(fabs(f->report.approach - (1e-3 - 1e-3 / 108.0 - self)) < 1e-12);
+}
+
+// A flat face: pressures grow to the border, alike on all four sides.
+static void flat_free_face_is_a_punch(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){32, 32, 1.0, 1.0, false};
+    must_solve(f);
+    check_solution(f);
+    assert_int_equal(f->report.n_cells, 32 * 32);
+    for (size_t i = 0; i < 32 * 32; i++) {
+        size_t turned = i % 32 * 32 + 31 - i / 32;
+        assert_true(fabs(f->p[i] / f->p[turned] - 1.0) < 1e-5);
+    }
+    for (size_t i = 1; i < 16; i++) {
+        assert_true(f->p[16 * 32 + i] < f->p[16 * 32 + i - 1]);
+    }
+    assert_true(f->p[0] == f->report.max_pressure || f->p[0] > 5e6);
 }
 
 // The solution of a line is that of the plane built by repeating it.
@@ -387,6 +344,8 @@ int main(void)
         TEST(two_asperities),
         TEST(penetration_alone_keeps_it_going),
         TEST(every_shape_of_grid),
+        TEST(free_surface_around_one_cell),
+        TEST(flat_free_face_is_a_punch),
         TEST(line_equals_grooved_plane),
         TEST(units_do_not_matter),
         TEST(absurd_loads),

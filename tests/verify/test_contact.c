@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <omp.h>
 
 #include "lacuna/contact.h"
 #include "support/benchmark_surface.h"
@@ -180,6 +181,57 @@ static void sphere(void **state)
     }
 }
 
+// A sphere of radius 1 on a free half-space: Hertz, nothing to be counted in.
+static void free_sphere(void **state)
+{
+    (void)state;
+    const double a = 0.2;
+    for (size_t n = 32; n <= 256; n *= 2) {
+        fixture f = make(n, 4.0 / 3.0 * a * a * a);
+        f.def.grid.periodic = false;
+        double mean = 0.0;
+        for (size_t i = 0; i < n * n; i++) {
+            f.h[i] = -0.5 * distance2(n, i);
+            mean += f.h[i] / (double)(n * n);
+        }
+        solve(&f);
+        double cell = 1.0 / (double)n;
+        double peak = f.report.max_pressure / (2.0 * a / pi) - 1.0;
+        double depth = -(f.report.approach + mean) / (a * a) - 1.0;
+        double error = hertz_error(&f, a);
+        print_message("free, a/L %.1f, %3zu^2: peak %+.2e, depth %+.2e, pressure rms error %.2e; "
+                      "%lld iterations\n",
+                      a, n, peak, depth, error, (long long)f.report.iterations);
+        assert_true(fabs(peak) < 3.0 * cell * cell);
+        assert_true(fabs(depth) < 3.0 * cell * cell);
+        assert_true(error < 1.5 * cell);
+        f.def.control = LAC_CONTROL_APPROACH;
+        f.def.approach = -a * a - mean;
+        solve(&f);
+        double load = f.report.mean_pressure / (4.0 / 3.0 * a * a * a) - 1.0;
+        print_message("  pushed down by a^2: load %+.2e; %lld iterations\n", load,
+                      (long long)f.report.iterations);
+        assert_true(fabs(load) < 5.0 * cell * cell);
+        free(f.h);
+    }
+}
+
+// The same count as other codes', cell by cell.
+static void rough_surface_with_free_boundaries(void **state)
+{
+    (void)state;
+    fixture f = make(256, 4.9e-3);
+    f.def.grid.periodic = false;
+    assert_int_equal(benchmark_surface(256, f.h), 0);
+    solve(&f);
+    print_message("A08 256^2 free: %zu cells, p_max %.7f; %lld iterations\n", f.report.n_cells,
+                  f.report.max_pressure, (long long)f.report.iterations);
+    assert_int_equal(f.report.n_cells, 6490);
+    assert_true(fabs(f.report.max_pressure - 0.30200) < 5e-6);
+    assert_true(f.report.iterations <= 24);
+    free(f.h);
+}
+
 static fixture rough(size_t n, double tolerance)
 {
     fixture f = make(n, 4.9e-3);
@@ -219,6 +271,84 @@ static void rough_surface_at_default_tolerance(void **state)
         assert_true(f.report.iterations <= most[k]);
         free(f.h);
     }
+}
+
+// From a few cells to nearly all of them: no load takes long.
+static void rough_surface_at_every_load(void **state)
+{
+    (void)state;
+    const double loads[] = {5e-6, 5e-5, 5e-4, 5e-3, 1.5e-2, 3e-2, 5e-2, 8e-2, 0.12, 0.2, 0.3};
+    fixture f = make(512, 1.0);
+    assert_int_equal(benchmark_surface(512, f.h), 0);
+    size_t cells = 0;
+    for (size_t k = 0; k < sizeof loads / sizeof loads[0]; k++) {
+        f.def.mean_pressure = loads[k];
+        solve(&f);
+        print_message("A08 512^2 at %g E*: contact fraction %.6f, %lld iterations\n", loads[k],
+                      (double)f.report.n_cells / (512.0 * 512.0), (long long)f.report.iterations);
+        assert_true(f.report.iterations <= 40);
+        assert_true(f.report.n_cells >= cells);
+        cells = f.report.n_cells;
+    }
+    assert_int_equal(cells, 512 * 512);
+    free(f.h);
+}
+
+// Up to 20 % of the area and back in small steps, each from the solution before.
+static void sequence_of_loads_from_warm_starts(void **state)
+{
+    (void)state;
+    fixture cold = make(256, 1.0);
+    fixture warm = make(256, 1.0);
+    assert_int_equal(benchmark_surface(256, cold.h), 0);
+    memcpy(warm.h, cold.h, 256 * 256 * sizeof(double));
+    int64_t cold_steps = 0;
+    int64_t warm_steps = 0;
+    for (int k = 0; k < 24; k++) {
+        double load = 4e-3 * pow(1.1, k < 12 ? k : 23 - k);
+        cold.def.mean_pressure = warm.def.mean_pressure = load;
+        solve(&cold);
+        solve(&warm);
+        warm.def.start = warm.p;
+        cold_steps += cold.report.iterations;
+        warm_steps += warm.report.iterations;
+        assert_int_equal(cold.report.n_cells, warm.report.n_cells);
+        for (size_t i = 0; i < 256 * 256; i++) {
+            assert_true(fabs(cold.p[i] - warm.p[i]) < 1e-6 * cold.report.max_pressure);
+        }
+    }
+    print_message("24 loads: %lld iterations cold, %lld warm\n", (long long)cold_steps,
+                  (long long)warm_steps);
+    assert_true(warm_steps < cold_steps);
+    // the same load again: nothing left to do
+    solve(&warm);
+    assert_true(warm.report.iterations <= 1);
+    free(cold.h);
+    free(warm.h);
+}
+
+// The same bits whatever the number of threads.
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    const int most = omp_get_max_threads();
+    for (int periodic = 0; periodic < 2; periodic++) {
+        fixture one = make(128, 4.9e-3);
+        fixture more = make(128, 4.9e-3);
+        assert_int_equal(benchmark_surface(128, one.h), 0);
+        memcpy(more.h, one.h, 128 * 128 * sizeof(double));
+        one.def.grid.periodic = more.def.grid.periodic = periodic == 1;
+        omp_set_num_threads(1);
+        solve(&one);
+        for (int threads = 2; threads <= 5; threads++) {
+            omp_set_num_threads(threads);
+            solve(&more);
+            assert_memory_equal(one.h, more.h, 3 * 128 * 128 * sizeof(double));
+        }
+        free(one.h);
+        free(more.h);
+    }
+    omp_set_num_threads(most);
 }
 
 // Pressures of the same problem by other codes, where the reference is at hand:
@@ -286,8 +416,13 @@ int main(void)
         cmocka_unit_test(sinusoid_partial),
         cmocka_unit_test(sinusoid_full),
         cmocka_unit_test(sphere),
+        cmocka_unit_test(free_sphere),
+        cmocka_unit_test(rough_surface_with_free_boundaries),
         cmocka_unit_test(rough_surface),
         cmocka_unit_test(rough_surface_at_default_tolerance),
+        cmocka_unit_test(rough_surface_at_every_load),
+        cmocka_unit_test(sequence_of_loads_from_warm_starts),
+        cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(rough_surface_against_reference),
         cmocka_unit_test(joint_at_several_resolutions),
     };
