@@ -23,6 +23,17 @@ typedef struct lac_self_affine {
     int64_t seed;
 } lac_self_affine;
 
+/// Surfaces of `benchmark`.
+enum { LAC_BENCHMARK_A08, LAC_BENCHMARK_J07 };
+
+/// Parameters of `benchmark`.
+typedef struct lac_benchmark {
+    int name;            ///< LAC_BENCHMARK_...
+    double rms_slope;    ///< of all waves [1]; NaN: not what fixes the scale
+    double height_ratio; ///< rms height of all waves over the side [1]; NaN likewise
+    int64_t seed;        ///< INT64_MIN: that of the surface
+} lac_benchmark;
+
 /// The index-th source in the registry, NULL past the end.
 const lac_surface_source *lac_surface_source_at(size_t index);
 

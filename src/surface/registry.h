@@ -7,4 +7,7 @@
 /// Random self-affine heights by spectral synthesis.
 extern const lac_surface_source lac_surface_self_affine;
 
+/// Surfaces defined to the last wave, for comparing solvers.
+extern const lac_surface_source lac_surface_benchmark;
+
 #endif
