@@ -17,10 +17,14 @@ typedef struct lac_surface_source {
 /// Parameters of `self-affine`.
 typedef struct lac_self_affine {
     double hurst;      ///< Hurst exponent [1]
-    double rms_height; ///< of the full band, rolloff to shortest [m]
+    double rms_height; ///< of the full band, rolloff to shortest [m]; NaN: rms_slope says it
+    double rms_slope;  ///< of the gradient of the full band [1]; NaN: rms_height says it
     double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
     double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
     int64_t seed;
+    double anisotropy; ///< correlation length along `direction` over that across [1]
+    double direction;  ///< from x towards y [rad]
+    double skewness;   ///< of the heights [1]
 } lac_self_affine;
 
 /// Surfaces of `benchmark`.
