@@ -38,6 +38,17 @@ typedef struct lac_benchmark {
     int64_t seed;        ///< INT64_MIN: that of the surface
 } lac_benchmark;
 
+/// Parameters of `joint`.
+typedef struct lac_joint {
+    double hurst;      ///< Hurst exponent of each face [1]
+    double rms_height; ///< of the full band of each face [m]
+    double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
+    double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
+    int64_t seed;
+    double mating; ///< wavelength from which on the faces are the same [m]; NaN: nowhere
+    double offset; ///< of the lower face along x [m]
+} lac_joint;
+
 /// The index-th source in the registry, NULL past the end.
 const lac_surface_source *lac_surface_source_at(size_t index);
 

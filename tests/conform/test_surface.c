@@ -225,6 +225,12 @@ static double mean_power(const double *h, size_t n, int power)
     return sum / (double)n;
 }
 
+// Independent faces whose variances add up
+static double faces(const lac_surface_source *source)
+{
+    return find(&source->about, "mating") == NULL ? 1.0 : 2.0;
+}
+
 // Mean over seeds of h^2 is rms_height^2 within four standard errors, and these are small.
 static void rms_is_stated(const lac_surface_source *source, const lac_grid *grid, double bound)
 {
@@ -237,7 +243,7 @@ static void rms_is_stated(const lac_surface_source *source, const lac_grid *grid
         double *h = heights(source, r, grid);
         size_t n = lac_grid_cells(grid);
         assert_true(fabs(mean_power(h, n, 1)) < 1e-13);
-        double ratio = mean_power(h, n, 2) / (r.rms_height * r.rms_height);
+        double ratio = mean_power(h, n, 2) / (faces(source) * r.rms_height * r.rms_height);
         sum += ratio;
         sum2 += ratio * ratio;
         free(h);
