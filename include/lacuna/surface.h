@@ -17,11 +17,37 @@ typedef struct lac_surface_source {
 /// Parameters of `self-affine`.
 typedef struct lac_self_affine {
     double hurst;      ///< Hurst exponent [1]
-    double rms_height; ///< of the full band, rolloff to shortest [m]
+    double rms_height; ///< of the full band, rolloff to shortest [m]; NaN: rms_slope says it
+    double rms_slope;  ///< of the gradient of the full band [1]; NaN: rms_height says it
     double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
     double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
     int64_t seed;
+    double anisotropy; ///< correlation length along `direction` over that across [1]
+    double direction;  ///< from x towards y [rad]
+    double skewness;   ///< of the heights [1]
 } lac_self_affine;
+
+/// Surfaces of `benchmark`.
+enum { LAC_BENCHMARK_A08, LAC_BENCHMARK_J07 };
+
+/// Parameters of `benchmark`.
+typedef struct lac_benchmark {
+    int name;            ///< LAC_BENCHMARK_...
+    double rms_slope;    ///< of all waves [1]; NaN: not what fixes the scale
+    double height_ratio; ///< rms height of all waves over the side [1]; NaN likewise
+    int64_t seed;        ///< INT64_MIN: that of the surface
+} lac_benchmark;
+
+/// Parameters of `joint`.
+typedef struct lac_joint {
+    double hurst;      ///< Hurst exponent of each face [1]
+    double rms_height; ///< of the full band of each face [m]
+    double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
+    double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
+    int64_t seed;
+    double mating; ///< wavelength from which on the faces are the same [m]; NaN: nowhere
+    double offset; ///< of the lower face along x [m]
+} lac_joint;
 
 /// The index-th source in the registry, NULL past the end.
 const lac_surface_source *lac_surface_source_at(size_t index);
@@ -32,5 +58,32 @@ const lac_surface_source *lac_surface_source_at(size_t index);
 /// @return what the source returns
 lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
                                 lac_error *err);
+
+/// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
+/// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.
+typedef struct lac_wave_range {
+    double longest, shortest;
+} lac_wave_range;
+
+/// What a height field looks like.
+typedef struct lac_surface_measures {
+    double rms_height;               ///< [m]
+    double rms_slope_x, rms_slope_y; ///< of the differences of neighbours [1]
+    double hurst, hurst_error; ///< and its standard error; NaN where the range has no three shells
+    double fit_longest, fit_shortest; ///< wavelengths fitted [m]
+    double z2, z2_step;               ///< rms slope of the profiles along x, at this step [1, m]
+    double jrc; ///< from z2, as it comes (0 to 20 makes sense); NaN where flat
+} lac_surface_measures;
+
+/// Measures a height field: its mean taken off, and its mean plane where it is not periodic.
+/// Hurst exponent by weighted least squares on the radially averaged power, windowed (Hann) where
+/// not periodic; jrc = 32.2 + 32.47 log10 z2. docs/theory/surface.md, Measures.
+/// @param heights  [ny * nx] [m]
+/// @param range    wavelengths to fit; NULL: the defaults
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where a height is not finite or the range is empty
+/// @source Tse & Cruden (1979), doi 10.1016/0148-9062(79)90241-9
+lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
+                               const lac_wave_range *range, lac_surface_measures *out,
+                               lac_error *err);
 
 #endif

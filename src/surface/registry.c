@@ -3,6 +3,8 @@
 
 static const lac_surface_source *const sources[] = {
     &lac_surface_self_affine,
+    &lac_surface_joint,
+    &lac_surface_benchmark,
 };
 
 const lac_surface_source *lac_surface_source_at(size_t index)

@@ -10,8 +10,8 @@
 /// @return 0, or -1 where memory is short
 int benchmark_surface(size_t n, double *heights);
 
-/// Heights of the joint-like surface J07_n on the unit square: Hurst 0.7, no plateau, modes
-/// 1 <= |k| < n/2, rms height 0.01, seed 2.
+/// Heights of the joint-like surface J07_1024 at the n * n nodes of the unit square: Hurst 0.7, no
+/// plateau, modes 1 <= |k| <= 511, rms height 0.01, seed 2.
 /// @param heights  [n * n]; overwritten
 /// @return 0, or -1 where memory is short
 int joint_surface(size_t n, double *heights);

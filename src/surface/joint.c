@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "surface/band.h"
+#include "surface/registry.h"
+
+#define TWO_PI 6.283185307179586476925286766559
+
+// What the amplitude of a mode depends on.
+typedef struct faces {
+    lac_band band;
+    uint64_t seed;
+    double scale;
+    double q_mating; // waves up to this wavenumber are common to the faces; 0: none [rad/m]
+    double offset;   // of the lower face along x [m]
+} faces;
+
+// Upper face minus lower one: a_k - b_k exp(-i qx offset), with b_k = a_k where the faces mate.
+static double _Complex mode(const void *of, double kx, double ky)
+{
+    const faces *f = of;
+    const lac_band *b = &f->band;
+    double q = hypot(kx * b->dqx, ky * b->dqy);
+    double shift = kx * b->dqx * f->offset;
+    double _Complex upper = lac_band_amplitude(b, f->seed, LAC_STREAM_SURFACE, kx, ky, f->scale);
+    double _Complex lower = upper;
+    if (q > f->q_mating) {
+        lower = lac_band_amplitude(b, f->seed, LAC_STREAM_SURFACE_LOWER, kx, ky, f->scale);
+    }
+    return upper - lower * (cos(shift) - sin(shift) * I);
+}
+
+// Faces that mate everywhere and are not offset leave nothing to press.
+static lac_status check(const lac_joint *p, const faces *f, lac_error *err)
+{
+    if (p->offset == 0.0 && f->q_mating >= f->band.q_shortest) {
+        return lac_fail(err, LAC_EINPUT,
+                        "joint: faces mated down to %g m, with no shorter waves and no offset, "
+                        "fit exactly: there is no roughness between them",
+                        p->mating);
+    }
+    return LAC_OK;
+}
+
+static lac_status generate(const void *params, const lac_grid *grid, double *heights,
+                           lac_error *err)
+{
+    const lac_joint *p = params;
+    size_t n = lac_grid_cells(grid);
+    if (n == 1) {
+        heights[0] = 0.0; // one cell has no roughness
+        return LAC_OK;
+    }
+    lac_fft *fft = NULL;
+    faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
+    lac_waves waves = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
+    lac_status status;
+    LAC_TRY(lac_band_of(&waves, grid, &f.band, err));
+    // Lengths carry rounding: a wave as long as `mating` is mated.
+    f.q_mating = isnan(p->mating) ? 0.0 : TWO_PI / p->mating * (1.0 + 1e-9);
+    LAC_TRY(check(p, &f, err));
+    f.scale = p->rms_height / sqrt(lac_band_sum(&f.band, 0));
+    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
+    lac_band_fill(fft, mode, &f);
+    lac_fft_inverse(fft);
+    for (size_t i = 0; i < n; i++) {
+        heights[i] = fft->real[i];
+    }
+out:
+    lac_fft_free(fft);
+    return status;
+}
+
+#define FIELD(name) offsetof(lac_joint, name)
+
+static const lac_param joint_params[] = {
+    {"hurst", "1", 0.8, 0.0, 1.0, FIELD(hurst), "Hurst exponent of each face",
+     .flags = LAC_ABOVE_MIN},
+    {"rms_height", "m", NAN, 0.0, 1e6, FIELD(rms_height),
+     "rms height of each face expected of its full band, rolloff to shortest",
+     .flags = LAC_ABOVE_MIN},
+    {"rolloff", "m", NAN, 0.0, 1e9, FIELD(rolloff),
+     "wavelength above which the spectrum of a face is flat; the longest side if absent",
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
+    {"shortest", "m", NAN, 0.0, 1e9, FIELD(shortest),
+     "shortest wavelength of a face; if absent two cells of the grid, to which rms_height then "
+     "refers",
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
+    {"seed", "1", 1.0, 0.0, 9007199254740992.0, FIELD(seed),
+     "of the random numbers: the same faces at every resolution", .type = LAC_INTEGER},
+    {"mating", "m", NAN, 0.0, 1e9, FIELD(mating),
+     "wavelength from which on the faces are the same; shorter waves are independent, and all "
+     "are if absent",
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
+    {"offset", "m", 0.0, -1e9, 1e9, FIELD(offset),
+     "by which the lower face is moved along x, the direction of slip", .type = LAC_REAL},
+};
+
+const lac_surface_source lac_surface_joint = {
+    .about =
+        {
+            .name = "joint",
+            .summary = "two self-affine faces, mated in their long waves: upper minus lower",
+            .reference = "Brown (1995), J. Geophys. Res. 100:5941, doi 10.1029/94JB02262",
+            .params = joint_params,
+            .param_count = sizeof joint_params / sizeof joint_params[0],
+            .params_size = sizeof(lac_joint),
+        },
+    .generate = generate,
+};

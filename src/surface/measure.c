@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "base/fft.h"
+#include "lacuna/surface.h"
+
+#define TWO_PI 6.283185307179586476925286766559
+
+enum { SHELLS = 256, PER_OCTAVE = 4 };
+
+// Power averaged over the directions, in shells a quarter of an octave wide.
+typedef struct radial {
+    double power[SHELLS], log_q[SHELLS], modes[SHELLS];
+    double q_low, q_high;
+} radial;
+
+static lac_status check(const lac_grid *grid, const double *heights, lac_error *err)
+{
+    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0)) {
+        return lac_fail(err, LAC_EINPUT, "no surface: %zu x %zu cells of %g x %g m", grid->nx,
+                        grid->ny, grid->dx, grid->dy);
+    }
+    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+        if (!isfinite(heights[i])) {
+            return lac_fail(err, LAC_EINPUT, "the height of cell (%zu, %zu) is not a number",
+                            i % grid->nx, i / grid->nx);
+        }
+    }
+    return LAC_OK;
+}
+
+// Takes off the mean, and where the ends do not meet the least-squares plane too.
+static void detrend(const lac_grid *grid, const double *heights, double *out)
+{
+    size_t n = lac_grid_cells(grid);
+    double cx = 0.5 * (double)(grid->nx - 1);
+    double cy = 0.5 * (double)(grid->ny - 1);
+    double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double x = (double)(i % grid->nx) - cx;
+        double y = (double)(i / grid->nx) - cy;
+        s += heights[i] / (double)n;
+        sx += x * heights[i];
+        sy += y * heights[i];
+        sxx += x * x;
+        syy += y * y;
+    }
+    double ax = grid->periodic || sxx == 0.0 ? 0.0 : sx / sxx;
+    double ay = grid->periodic || syy == 0.0 ? 0.0 : sy / syy;
+    for (size_t i = 0; i < n; i++) {
+        double x = (double)(i % grid->nx) - cx;
+        double y = (double)(i / grid->nx) - cy;
+        out[i] = heights[i] - s - ax * x - ay * y;
+    }
+}
+
+// rms difference of neighbours along x (or y) over their distance; 0 where there are none
+static double rms_difference(const lac_grid *grid, const double *h, bool along_x)
+{
+    size_t count = along_x ? grid->nx : grid->ny;
+    size_t last = grid->periodic || count == 0 ? count : count - 1;
+    size_t other = along_x ? grid->ny : grid->nx;
+    double sum = 0.0;
+    for (size_t j = 0; j < other; j++) {
+        for (size_t i = 0; i < last; i++) {
+            size_t k = (i + 1) % count;
+            double d = along_x ? h[j * grid->nx + k] - h[j * grid->nx + i]
+                               : h[k * grid->nx + j] - h[i * grid->nx + j];
+            sum += d * d;
+        }
+    }
+    return last == 0 ? 0.0 : sqrt(sum / (double)(last * other)) / (along_x ? grid->dx : grid->dy);
+}
+
+static double hann(size_t i, size_t n)
+{
+    return n == 1 ? 1.0 : 0.5 - 0.5 * cos(TWO_PI * ((double)i + 0.5) / (double)n);
+}
+
+static void window(const lac_grid *grid, double *h)
+{
+    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+        h[i] *= hann(i % grid->nx, grid->nx) * hann(i / grid->nx, grid->ny);
+    }
+}
+
+static void add_modes(const lac_grid *grid, const lac_fft *fft, radial *r)
+{
+    double lx = (double)grid->nx * grid->dx;
+    double ly = (double)grid->ny * grid->dy;
+    for (size_t j = 0; j < fft->ny; j++) {
+        double ky = lac_fft_frequency(j, fft->ny);
+        for (size_t i = ky > 0.0 ? 0U : 1U; i < fft->nkx; i++) { // each wave once
+            double q = TWO_PI * hypot((double)i / lx, ky / ly);
+            double s = floor(PER_OCTAVE * log2(q / r->q_low));
+            if (q >= r->q_low && q <= r->q_high && s < SHELLS) {
+                double a = cabs(fft->spectrum[j * fft->nkx + i]);
+                r->power[(size_t)s] += a * a;
+                r->log_q[(size_t)s] += log(q);
+                r->modes[(size_t)s] += 1.0;
+            }
+        }
+    }
+}
+
+// Weighted least squares of log power on log q. The mean power of n waves scatters by 1/sqrt(n)
+// of itself and its log lies 1/(2n) low; `tied` waves of a window count as one.
+static void fit(const radial *r, double tied, double dimensions, lac_surface_measures *m)
+{
+    double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0, wyy = 0.0;
+    int shells = 0;
+    for (size_t s = 0; s < SHELLS; s++) {
+        double n = r->modes[s] / tied;
+        if (n < 2.0 || r->power[s] <= 0.0) {
+            continue;
+        }
+        double x = r->log_q[s] / r->modes[s];
+        double y = log(r->power[s] / r->modes[s]) + 0.5 / n;
+        w += n;
+        wx += n * x;
+        wy += n * y;
+        wxx += n * x * x;
+        wxy += n * x * y;
+        wyy += n * y * y;
+        shells++;
+    }
+    if (shells < 3) {
+        return;
+    }
+    double sxx = wxx - wx * wx / w;
+    double slope = (wxy - wx * wy / w) / sxx;
+    double misfit = (wyy - wy * wy / w - slope * slope * sxx) / (shells - 2);
+    m->hurst = -0.5 * (slope + dimensions);
+    m->hurst_error = 0.5 * sqrt(fmax(1.0, misfit) / sxx);
+}
+
+static lac_status measure_hurst(const lac_grid *grid, lac_fft *fft, const lac_wave_range *range,
+                                lac_surface_measures *m, lac_error *err)
+{
+    double lx = grid->nx > 1 ? (double)grid->nx * grid->dx : INFINITY;
+    double ly = grid->ny > 1 ? (double)grid->ny * grid->dy : INFINITY;
+    double cell = fmax(grid->nx > 1 ? grid->dx : 0.0, grid->ny > 1 ? grid->dy : 0.0);
+    m->fit_longest = range == NULL || isnan(range->longest) ? fmin(lx, ly) / 4 : range->longest;
+    m->fit_shortest = range == NULL || isnan(range->shortest) ? 4.0 * cell : range->shortest;
+    if (range != NULL && !(range->shortest > 0.0 && range->longest > range->shortest)) {
+        if (!isnan(range->shortest) && !isnan(range->longest)) {
+            return lac_fail(err, LAC_EINPUT, "no waves are between %g and %g m", range->longest,
+                            range->shortest);
+        }
+    }
+    if (!(m->fit_longest > m->fit_shortest && m->fit_shortest > 0.0)) {
+        return LAC_OK; // too small a grid: hurst stays NaN
+    }
+    radial r = {.q_low = TWO_PI / m->fit_longest * (1.0 - 1e-9),
+                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9)};
+    bool line = grid->nx == 1 || grid->ny == 1;
+    if (!grid->periodic) {
+        window(grid, fft->real);
+    }
+    lac_fft_forward(fft);
+    add_modes(grid, fft, &r);
+    const double hann_tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
+    double tied = grid->periodic ? 1.0 : (line ? hann_tie : hann_tie * hann_tie);
+    fit(&r, tied, line ? 1.0 : 2.0, m);
+    return LAC_OK;
+}
+
+lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
+                               const lac_wave_range *range, lac_surface_measures *out,
+                               lac_error *err)
+{
+    lac_fft *fft = NULL;
+    lac_status status;
+    lac_surface_measures m = {.hurst = NAN, .hurst_error = NAN, .jrc = NAN};
+    LAC_TRY(check(grid, heights, err));
+    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
+    size_t n = lac_grid_cells(grid);
+    detrend(grid, heights, fft->real);
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += fft->real[i] * fft->real[i];
+    }
+    m.rms_height = sqrt(sum / (double)n);
+    m.rms_slope_x = rms_difference(grid, fft->real, true);
+    m.rms_slope_y = rms_difference(grid, fft->real, false);
+    m.z2 = m.rms_slope_x;
+    m.z2_step = grid->dx;
+    if (m.z2 > 0.0) {
+        m.jrc = 32.2 + 32.47 * log10(m.z2);
+    }
+    LAC_TRY(measure_hurst(grid, fft, range, &m, err));
+    *out = m;
+out:
+    lac_fft_free(fft);
+    return status;
+}
