@@ -3,6 +3,7 @@
 
 static const lac_surface_source *const sources[] = {
     &lac_surface_self_affine,
+    &lac_surface_from_file,
 };
 
 const lac_surface_source *lac_surface_source_at(size_t index)

@@ -7,4 +7,7 @@
 /// Random self-affine heights by spectral synthesis.
 extern const lac_surface_source lac_surface_self_affine;
 
+/// Measured heights from a file.
+extern const lac_surface_source lac_surface_from_file;
+
 #endif
