@@ -44,6 +44,8 @@ typedef struct lac_descriptor {
     const lac_param *params; ///< [param_count]
     size_t param_count;
     size_t params_size; ///< size of the struct that the offsets refer to [bytes]
+    /// What is wrong with the parameters taken together; NULL where nothing is. NULL: no such check
+    const char *(*fault)(const void *params);
 } lac_descriptor;
 
 /// A model chosen in a case, with its parameters.

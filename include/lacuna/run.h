@@ -82,6 +82,10 @@ typedef struct lac_run_result {
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
 lac_run_def lac_run_default(void);
 
+/// Whether a run can start: what lac_run would refuse before its first step.
+/// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM
+lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err);
+
 /// Integrates a problem in time.
 /// @param sink    gets the records, the first at t = 0; NULL drops them
 /// @param result  filled as far as the run came, whatever the status

@@ -121,6 +121,12 @@ void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const cha
         return;
     }
     read_params(reader, model, slot);
+    const char *fault = reader->report->errors == errors && about->fault != NULL
+                            ? about->fault(slot->params)
+                            : NULL;
+    if (fault != NULL) {
+        lac_blame(reader, model, "%s", fault);
+    }
     if (reader->report->errors > errors) {
         lac_slot_clear(slot);
     }

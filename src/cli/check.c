@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "cli/command.h"
+#include "cli/compare.h"
 #include "cli/estimate.h"
 #include "cli/progress.h"
 #include "cli/report.h"
@@ -17,6 +18,9 @@ static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac
         return LAC_OK;
     }
     lac_status status = lac_scene_create(c, &scene, err);
+    if (status == LAC_OK) {
+        status = lac_run_check(scene->problem, &c->run, err);
+    }
     lac_scene_free(scene);
     return status;
 }
@@ -51,7 +55,12 @@ static lac_status examine(const lac_case *c, char **scene, cli_estimate *estimat
     if (*scene == NULL) {
         return lac_fail_memory(err);
     }
-    lac_status status = cli_estimate_make(c, estimate, err);
+    cli_compare compare = {0};
+    lac_status status = cli_compare_read(c, &compare, err);
+    cli_compare_clear(&compare);
+    if (status == LAC_OK) {
+        status = cli_estimate_make(c, estimate, err);
+    }
     return status == LAC_OK ? try_scene(c, estimate, err) : status;
 }
 

@@ -141,7 +141,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 
 void cli_estimate_print(const cli_estimate *e)
 {
-    puts("\n# What it will cost, roughly");
+    puts("\n# What it will cost with bdf, roughly");
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
         printf("#   contact         %s%.3g cells, %.3g unknowns\n", e->exact ? "" : "about ",
@@ -150,7 +150,8 @@ void cli_estimate_print(const cli_estimate *e)
     printf("#   memory          %.2g MB\n", e->memory / 1e6);
     printf("#   time            about %.1g s on one core\n", e->cpu_time);
     if (isnan(e->stiffness_ratio)) {
-        printf("#   steps           hundreds (no cell can fail on its own)\n");
+        printf("#   steps           hundreds (%s)\n",
+               e->contact_cells <= 1 ? "one block" : "b <= a: no cell can fail on its own");
         return;
     }
     printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);

@@ -66,6 +66,9 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     if (chosen == NULL) {
         return LAC_EINPUT;
     }
+    if (request->count > 0 && request->argument[0][0] == '\0') {
+        return lac_fail(err, LAC_EINPUT, "\"\" is no name for a file");
+    }
     char *path = file_name(request->count > 0 ? request->argument[0] : "case");
     if (path == NULL) {
         return lac_fail_memory(err);

@@ -111,7 +111,7 @@ lac_provenance cli_provenance(const cli_request *request, const lac_case *c, con
 {
     const lac_slot *source = c->surface.about != NULL ? &c->surface : &c->domain;
     return (lac_provenance){
-        .title = c->title,
+        .title = c->title != NULL ? c->title : c->path,
         .institution = c->institution,
         .references = c->references,
         .case_text = case_text,

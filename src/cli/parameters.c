@@ -36,7 +36,7 @@ static const char *format_default(const lac_param *param, char *text, size_t siz
         return "required";
     }
     if (isnan(param->fallback)) {
-        return "optional";
+        return "no default";
     }
     char value[64];
     if (param->type == LAC_CHOICE) {

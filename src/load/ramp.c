@@ -34,6 +34,12 @@ static double next_break(const void *p, double t)
     return t < end ? end : INFINITY;
 }
 
+static const char *fault(const void *p)
+{
+    const ramp_params *ramp = p;
+    return ramp->end <= ramp->start ? "end must be later than start" : NULL;
+}
+
 static const lac_param params[] = {
     {.key = "rate",
      .unit = "Pa/s",
@@ -66,7 +72,8 @@ const lac_load_kind lac_shear_ramp = {
               .reference = "",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(ramp_params)},
+              .params_size = sizeof(ramp_params),
+              .fault = fault},
     .add = add,
     .next_break = next_break,
 };

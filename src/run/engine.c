@@ -23,6 +23,11 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
         status = lac_fail_memory(err);
         goto out;
     }
+    if (LAC_SUN_CONTEXT_CREATE(&engine->sun) != 0) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    LAC_SUN_SILENCE_CONTEXT(engine->sun);
     LAC_TRY(engine->kind->create(engine, err));
     *out = engine;
     engine = NULL;
@@ -37,6 +42,9 @@ void lac_engine_free(lac_engine *engine)
         return;
     }
     engine->kind->free(engine);
+    if (engine->sun != NULL) {
+        SUNContext_Free(&engine->sun);
+    }
     free(engine->work);
     free(engine);
 }

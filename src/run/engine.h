@@ -21,7 +21,8 @@ typedef struct lac_engine {
     double *slip;          // [n] slip at the time reached [m]
     double *work;          // lac_problem_work
     lac_run_result counts; // only the counters are kept here
-    void *inner;           // the kind's own
+    SUNContext sun;
+    void *inner; // the kind's own
 } lac_engine;
 
 // A method of integration.

@@ -9,7 +9,6 @@
 #include "run/engine.h"
 
 typedef struct cvode {
-    SUNContext sun;
     void *mem;
     N_Vector y, slip;
     N_Vector scratch_y, scratch_slip;
@@ -103,9 +102,6 @@ static void cvode_free(lac_engine *engine)
             N_VDestroy(vectors[i]);
         }
     }
-    if (c->sun != NULL) {
-        SUNContext_Free(&c->sun);
-    }
     free(c);
     engine->inner = NULL;
 }
@@ -115,11 +111,11 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
     int flag;
     if (engine->def->method == LAC_ADAMS) {
         // Three vectors of Anderson acceleration: plain fixed-point iteration is poor here.
-        c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, c->sun);
+        c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, engine->sun);
         flag =
             c->fixed_point == NULL ? CV_MEM_FAIL : CVodeSetNonlinearSolver(c->mem, c->fixed_point);
     } else {
-        c->linear = linear_solver(engine, c->sun);
+        c->linear = linear_solver(engine, engine->sun);
         flag = c->linear == NULL ? CV_MEM_FAIL : CVodeSetLinearSolver(c->mem, c->linear, NULL);
     }
     return flag == CV_SUCCESS ? LAC_OK : lac_fail_memory(err);
@@ -143,8 +139,8 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(2 * engine->n, c->sun);
-    c->slip = lac_vector_create(engine->n, c->sun);
+    c->y = lac_vector_create(2 * engine->n, engine->sun);
+    c->slip = lac_vector_create(engine->n, engine->sun);
     if (c->y == NULL || c->slip == NULL) {
         return lac_fail_memory(err);
     }
@@ -166,15 +162,11 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
         return lac_fail_memory(err);
     }
     engine->inner = c;
-    if (LAC_SUN_CONTEXT_CREATE(&c->sun) != 0) {
-        return lac_fail_memory(err);
-    }
-    LAC_SUN_SILENCE_CONTEXT(c->sun);
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
     N_VConst(0.0, c->slip);
 
-    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, c->sun);
+    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
     if (c->mem == NULL) {
         return lac_fail_memory(err);
     }

@@ -9,7 +9,6 @@
 // Dormand-Prince 5(4) on (ln v, ln theta, slip). ERKStep 6.4 takes a right-hand side that fails
 // as fatal; the step is then tried again from the last good state with a shorter one.
 typedef struct erk {
-    SUNContext sun;
     void *mem;
     N_Vector y, scratch;
     double *saved; // [3n]
@@ -60,9 +59,6 @@ static void erk_free(lac_engine *engine)
     if (c->scratch != NULL) {
         N_VDestroy(c->scratch);
     }
-    if (c->sun != NULL) {
-        SUNContext_Free(&c->sun);
-    }
     free(c->saved);
     free(c);
     engine->inner = NULL;
@@ -70,7 +66,7 @@ static void erk_free(lac_engine *engine)
 
 static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
-    c->y = lac_vector_create(3 * engine->n, c->sun);
+    c->y = lac_vector_create(3 * engine->n, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
     c->saved = malloc(3 * engine->n * sizeof *c->saved);
     if (c->scratch == NULL || c->saved == NULL) {
@@ -103,13 +99,9 @@ static lac_status erk_create(lac_engine *engine, lac_error *err)
         return lac_fail_memory(err);
     }
     engine->inner = c;
-    if (LAC_SUN_CONTEXT_CREATE(&c->sun) != 0) {
-        return lac_fail_memory(err);
-    }
-    LAC_SUN_SILENCE_CONTEXT(c->sun);
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
-    c->mem = ERKStepCreate(rates, 0.0, c->y, c->sun);
+    c->mem = ERKStepCreate(rates, 0.0, c->y, engine->sun);
     if (c->mem == NULL) {
         return lac_fail_memory(err);
     }

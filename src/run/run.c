@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "run/cadence.h"
+#include "run/check.h"
 #include "run/engine.h"
 #include "run/events.h"
 
@@ -22,7 +23,7 @@ typedef struct run {
     lac_engine *engine;
     lac_run_result *result;
     lac_clock record_clock, snapshot_clock;
-    instant last_record, last_snapshot;
+    instant last_record, last_snapshot, looked;
     double *between; // [3n] state and slip within a step, where records fall there; or NULL
     double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
     double next_break;
@@ -231,19 +232,6 @@ static lac_status look_for_end(run *r, double mean_before, lac_error *err)
     return LAC_OK;
 }
 
-// Slip that stops or turns back cannot be followed in ln v.
-static lac_status check_slipping(const run *r, lac_error *err)
-{
-    size_t cell;
-    if (lac_problem_slips(r->problem, r->engine->y, &cell)) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
-                    "takes it away or reverses it cannot be followed with ln v as unknown",
-                    cell, lac_engine_time(r->engine));
-}
-
 // One step, cut short where the run ends within it.
 static lac_status step(run *r, lac_error *err)
 {
@@ -253,7 +241,7 @@ static lac_status step(run *r, lac_error *err)
     double mean_before = r->mean_rate;
     LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-    LAC_TRY(check_slipping(r, err));
+    LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_time(engine), err));
     LAC_TRY(look_for_end(r, mean_before, err));
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
@@ -306,6 +294,28 @@ static void report_progress(const run *r)
     r->def->progress(r->def->context, &progress);
 }
 
+// Looks now and then whether time goes on: far less than the cells' own time scale in a thousand
+// steps is none at all.
+static lac_status check_advance(run *r, int64_t steps, lac_error *err)
+{
+    const int64_t window = 1000;
+    const lac_engine *engine = r->engine;
+    if (steps % window != 0) {
+        return LAC_OK;
+    }
+    double advanced =
+        (engine->origin - r->looked.origin) + (engine->base + engine->t - r->looked.local);
+    bool stalled = r->looked.set && advanced < 1e-9 * lac_problem_first_step(r->problem, engine->y);
+    r->looked = (instant){.set = true, .origin = engine->origin, .local = engine->base + engine->t};
+    if (!stalled) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_ENUMERIC,
+                    "time no longer advances: %lld steps of %.3g s at t = %.17g s, mean slip rate "
+                    "%g m/s; nothing holds the cells back there (no direct effect, no damping?)",
+                    (long long)window, engine->step, lac_engine_time(engine), r->mean_rate);
+}
+
 static lac_status integrate(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -313,6 +323,7 @@ static lac_status integrate(run *r, lac_error *err)
         if (steps >= r->def->max_steps) {
             return too_many_steps(r, err);
         }
+        LAC_TRY(check_advance(r, steps, err));
         LAC_TRY(step(r, err));
         report_progress(r);
         if (!r->done) {
@@ -325,45 +336,6 @@ static lac_status integrate(run *r, lac_error *err)
     }
 out:
     return status;
-}
-
-static lac_status check_def(const lac_run_def *def, lac_error *err)
-{
-    if (!(def->end > 0.0) || !isfinite(def->end)) {
-        return lac_fail(err, LAC_EINPUT, "the end of the run, %g s, must be after its start",
-                        def->end);
-    }
-    if (!(def->rtol > 0.0) || !(def->failure_rate > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
-                        def->rtol, def->failure_rate);
-    }
-    const lac_cadence *every[] = {&def->record, &def->snapshot};
-    for (size_t i = 0; i < 2; i++) {
-        // NaN, not given, passes.
-        if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
-            return lac_fail(err, LAC_EINPUT,
-                            "output every %g s or %g times a decade: must be positive",
-                            every[i]->time, every[i]->per_decade);
-        }
-    }
-    return LAC_OK;
-}
-
-static lac_status check_start(const run *r, lac_error *err)
-{
-    if (r->mean_rate >= r->def->failure_rate) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
-                        "%g m/s",
-                        r->mean_rate, r->def->failure_rate);
-    }
-    if (r->max_rate >= r->def->stop_rate) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the largest slip rate at the start, %g m/s, is not below the one to stop "
-                        "at, %g m/s",
-                        r->max_rate, r->def->stop_rate);
-    }
-    return check_slipping(r, err);
 }
 
 static lac_status allocate_output(run *r, lac_error *err)
@@ -386,7 +358,7 @@ static lac_status begin(run *r, lac_error *err)
     lac_status status = LAC_OK;
     LAC_TRY(allocate_output(r, err));
     lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-    LAC_TRY(check_start(r, err));
+    LAC_TRY(lac_check_start(r->problem, def, engine->y, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
@@ -433,7 +405,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     lac_status status = LAC_OK;
     *result = (lac_run_result){.failure_origin = NAN, .failure_local = NAN};
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
-    LAC_TRY(check_def(def, err));
+    LAC_TRY(lac_check_def(def, err));
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
     LAC_TRY(begin(&r, err));
     LAC_TRY(integrate(&r, err));

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, lac_error *err)
+{
+    size_t cell;
+    if (lac_problem_slips(problem, y, &cell)) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_ENUMERIC,
+                    "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
+                    "takes it away or reverses it cannot be followed with ln v as unknown",
+                    cell, t);
+}
+
+lac_status lac_check_def(const lac_run_def *def, lac_error *err)
+{
+    if (!(def->end > 0.0) || !isfinite(def->end)) {
+        return lac_fail(err, LAC_EINPUT, "the end of the run, %g s, must be after its start",
+                        def->end);
+    }
+    if (!(def->rtol > 0.0) || !(def->failure_rate > 0.0)) {
+        return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
+                        def->rtol, def->failure_rate);
+    }
+    const lac_cadence *every[] = {&def->record, &def->snapshot};
+    for (size_t i = 0; i < 2; i++) {
+        // NaN, not given, passes.
+        if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
+            return lac_fail(err, LAC_EINPUT,
+                            "output every %g s or %g times a decade: must be positive",
+                            every[i]->time, every[i]->per_decade);
+        }
+    }
+    return LAC_OK;
+}
+
+lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
+                           double *work, lac_error *err)
+{
+    double mean;
+    double max;
+    lac_problem_speed(problem, y, &mean, &max, work);
+    if (mean >= def->failure_rate) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
+                        "%g m/s",
+                        mean, def->failure_rate);
+    }
+    if (max >= def->stop_rate) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the largest slip rate at the start, %g m/s, is not below the one to stop "
+                        "at, %g m/s",
+                        max, def->stop_rate);
+    }
+    return lac_check_slipping(problem, y, 0.0, err);
+}
+
+lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err)
+{
+    lac_status status = lac_check_def(def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    size_t unknowns = 2 * lac_problem_cells(problem);
+    double *y = malloc((unknowns + lac_problem_work(problem)) * sizeof *y);
+    if (y == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_problem_initial(problem, y);
+    status = lac_check_start(problem, def, y, y + unknowns, err);
+    free(y);
+    return status;
+}
