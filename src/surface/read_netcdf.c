@@ -259,8 +259,7 @@ static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_e
 {
     grid_file file = {.path = bytes->path};
     // netCDF does not write to memory opened for reading; its own name tells it nothing
-    int code =
-        nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)(uintptr_t)bytes->data, &file.id);
+    int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
     if (code != NC_NOERR) {
         return check(&file, code, "the file", err);
     }
