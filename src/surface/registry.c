@@ -5,6 +5,7 @@ static const lac_surface_source *const sources[] = {
     &lac_surface_self_affine,
     &lac_surface_joint,
     &lac_surface_benchmark,
+    &lac_surface_from_file,
 };
 
 const lac_surface_source *lac_surface_source_at(size_t index)

@@ -13,4 +13,7 @@ extern const lac_surface_source lac_surface_joint;
 /// Surfaces defined to the last wave, for comparing solvers.
 extern const lac_surface_source lac_surface_benchmark;
 
+/// Measured heights from a file.
+extern const lac_surface_source lac_surface_from_file;
+
 #endif

@@ -44,7 +44,7 @@ HEADERS = {
 # Where a library may be used, by its headers.
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
-    (r"netcdf\w*\.h", "src/store/"),
+    (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
     (r"fftw3\.h", "src/base/fft.c"),
@@ -103,8 +103,9 @@ def check_library(path, included):
         return None
     for pattern, home in HOMES:
         if re.fullmatch(pattern, included):
-            at_home = path.startswith(home) or path == VERSIONS
-            return None if at_home else f"<{included}> belongs in {home} only"
+            homes = (home,) if isinstance(home, str) else home
+            at_home = path.startswith(homes) or path == VERSIONS
+            return None if at_home else f"<{included}> belongs in {' and '.join(homes)} only"
     return f"<{included}> is new: say in tools/lint/layers.py where it lives"
 
 

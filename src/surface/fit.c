@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/fit.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#define PI 3.14159265358979323846264338327950288
+
+// Spacings that agree to this part are one.
+static const double agreement = 1e-3;
+
+typedef struct frontier {
+    lac_height_map *map;
+    size_t *queue, count;
+} frontier;
+
+static void reach(frontier *f, size_t to, double height)
+{
+    if (isnan(f->map->heights[to])) {
+        f->map->heights[to] = height;
+        f->queue[f->count++] = to;
+    }
+}
+
+lac_status lac_fill_nearest(lac_height_map *map, lac_error *err)
+{
+    size_t n = map->nx * map->ny;
+    frontier f = {map, malloc(n * sizeof *f.queue), 0};
+    if (f.queue == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (!isnan(map->heights[i])) {
+            f.queue[f.count++] = i;
+        }
+    }
+    for (size_t k = 0; k < f.count && f.count < n; k++) {
+        size_t at = f.queue[k];
+        size_t ix = at % map->nx;
+        double height = map->heights[at];
+        if (ix > 0) {
+            reach(&f, at - 1, height);
+        }
+        if (ix + 1 < map->nx) {
+            reach(&f, at + 1, height);
+        }
+        if (at >= map->nx) {
+            reach(&f, at - map->nx, height);
+        }
+        if (at + map->nx < n) {
+            reach(&f, at + map->nx, height);
+        }
+    }
+    free(f.queue);
+    return LAC_OK;
+}
+
+void lac_fill_mean(lac_height_map *map)
+{
+    size_t n = map->nx * map->ny;
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += isnan(map->heights[i]) ? 0.0 : map->heights[i] / (double)(n - map->masked);
+    }
+    for (size_t i = 0; i < n; i++) {
+        map->heights[i] = isnan(map->heights[i]) ? sum : map->heights[i];
+    }
+}
+
+// One direction of the map and of the grid.
+typedef struct side {
+    char name;
+    size_t samples, cells;
+    double spacing, cell; ///< [m]; spacing is NaN where it is not known
+} side;
+
+static lac_status check_spacing(const char *path, const side *s, lac_error *err)
+{
+    bool line = s->cells == 1 && s->samples == 1;
+    if (!line && fabs(s->spacing / s->cell - 1.0) > agreement) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: its samples are %g m apart along %c, but the cells of the interface "
+                        "%g m; give the interface cells of that size, or use `fit: resample`",
+                        path, s->spacing, s->name, s->cell);
+    }
+    return LAC_OK;
+}
+
+static lac_status check_side(const char *path, const side *s, int fit, lac_error *err)
+{
+    double extent = (double)s->samples * s->spacing;
+    double wanted = (double)s->cells * s->cell;
+    if (fit == LAC_FIT_RESAMPLE) {
+        if (s->cells > 1 && extent < wanted * (1.0 - agreement)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "%s: it covers %g m along %c, but the interface is %g m; make the "
+                            "interface smaller, or use `fit: pad` with cells of %g m",
+                            path, extent, s->name, wanted, s->spacing);
+        }
+        return LAC_OK;
+    }
+    if (fit == LAC_FIT_CROP && s->samples < s->cells) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: it has %zu samples along %c, but the interface %zu cells; make the "
+                        "interface smaller, or use `fit: pad`%s",
+                        path, s->samples, s->name, s->cells,
+                        isnan(s->spacing) ? " or `fit: resample`" : "");
+    }
+    return check_spacing(path, s, err);
+}
+
+// The samples on either side of a cell's centre, and the weight of the second.
+typedef struct weight {
+    size_t low, high;
+    double part;
+} weight;
+
+// Centre on centre; beyond the map its edge goes on.
+static weight sample_at(const side *s, int fit, size_t cell)
+{
+    double last = (double)(s->samples - 1);
+    double ratio = isnan(s->spacing) ? (double)s->samples / (double)s->cells : s->cell / s->spacing;
+    double middle = 0.5 * ((double)s->samples - (double)s->cells);
+    double u = fit != LAC_FIT_RESAMPLE
+                   ? (double)cell + floor(middle)
+                   : ((double)cell + 0.5 - 0.5 * (double)s->cells) * ratio + 0.5 * last;
+    u = fmin(fmax(u, 0.0), last);
+    weight w = {.low = (size_t)u};
+    w.part = u - (double)w.low;
+    w.high = w.part > 0.0 ? w.low + 1 : w.low;
+    return w;
+}
+
+static double mix(double a, double b, double part)
+{
+    // a masked sample of weight zero does no harm
+    return part > 0.0 ? a + part * (b - a) : a;
+}
+
+lac_status lac_fit_map(const char *path, const lac_height_map *map, int fit, const lac_grid *grid,
+                       double *heights, lac_error *err)
+{
+    lac_status status;
+    const side x = {'x', map->nx, grid->nx, map->dx, grid->dx};
+    const side y = {'y', map->ny, grid->ny, map->dy, grid->dy};
+    LAC_TRY(check_side(path, &x, fit, err));
+    LAC_TRY(check_side(path, &y, fit, err));
+    for (size_t j = 0; j < grid->ny; j++) {
+        weight wy = sample_at(&y, fit, j);
+        const double *low = map->heights + wy.low * map->nx;
+        const double *high = map->heights + wy.high * map->nx;
+        for (size_t i = 0; i < grid->nx; i++) {
+            weight wx = sample_at(&x, fit, i);
+            heights[j * grid->nx + i] = mix(mix(low[wx.low], low[wx.high], wx.part),
+                                            mix(high[wx.low], high[wx.high], wx.part), wy.part);
+        }
+    }
+out:
+    return status;
+}
+
+// h - mean - gx x - gy y; on a regular grid x and y from its centre are orthogonal.
+void lac_detrend(int detrend, const lac_grid *grid, double *heights)
+{
+    size_t n = lac_grid_cells(grid);
+    double mean = 0.0;
+    double hx = 0.0, hy = 0.0, xx = 0.0, yy = 0.0;
+    double cx = 0.5 * (double)(grid->nx - 1);
+    double cy = 0.5 * (double)(grid->ny - 1);
+    if (detrend == LAC_DETREND_NONE) {
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        mean += heights[i] / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double x = (double)(i % grid->nx) - cx;
+        double y = (double)(i / grid->nx) - cy;
+        heights[i] -= mean;
+        hx += heights[i] * x;
+        hy += heights[i] * y;
+        xx += x * x;
+        yy += y * y;
+    }
+    bool plane = detrend == LAC_DETREND_PLANE;
+    double gx = plane && xx > 0.0 ? hx / xx : 0.0;
+    double gy = plane && yy > 0.0 ? hy / yy : 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double x = (double)(i % grid->nx) - cx;
+        double y = (double)(i / grid->nx) - cy;
+        heights[i] -= gx * x + gy * y;
+    }
+}
+
+// 0 at the edge, 1 from `part` of the side inwards.
+static double window(size_t cell, size_t cells, double part)
+{
+    double from_edge = fmin((double)cell, (double)(cells - 1 - cell)) + 0.5;
+    double u = from_edge / (part * (double)cells);
+    return cells == 1 || u >= 1.0 ? 1.0 : 0.5 * (1.0 - cos(PI * u));
+}
+
+void lac_taper(double part, const lac_grid *grid, double *heights)
+{
+    for (size_t i = 0; part > 0.0 && i < lac_grid_cells(grid); i++) {
+        heights[i] *= window(i % grid->nx, grid->nx, part) * window(i / grid->nx, grid->ny, part);
+    }
+}

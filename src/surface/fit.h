@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SURFACE_FIT_H
+#define LACUNA_SURFACE_FIT_H
+
+#include "lacuna/surface.h"
+
+/// Choices of the parameters of `file`, in the order of their words.
+enum { LAC_NODATA_REFUSE, LAC_NODATA_NEAREST, LAC_NODATA_MEAN };
+enum { LAC_FIT_CROP, LAC_FIT_PAD, LAC_FIT_RESAMPLE };
+enum { LAC_DETREND_NONE, LAC_DETREND_MEAN, LAC_DETREND_PLANE };
+
+/// Gives the masked samples of a map the height of the nearest one that has a height (by steps
+/// from neighbour to neighbour).
+/// @pre    at least one has
+/// @return LAC_OK, LAC_ENOMEM
+lac_status lac_fill_nearest(lac_height_map *map, lac_error *err);
+
+/// Gives the masked samples of a map the mean of the others.
+void lac_fill_mean(lac_height_map *map);
+
+/// Lays a map on a grid, centre on centre; spacings in metres.
+/// @param heights  [ny * nx] of the grid; overwritten; NaN where the map is masked
+/// @return LAC_OK; LAC_EINPUT where the spacings or sizes do not fit
+lac_status lac_fit_map(const char *path, const lac_height_map *map, int fit, const lac_grid *grid,
+                       double *heights, lac_error *err);
+
+/// Takes the mean, or the plane of least squares, off the heights.
+void lac_detrend(int detrend, const lac_grid *grid, double *heights);
+
+/// Lets the heights fade to zero at the edges as half a cosine over a part of each side.
+void lac_taper(double part, const lac_grid *grid, double *heights);
+
+#endif

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// ESRI ASCII grid: keys with one value each, then the rows, the one of the largest y first.
+#include <math.h>
+#include <string.h>
+
+#include "surface/scan.h"
+
+// Keys of the header; the corners are accepted and not used.
+enum { NCOLS, NROWS, CELLSIZE, DX, DY, NODATA, XLLCORNER, YLLCORNER, XLLCENTER, YLLCENTER, KEYS };
+
+static const char *const keys[KEYS] = {"ncols",     "nrows",        "cellsize",  "dx",
+                                       "dy",        "NODATA_value", "xllcorner", "yllcorner",
+                                       "xllcenter", "yllcenter"};
+
+typedef struct asc {
+    lac_scan scan;
+    uint64_t count[2];  ///< columns, rows
+    double value[KEYS]; ///< NaN where absent
+    size_t line[KEYS];  ///< 0 where absent
+} asc;
+
+static int key_of(lac_word word)
+{
+    for (int k = 0; k < KEYS; k++) {
+        if (lac_word_is(word, keys[k])) {
+            return k;
+        }
+    }
+    return lac_word_is(word, "nodata") ? NODATA : -1;
+}
+
+static bool is_asc(const lac_bytes *bytes)
+{
+    lac_scan scan = lac_scan_begin(bytes);
+    lac_word word;
+    return (lac_scan_word(&scan, &word) || (lac_scan_line(&scan) && lac_scan_word(&scan, &word))) &&
+           key_of(word) >= 0;
+}
+
+static lac_status take_value(asc *file, int key, lac_error *err)
+{
+    lac_status status;
+    lac_word word;
+    lac_word more;
+    lac_scan *scan = &file->scan;
+    if (file->line[key] != 0) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s stands in line %zu already", scan->path,
+                        scan->line, keys[key], file->line[key]);
+    }
+    if (!lac_scan_word(scan, &word) || lac_scan_word(scan, &more)) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s must have one value", scan->path, scan->line,
+                        keys[key]);
+    }
+    file->line[key] = scan->line;
+    switch (key) {
+    case NCOLS:
+    case NROWS:
+        LAC_TRY(lac_scan_count(scan, keys[key], word, &file->count[key], err));
+        break;
+    case CELLSIZE:
+    case DX:
+    case DY:
+        LAC_TRY(lac_scan_length(scan, keys[key], word, &file->value[key], err));
+        break;
+    default:
+        LAC_TRY(lac_scan_number(scan, word, &file->value[key], err));
+    }
+out:
+    return status;
+}
+
+static bool begins_number(lac_word word)
+{
+    return strchr("0123456789+-.", word.text[0]) != NULL || lac_word_is(word, "nan");
+}
+
+// The header up to the first line of numbers.
+static lac_status read_header(asc *file, lac_error *err)
+{
+    lac_scan *scan = &file->scan;
+    char shown[40];
+    for (;;) {
+        lac_scan before = *scan;
+        lac_word word;
+        bool any = lac_scan_word(scan, &word);
+        int key = any ? key_of(word) : -1;
+        if (any && key < 0 && (begins_number(word) || file->line[NCOLS] * file->line[NROWS] > 0)) {
+            *scan = before;
+            return LAC_OK;
+        }
+        if (any && key < 0) {
+            return lac_fail(err, LAC_EINPUT,
+                            "%s:%zu: \"%s\" is no key of an ESRI ASCII grid: ncols, nrows, "
+                            "xllcorner, yllcorner, xllcenter, yllcenter, cellsize, dx, dy, "
+                            "NODATA_value",
+                            scan->path, scan->line, lac_word_show(word, shown, sizeof shown));
+        }
+        lac_status status = any ? take_value(file, key, err) : LAC_OK;
+        if (status != LAC_OK) {
+            return status;
+        }
+        if (!lac_scan_line(scan)) {
+            return LAC_OK;
+        }
+    }
+}
+
+static lac_status check_header(const asc *file, lac_height_map *map, lac_error *err)
+{
+    const char *path = file->scan.path;
+    bool pair = file->line[DX] > 0 && file->line[DY] > 0;
+    for (int k = NCOLS; k <= NROWS; k++) {
+        if (file->line[k] == 0) {
+            return lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without %s", path,
+                            file->scan.line, keys[k]);
+        }
+    }
+    if (file->line[CELLSIZE] == 0 && !pair) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without cellsize, or dx and dy",
+                        path, file->scan.line);
+    }
+    if (file->line[CELLSIZE] > 0 && (file->line[DX] > 0 || file->line[DY] > 0)) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: must have either cellsize or dx and dy, not both",
+                        path, file->line[CELLSIZE]);
+    }
+    map->dx = pair ? file->value[DX] : file->value[CELLSIZE];
+    map->dy = pair ? file->value[DY] : file->value[CELLSIZE];
+    return LAC_OK;
+}
+
+// The numbers of one line; a row of the grid may go over several, but ends where a line ends.
+static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_error *err)
+{
+    lac_status status;
+    lac_scan *scan = &file->scan;
+    lac_word word;
+    bool any = false;
+    while (lac_scan_word(scan, &word)) {
+        char shown[40];
+        if (any && *count % map->nx == 0) {
+            return lac_fail(err, LAC_EINPUT,
+                            "%s:%zu: \"%s\" follows the %zu numbers of a row; a line must end "
+                            "after each row of ncols numbers",
+                            scan->path, scan->line, lac_word_show(word, shown, sizeof shown),
+                            map->nx);
+        }
+        if (*count == map->nx * map->ny) {
+            return lac_fail(
+                err, LAC_EINPUT, "%s:%zu: \"%s\" comes after all ncols x nrows = %zu x %zu numbers",
+                scan->path, scan->line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny);
+        }
+        double value = NAN;
+        LAC_TRY(lac_scan_number(scan, word, &value, err));
+        map->heights[(*count)++] = value == file->value[NODATA] ? (double)NAN : value;
+        any = true;
+    }
+    return LAC_OK;
+out:
+    return status;
+}
+
+static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
+{
+    lac_status status;
+    size_t count = 0;
+    asc file = {.scan = lac_scan_begin(bytes)};
+    for (int k = 0; k < KEYS; k++) {
+        file.value[k] = (double)NAN;
+    }
+    LAC_TRY(read_header(&file, err));
+    LAC_TRY(check_header(&file, map, err));
+    // a number takes two bytes at least, its blank included
+    size_t most = (size_t)(file.scan.end - file.scan.at) / 2 + 1;
+    LAC_TRY(lac_map_size(map, bytes->path, file.count[NCOLS], file.count[NROWS], most, err));
+    do {
+        LAC_TRY(read_line(&file, map, &count, err));
+    } while (lac_scan_line(&file.scan));
+    if (count < map->nx * map->ny) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "%s:%zu: the file ends after %zu numbers; must have ncols x nrows = %zu x "
+                         "%zu",
+                         bytes->path, file.scan.line, count, map->nx, map->ny));
+    }
+    lac_map_flip(map);
+out:
+    return status;
+}
+
+const lac_map_format lac_map_asc = {"ESRI ASCII grid", is_asc, read_asc};

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gwyddion Simple Field 1.0: lines `key = value`, NULs to a multiple of four bytes, then 32-bit
+// little-endian floats, the row of the largest y first.
+#include <math.h>
+#include <string.h>
+
+#include "surface/scan.h"
+
+static const char magic[] = "Gwyddion Simple Field";
+
+typedef struct gsf {
+    lac_scan scan;
+    uint64_t nx, ny;
+    double lx, ly; ///< NaN where absent
+} gsf;
+
+static bool is_gsf(const lac_bytes *bytes) { return lac_bytes_begin(bytes, magic); }
+
+static lac_status take_unit(const gsf *file, const char *key, lac_word value, char *unit,
+                            size_t size, lac_error *err)
+{
+    if (value.length >= size) {
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s must be shorter than %zu bytes",
+                        file->scan.path, file->scan.line, key, size);
+    }
+    memcpy(unit, value.text, value.length);
+    unit[value.length] = '\0';
+    return LAC_OK;
+}
+
+// One line of the header; keys that say nothing of the heights pass by.
+static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_error *err)
+{
+    const lac_scan *scan = &file->scan;
+    const char *equals = memchr(line.text, '=', line.length);
+    if (line.length == 0) {
+        return LAC_OK;
+    }
+    if (equals == NULL) {
+        char shown[40];
+        return lac_fail(err, LAC_EINPUT, "%s:%zu: \"%s\" is not key = value", scan->path,
+                        scan->line, lac_word_show(line, shown, sizeof shown));
+    }
+    lac_scan part = {.at = line.text, .end = equals};
+    lac_word key = lac_scan_rest(&part);
+    part = (lac_scan){.at = equals + 1, .end = line.text + line.length};
+    lac_word value = lac_scan_rest(&part);
+    if (lac_word_is(key, "XRes")) {
+        return lac_scan_count(scan, "XRes", value, &file->nx, err);
+    }
+    if (lac_word_is(key, "YRes")) {
+        return lac_scan_count(scan, "YRes", value, &file->ny, err);
+    }
+    if (lac_word_is(key, "XReal")) {
+        return lac_scan_length(scan, "XReal", value, &file->lx, err);
+    }
+    if (lac_word_is(key, "YReal")) {
+        return lac_scan_length(scan, "YReal", value, &file->ly, err);
+    }
+    if (lac_word_is(key, "XYUnits")) {
+        return take_unit(file, "XYUnits", value, map->lateral_unit, sizeof map->lateral_unit, err);
+    }
+    if (lac_word_is(key, "ZUnits")) {
+        return take_unit(file, "ZUnits", value, map->height_unit, sizeof map->height_unit, err);
+    }
+    return LAC_OK;
+}
+
+static lac_status read_header(gsf *file, lac_height_map *map, lac_error *err)
+{
+    lac_scan *scan = &file->scan;
+    lac_status status = LAC_OK;
+    while (status == LAC_OK && lac_scan_line(scan)) {
+        status = take_line(file, lac_scan_rest(scan), map, err);
+    }
+    if (status == LAC_OK && (file->nx == 0 || file->ny == 0)) {
+        status = lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without %s", scan->path,
+                          scan->line, file->nx == 0 ? "XRes" : "YRes");
+    }
+    return status;
+}
+
+static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
+{
+    lac_status status;
+    static const lac_number_type type = {'f', 4, false};
+    gsf file = {.scan = lac_scan_begin(bytes), .lx = (double)NAN, .ly = (double)NAN};
+    const char *nul = memchr(bytes->data, '\0', bytes->size);
+    if (nul == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: byte %zu: the file ends without the NUL that closes "
+                        "the header",
+                        bytes->path, bytes->size);
+    }
+    file.scan.end = nul;
+    LAC_TRY(read_header(&file, map, err));
+    size_t header = (size_t)(nul - (const char *)bytes->data);
+    size_t start = header + 4 - header % 4;
+    size_t most = bytes->size > start ? (bytes->size - start) / 4 : 0;
+    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
+    size_t n = map->nx * map->ny;
+    if (bytes->size - start != 4 * n) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "%s: byte %zu: the file goes on behind its %zu x %zu heights", bytes->path,
+                         start + 4 * n, map->nx, map->ny));
+    }
+    for (size_t i = 0; i < n; i++) {
+        map->heights[i] = lac_bytes_number(bytes->data + start + 4 * i, type);
+    }
+    lac_map_flip(map);
+    map->dx = file.lx / (double)map->nx;
+    map->dy = file.ly / (double)map->ny;
+out:
+    return status;
+}
+
+const lac_map_format lac_map_gsf = {"Gwyddion Simple Field", is_gsf, read_gsf};

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// netCDF: a variable over (y, x), as GMT writes it, or `heights` over (x, y), as SurfaceTopography.
+#include <math.h>
+#include <netcdf.h>
+#include <netcdf_mem.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "surface/read.h"
+
+typedef struct grid_file {
+    const char *path;
+    int id;
+    int var;
+    int dim[2]; ///< of the variable, slowest first
+    size_t length[2];
+    bool transposed; ///< slowest is x
+    char name[NC_MAX_NAME + 1];
+} grid_file;
+
+static bool is_netcdf(const lac_bytes *bytes)
+{
+    return lac_bytes_begin(bytes, "\x89HDF\r\n\x1a\n") || lac_bytes_begin(bytes, "CDF\x01") ||
+           lac_bytes_begin(bytes, "CDF\x02") || lac_bytes_begin(bytes, "CDF\x05");
+}
+
+static lac_status check(const grid_file *file, int code, const char *what, lac_error *err)
+{
+    if (code == NC_NOERR) {
+        return LAC_OK;
+    }
+    if (code == NC_ENOMEM) {
+        return lac_fail_memory(err);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", file->path, what,
+                    nc_strerror(code));
+}
+
+// A variable that may be the map: two dimensions, numbers.
+static bool is_candidate(const grid_file *file, int var)
+{
+    int dims = 0;
+    nc_type type = NC_NAT;
+    return nc_inq_varndims(file->id, var, &dims) == NC_NOERR && dims == 2 &&
+           nc_inq_vartype(file->id, var, &type) == NC_NOERR && type != NC_CHAR &&
+           type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
+}
+
+// `heights` or `z` if there is one, else the only variable of two dimensions.
+static lac_status find_variable(grid_file *file, lac_error *err)
+{
+    static const char *const preferred[] = {"heights", "z"};
+    int vars = 0;
+    int found = 0;
+    for (size_t i = 0; i < 2; i++) {
+        if (nc_inq_varid(file->id, preferred[i], &file->var) == NC_NOERR &&
+            is_candidate(file, file->var)) {
+            return LAC_OK;
+        }
+    }
+    lac_status status = check(file, nc_inq_nvars(file->id, &vars), "the variables", err);
+    for (int v = 0; status == LAC_OK && v < vars; v++) {
+        if (is_candidate(file, v)) {
+            file->var = v;
+            found++;
+        }
+    }
+    if (status == LAC_OK && found != 1) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: has %d variables of two dimensions; must have one, or one named "
+                          "heights or z",
+                          file->path, found);
+    }
+    return status;
+}
+
+static lac_status find_dimensions(grid_file *file, lac_error *err)
+{
+    lac_status status;
+    char name[2][NC_MAX_NAME + 1];
+    LAC_TRY(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
+    LAC_TRY(check(file, nc_inq_vardimid(file->id, file->var, file->dim), file->name, err));
+    for (size_t k = 0; k < 2; k++) {
+        LAC_TRY(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
+                      file->name, err));
+    }
+    static const char *const along_y[] = {"y", "lat", "latitude"};
+    for (size_t i = 0; i < 3; i++) {
+        file->transposed = file->transposed || strcasecmp(name[1], along_y[i]) == 0;
+    }
+out:
+    return status;
+}
+
+// A text attribute; "" where there is none that fits.
+static void take_text(const grid_file *file, int var, const char *name, char *text, size_t size)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    if (nc_inq_att(file->id, var, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
+        length < size && nc_get_att_text(file->id, var, name, text) == NC_NOERR) {
+        text[length] = '\0';
+    }
+    char *string = NULL;
+    if (type == NC_STRING && length == 1 &&
+        nc_get_att_string(file->id, var, name, &string) == NC_NOERR && string != NULL) {
+        if (strlen(string) < size) {
+            memcpy(text, string, strlen(string) + 1);
+        }
+        (void)nc_free_string(1, &string);
+    }
+}
+
+static void take_unit(const grid_file *file, int var, char *unit, size_t size)
+{
+    take_text(file, var, "units", unit, size);
+    if (unit[0] == '\0') {
+        take_text(file, var, "unit", unit, size);
+    }
+}
+
+// A numeric attribute of one value.
+static double take_number(const grid_file *file, const char *name, double fallback)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    double value = fallback;
+    if (nc_inq_att(file->id, file->var, name, &type, &length) != NC_NOERR || length != 1 ||
+        type == NC_CHAR || type == NC_STRING ||
+        nc_get_att_double(file->id, file->var, name, &value) != NC_NOERR) {
+        return fallback;
+    }
+    return value;
+}
+
+// The spacing of the coordinate of a dimension, negative where it falls; NaN where there is none.
+static lac_status take_spacing(const grid_file *file, size_t k, double *spacing, char *unit,
+                               lac_error *err)
+{
+    lac_status status = LAC_OK;
+    char name[NC_MAX_NAME + 1] = "";
+    double *x = NULL;
+    int var = -1;
+    int dims = 0;
+    int dim = -1;
+    size_t n = file->length[k];
+    *spacing = (double)NAN;
+    LAC_TRY(check(file, nc_inq_dimname(file->id, file->dim[k], name), "a dimension", err));
+    if (n < 2 || nc_inq_varid(file->id, name, &var) != NC_NOERR ||
+        nc_inq_varndims(file->id, var, &dims) != NC_NOERR || dims != 1 ||
+        nc_inq_vardimid(file->id, var, &dim) != NC_NOERR || dim != file->dim[k]) {
+        goto out;
+    }
+    x = malloc(n * sizeof *x);
+    if (x == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
+    *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
+    for (size_t i = 0; i < n; i++) {
+        double off = x[i] - (x[0] + (double)i * *spacing);
+        if (!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing)) {
+            LAC_TRY(lac_fail(err, LAC_EINPUT,
+                             "%s: %s[%zu] = %g; must be at a regular spacing, here %g", file->path,
+                             name, i, x[i], *spacing));
+        }
+    }
+    take_unit(file, var, unit, sizeof((lac_height_map *)NULL)->lateral_unit);
+out:
+    free(x);
+    return status;
+}
+
+// Stored numbers to heights: missing ones to NaN, packed ones unpacked.
+static void unpack(const grid_file *file, double *h, size_t n)
+{
+    double fill = take_number(file, "_FillValue", (double)NAN);
+    double missing = take_number(file, "missing_value", (double)NAN);
+    double scale = take_number(file, "scale_factor", 1.0);
+    double offset = take_number(file, "add_offset", 0.0);
+    for (size_t i = 0; i < n; i++) {
+        bool none = h[i] == fill || h[i] == missing || h[i] == NC_FILL_DOUBLE ||
+                    h[i] == (double)NC_FILL_FLOAT;
+        h[i] = none ? (double)NAN : scale * h[i] + offset;
+    }
+}
+
+static lac_status transpose(lac_height_map *map, lac_error *err)
+{
+    size_t n = map->nx * map->ny;
+    double *turned = malloc(n * sizeof *turned);
+    if (turned == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        turned[i] = map->heights[i % map->nx * map->ny + i / map->nx];
+    }
+    free(map->heights);
+    map->heights = turned;
+    return LAC_OK;
+}
+
+static void turn_row(double *row, size_t n)
+{
+    for (size_t a = 0, b = n - 1; a < b; a++, b--) {
+        double swapped = row[a];
+        row[a] = row[b];
+        row[b] = swapped;
+    }
+}
+
+// Heights in the order of rising x and y.
+static lac_status arrange(const grid_file *file, lac_height_map *map, lac_error *err)
+{
+    lac_status status = file->transposed ? transpose(map, err) : LAC_OK;
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (map->dy < 0.0) {
+        lac_map_flip(map);
+    }
+    for (size_t j = 0; map->dx < 0.0 && j < map->ny; j++) {
+        turn_row(map->heights + j * map->nx, map->nx);
+    }
+    map->dx = fabs(map->dx);
+    map->dy = fabs(map->dy);
+    return LAC_OK;
+}
+
+static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
+{
+    lac_status status;
+    char other[sizeof map->lateral_unit] = "";
+    LAC_TRY(find_variable(file, err));
+    LAC_TRY(find_dimensions(file, err));
+    size_t x = file->transposed ? 0 : 1;
+    // compressed or never written data may be larger than the file: only the limit bounds them
+    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], SIZE_MAX, err));
+    LAC_TRY(take_spacing(file, x, &map->dx, map->lateral_unit, err));
+    LAC_TRY(take_spacing(file, 1 - x, &map->dy, other, err));
+    bool one = map->lateral_unit[0] == '\0' || other[0] == '\0';
+    if (!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit",
+                         file->path, map->lateral_unit, other));
+    }
+    if (map->lateral_unit[0] == '\0') {
+        memcpy(map->lateral_unit, other, sizeof other);
+    }
+    take_unit(file, file->var, map->height_unit, sizeof map->height_unit);
+    LAC_TRY(check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
+    unpack(file, map->heights, map->nx * map->ny);
+    LAC_TRY(arrange(file, map, err));
+out:
+    return status;
+}
+
+static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
+{
+    grid_file file = {.path = bytes->path};
+    // netCDF does not write to memory opened for reading; its own name tells it nothing
+    int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
+    if (code != NC_NOERR) {
+        return check(&file, code, "the file", err);
+    }
+    lac_status status = read_map(&file, map, err);
+    (void)nc_close(file.id);
+    return status;
+}
+
+const lac_map_format lac_map_netcdf = {"netCDF", is_netcdf, read_netcdf};

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// NumPy's .npy, versions 1 to 3: magic, length of the header, a Python dictionary, the array.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "surface/read.h"
+
+enum { HEADER_MOST = 4096 };
+
+typedef struct npy {
+    char header[HEADER_MOST];
+    size_t data; ///< byte where the array begins
+    lac_number_type type;
+    bool fortran;
+    uint64_t nx, ny;
+} npy;
+
+static bool is_npy(const lac_bytes *bytes) { return lac_bytes_begin(bytes, "\x93NUMPY"); }
+
+static lac_status take_header(const lac_bytes *bytes, npy *file, lac_error *err)
+{
+    unsigned version = bytes->size > 6 ? bytes->data[6] : 0;
+    size_t start = version == 1 ? 10 : 12;
+    if (bytes->size < 12) {
+        return lac_fail(err, LAC_EINPUT, "%s: byte %zu: the file ends inside the .npy header",
+                        bytes->path, bytes->size);
+    }
+    if (version < 1 || version > 3) {
+        return lac_fail(err, LAC_EINPUT, "%s: byte 6: .npy version %u; must be 1, 2 or 3",
+                        bytes->path, version);
+    }
+    lac_number_type length_type = {'u', version == 1 ? 2 : 4, false};
+    double length = lac_bytes_number(bytes->data + 8, length_type);
+    if (length >= HEADER_MOST || (size_t)length > bytes->size - start) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: byte 8: a header of %.0f bytes; must end within the file and be "
+                        "shorter than %d",
+                        bytes->path, length, HEADER_MOST);
+    }
+    memcpy(file->header, bytes->data + start, (size_t)length);
+    file->header[(size_t)length] = '\0';
+    file->data = start + (size_t)length;
+    return LAC_OK;
+}
+
+// Where the value of a key begins; NULL where there is none.
+static const char *value_of(const npy *file, const char *key)
+{
+    const char *at = strstr(file->header, key);
+    at = at != NULL ? strchr(at + strlen(key), ':') : NULL;
+    return at != NULL ? at + 1 + strspn(at + 1, " ") : NULL;
+}
+
+static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
+{
+    const char *descr = value_of(file, "'descr'");
+    char order = 0;
+    char kind = 0;
+    char width = 0;
+    if (descr != NULL && strlen(descr) > 5 && descr[0] == '\'' && descr[4] == '\'') {
+        order = descr[1];
+        kind = descr[2];
+        width = descr[3];
+    }
+    bool sound = strchr("<>|=", order) != NULL && order != 0 && kind != 0 && width != 0 &&
+                 strchr(kind == 'f' ? "48" : "1248", width) != NULL && strchr("fiu", kind) != NULL;
+    if (!sound) {
+        int shown = descr != NULL ? (int)strcspn(descr, "}\n") : 0;
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: byte 10: the type %.*s; must be 'descr' of f4, f8 or i1 to i8, u1 to "
+                        "u8",
+                        bytes->path, shown < 40 ? shown : 40, descr != NULL ? descr : "");
+    }
+    file->type = (lac_number_type){kind, (size_t)(width - '0'), order == '>'};
+    return LAC_OK;
+}
+
+// One or two numbers between parentheses.
+static lac_status take_shape(const lac_bytes *bytes, npy *file, lac_error *err)
+{
+    const char *at = value_of(file, "'shape'");
+    uint64_t side[2] = {0, 0};
+    size_t sides = 0;
+    bool sound = at != NULL && *at == '(';
+    for (at = sound ? at + 1 : ""; sound && *at != ')'; at += strspn(at, ", ")) {
+        char *end = NULL;
+        sound = *at >= '0' && *at <= '9' && sides < 2;
+        if (sound) {
+            side[sides++] = strtoull(at, &end, 10);
+            at = end;
+        }
+    }
+    if (!sound || sides == 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: byte 10: the shape of the array is not (rows, columns) or (columns,)",
+                        bytes->path);
+    }
+    file->nx = side[sides - 1];
+    file->ny = sides == 2 ? side[0] : 1;
+    const char *order = value_of(file, "'fortran_order'");
+    file->fortran = order != NULL && strncmp(order, "True", 4) == 0;
+    if (order == NULL || (!file->fortran && strncmp(order, "False", 5) != 0)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: byte 10: fortran_order must be given as True or False", bytes->path);
+    }
+    return LAC_OK;
+}
+
+static lac_status read_npy(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
+{
+    lac_status status;
+    npy file = {.data = 0};
+    LAC_TRY(take_header(bytes, &file, err));
+    LAC_TRY(take_type(bytes, &file, err));
+    LAC_TRY(take_shape(bytes, &file, err));
+    size_t most = (bytes->size - file.data) / file.type.width;
+    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
+    size_t n = map->nx * map->ny;
+    if (bytes->size - file.data != n * file.type.width) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "%s: byte %zu: the file goes on behind its %zu x %zu numbers", bytes->path,
+                         file.data + n * file.type.width, map->nx, map->ny));
+    }
+    for (size_t i = 0; i < n; i++) {
+        size_t at = file.fortran ? i % map->nx * map->ny + i / map->nx : i;
+        map->heights[i] =
+            lac_bytes_number(bytes->data + file.data + at * file.type.width, file.type);
+    }
+out:
+    return status;
+}
+
+const lac_map_format lac_map_npy = {"npy", is_npy, read_npy};

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SURFACE_SCAN_H
+#define LACUNA_SURFACE_SCAN_H
+
+#include "surface/read.h"
+
+/// A place in a text; LF, CRLF and CR end a line.
+typedef struct lac_scan {
+    const char *path;
+    const char *at, *end;
+    size_t line; ///< 1-based
+} lac_scan;
+
+/// Part of a text.
+typedef struct lac_word {
+    const char *text;
+    size_t length;
+} lac_word;
+
+/// The beginning of a text, beyond a byte order mark.
+lac_scan lac_scan_begin(const lac_bytes *bytes);
+
+/// The next word of this line; false at its end.
+bool lac_scan_word(lac_scan *scan, lac_word *word);
+
+/// What is left of this line, without blanks at its ends.
+lac_word lac_scan_rest(lac_scan *scan);
+
+/// Goes to the next line; false at the end of the text.
+bool lac_scan_line(lac_scan *scan);
+
+/// Whether a word is this one, in any case.
+bool lac_word_is(lac_word word, const char *text);
+
+/// Copies a word, cut to fit and fit for a message.
+const char *lac_word_show(lac_word word, char *shown, size_t size);
+
+/// A finite number; NaN where the word is "nan".
+/// @pre    the thread's locale is "C"
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err);
+
+/// A whole number of cells or points, at least 1.
+lac_status lac_scan_count(const lac_scan *scan, const char *what, lac_word word, uint64_t *value,
+                          lac_error *err);
+
+/// A finite length above zero.
+lac_status lac_scan_length(const lac_scan *scan, const char *what, lac_word word, double *value,
+                           lac_error *err);
+
+#endif
