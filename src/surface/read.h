@@ -38,8 +38,8 @@ void lac_map_flip(lac_height_map *map);
 
 /// How a number is stored.
 typedef struct lac_number_type {
-    char kind; ///< 'f', 'i' (signed) or 'u'
-    size_t width;
+    size_t width; ///< bytes
+    char kind;    ///< 'f', 'i' (signed) or 'u'
     bool big_endian;
 } lac_number_type;
 

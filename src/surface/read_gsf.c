@@ -83,7 +83,7 @@ static lac_status read_header(gsf *file, lac_height_map *map, lac_error *err)
 static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
     lac_status status;
-    static const lac_number_type type = {'f', 4, false};
+    static const lac_number_type type = {4, 'f', false};
     gsf file = {.scan = lac_scan_begin(bytes), .lx = (double)NAN, .ly = (double)NAN};
     const char *nul = memchr(bytes->data, '\0', bytes->size);
     if (nul == NULL) {

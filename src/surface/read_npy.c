@@ -30,7 +30,7 @@ static lac_status take_header(const lac_bytes *bytes, npy *file, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "%s: byte 6: .npy version %u; must be 1, 2 or 3",
                         bytes->path, version);
     }
-    lac_number_type length_type = {'u', version == 1 ? 2 : 4, false};
+    lac_number_type length_type = {version == 1 ? 2 : 4, 'u', false};
     double length = lac_bytes_number(bytes->data + 8, length_type);
     if (length >= HEADER_MOST || (size_t)length > bytes->size - start) {
         return lac_fail(err, LAC_EINPUT,
@@ -72,7 +72,7 @@ static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
                         "u8",
                         bytes->path, shown < 40 ? shown : 40, descr != NULL ? descr : "");
     }
-    file->type = (lac_number_type){kind, (size_t)(width - '0'), order == '>'};
+    file->type = (lac_number_type){(size_t)(width - '0'), kind, order == '>'};
     return LAC_OK;
 }
 

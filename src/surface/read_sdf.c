@@ -10,8 +10,8 @@ enum { BINARY_HEADER = 81, TYPES = 8 };
 
 // Data types by their number in the header.
 static const lac_number_type types[TYPES] = {
-    {'u', 1, false}, {'u', 2, false}, {'u', 4, false}, {'f', 4, false},
-    {'i', 1, false}, {'i', 2, false}, {'i', 4, false}, {'f', 8, false},
+    {1, 'u', false}, {2, 'u', false}, {4, 'u', false}, {4, 'f', false},
+    {1, 'i', false}, {2, 'i', false}, {4, 'i', false}, {8, 'f', false},
 };
 
 typedef struct sdf {
