@@ -160,8 +160,11 @@ static void joints_follow_the_slope(void **state)
     lac_contact_def contact = contact_of(SIDE, h, 1e-2);
     double mean = 0.0;
     for (int64_t seed = 1; seed <= SEEDS; seed++) {
-        lac_self_affine p = {
-            .hurst = 0.7, .rms_height = 0.01, .rolloff = NAN, .shortest = NAN, .seed = seed};
+        lac_self_affine p;
+        assert_int_equal(lac_params_default(&source->about, &p, NULL), LAC_OK);
+        p.hurst = 0.7;
+        p.rms_height = 0.01;
+        p.seed = seed;
         assert_int_equal(source->generate(&p, &contact.grid, h, NULL), LAC_OK);
         lac_scaling s = measured(&contact, lac_scaling_default());
         print_message("seed %d: Delta_S %.4f +- %.4f\n", (int)seed, s.dimension, s.error);
