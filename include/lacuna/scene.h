@@ -17,6 +17,8 @@ typedef struct lac_scene_contact {
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;
+    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling` holds
+    lac_scaling scaling;
     lac_domain *domain;
 } lac_scene_contact;
 
@@ -33,9 +35,10 @@ typedef struct lac_scene {
 } lac_scene;
 
 /// Solves the contact of a case.
-/// @param keep_fields  keep heights and gap (for `contact`), else only what the run needs
+/// @param all  keep heights, gap and pressure, and measure the area scaling where the grid has
+///             four resolutions (for `contact`); else only what a run needs
 /// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
-lac_status lac_scene_contact_solve(const lac_case *c, bool keep_fields, lac_scene_contact *out,
+lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err);
 void lac_scene_contact_clear(lac_scene_contact *contact);
 

@@ -44,6 +44,13 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
     }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
+    if (contact->scaled) {
+        cli_row("Delta_S", "%.3f +/- %.3f (cells of 2 to %zu times this size)",
+                contact->scaling.dimension, contact->scaling.error,
+                (size_t)1 << (contact->scaling.n - 1));
+    } else if (contact->solved) {
+        cli_row("Delta_S", "none: needs 512 cells a side and areas that fall with the cell");
+    }
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
                 report->products);
@@ -73,8 +80,8 @@ static void write_result(const lac_scene_contact *contact, const char *path)
                     contact->solved ? report->complementarity_error : NAN);
     cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
     cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
-    cli_json_null(&json, "delta_s");
-    cli_json_null(&json, "delta_s_error");
+    cli_json_number(&json, "delta_s", contact->scaled ? contact->scaling.dimension : NAN);
+    cli_json_number(&json, "delta_s_error", contact->scaled ? contact->scaling.error : NAN);
     cli_json_number(&json, "cpu_time_s", cli_cpu_time());
     cli_json_text(&json, "output", path);
     cli_json_close(&json, '}');

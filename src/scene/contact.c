@@ -17,9 +17,11 @@ static lac_grid grid_of(const lac_interface_def *def)
     return grid;
 }
 
-// Presses the surface; heights and gap are allocated here.
-static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *err)
+// Presses the surface; heights and gap are allocated here. With `all` also at coarser resolutions.
+static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
+    // Four resolutions from 64 cells a side are the least that a scaling is fitted to.
+    const size_t least_side = 512;
     size_t cells = lac_grid_cells(&out->grid);
     lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
@@ -40,6 +42,13 @@ static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *er
     def.mean_pressure = out->mean_pressure;
     status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
     out->solved = status == LAC_OK;
+    if (status == LAC_OK && all && out->grid.nx >= least_side && out->grid.ny >= least_side) {
+        lac_scaling_def scaling = lac_scaling_default();
+        lac_status scaled = lac_scaling_measure(&def, &scaling, &out->scaling, err);
+        // A contact whose coarser resolutions follow no power law is a contact all the same.
+        status = scaled == LAC_ENOMEM ? scaled : LAC_OK;
+        out->scaled = scaled == LAC_OK;
+    }
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
 }
 
@@ -66,12 +75,11 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status make_domain(const lac_case *c, bool keep_fields, lac_scene_contact *out,
-                              lac_error *err)
+static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
     lac_status status = LAC_OK;
     if (c->surface.about != NULL) {
-        LAC_TRY(press(c, out, err));
+        LAC_TRY(press(c, all, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else if (c->domain.about != NULL) {
         LAC_TRY(
@@ -79,24 +87,24 @@ static lac_status make_domain(const lac_case *c, bool keep_fields, lac_scene_con
     } else {
         LAC_TRY(lac_domain_create(&out->grid, &out->mean_pressure, &out->domain, err));
     }
-    if (keep_fields && out->pressure == NULL) {
+    if (all && out->pressure == NULL) {
         LAC_TRY(scatter(out, err));
     }
-    if (!keep_fields) {
+    if (!all) {
         drop_fields(out);
     }
 out:
     return status;
 }
 
-lac_status lac_scene_contact_solve(const lac_case *c, bool keep_fields, lac_scene_contact *out,
+lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = (lac_scene_contact){.grid = grid_of(&c->interface), .e_star = NAN};
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     out->mean_pressure = normal->pressure(c->normal.params, c->material.density);
-    LAC_TRY(make_domain(c, keep_fields, out, err));
+    LAC_TRY(make_domain(c, all, out, err));
 
     // Three box sides at least; a smaller grid has no dimension to speak of.
     if (out->grid.nx >= 64 && out->domain->n > 1) {

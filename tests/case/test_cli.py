@@ -6,6 +6,7 @@ usage: test_cli.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
 import json
+import math
 import os
 import pty
 import re
@@ -545,6 +546,16 @@ class Contact(Case):
         self.assertAlmostEqual(done["mean_real_pressure_Pa"] * done["contact_fraction"] / 3e6, 1,
                                delta=1e-7)
         self.assertAlmostEqual(done["n_cells"] / 64 ** 2, done["contact_fraction"], delta=1e-12)
+
+    def test_area_scaling_of_a_fine_grid(self):
+        # J07 at p/E* = 0.01: the areas at 64, 128 and 256 cells a side (docs/theory/fractal.md).
+        done = json.loads(self.expect(
+            0, "contact", "joint.yaml", "--json", "--set", "interface.levels=9", "--set",
+            "interface.surface={benchmark: {name: J07}}", "--set",
+            "load.normal.pressure=266.66667 MPa").stdout)
+        slope = math.log(0.104736 / 0.068253) / math.log(4)
+        self.assertAlmostEqual(done["delta_s"], 2 - slope, delta=0.005)
+        self.assertGreater(done["delta_s_error"], 0)
 
     def test_a_block_has_no_surface(self):
         done = json.loads(self.expect(0, "contact", "block.yaml", "--json").stdout)
