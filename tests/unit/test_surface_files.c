@@ -62,7 +62,7 @@ static size_t npy(unsigned char *file, const char *header, const void *data, siz
 static void npy_of_every_type(void **state)
 {
     (void)state;
-    unsigned char file[256];
+    unsigned char file[256] = {0};
     size_t n = npy(file, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }", known, 48);
     holds_known(read_bytes(file, n), NAN, NAN);
     const double columns[6] = {1, 4, 2, 5, 3, 6};
@@ -157,7 +157,7 @@ static size_t gsf(unsigned char *file, const char *header, size_t heights)
 static void gwyddion_field(void **state)
 {
     (void)state;
-    unsigned char file[512];
+    unsigned char file[512] = {0};
     for (size_t pad = 0; pad < 4; pad++) {
         char header[256];
         (void)snprintf(header, sizeof header, GSF "XReal = 1.5e-6\nYReal=1e-6\nTitle = %.*s\n",
@@ -194,7 +194,7 @@ static size_t binary_sdf(unsigned char *file, unsigned type, const void *data, s
 static void iso_sdf(void **state)
 {
     (void)state;
-    unsigned char file[256];
+    unsigned char file[256] = {0};
     holds_known(read_text(SDF "2 4 6\n8 10 12\n*\nComment = none\n"), 1e-3, 2e-3);
     holds_known(read_text(SDF "2 4 6 8\r\n10 12"), 1e-3, 2e-3);
     const int16_t whole[6] = {2, 4, 6, 8, 10, 12};
@@ -354,14 +354,14 @@ static void mess_is_refused(void **state)
 
 static void refuse_npy(const char *header, size_t size, const char *word)
 {
-    unsigned char file[256];
+    unsigned char file[256] = {0};
     refuse_bytes(file, npy(file, header, known, size), word);
 }
 
 static void binary_mess_is_refused(void **state)
 {
     (void)state;
-    unsigned char file[512];
+    unsigned char file[512] = {0};
     const char *sound = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
     refuse_npy(sound, 47, "hold at most");
     refuse_npy(sound, 0, "hold at most");
