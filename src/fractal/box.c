@@ -167,7 +167,7 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
     count_from(domain, 0, 0, work, r->sizes, r->minimum);
     for (size_t k = 0; k < def->origins; k++) {
         uint64_t bits[4];
-        double counts[LAC_BOX_SIZES];
+        double counts[LAC_BOX_SIZES] = {0};
         lac_random(def->seed, LAC_STREAM_BOX_ORIGIN, k, 0, bits);
         size_t ox = grid->nx > 1 ? (size_t)(bits[0] % (grid->periodic ? grid->nx : shifts)) : 0;
         size_t oy = grid->ny > 1 ? (size_t)(bits[1] % (grid->periodic ? grid->ny : shifts)) : 0;
