@@ -19,6 +19,7 @@ USES = {
     "contact": ["surface"],
     "fractal": ["contact"],
     "hierarchy": ["contact"],
+    "rg": ["hierarchy"],
     "friction": [],
     "transfer": ["hierarchy"],
     "load": [],

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RG_H
+#define LACUNA_RG_H
+
+#include "lacuna/hierarchy.h"
+
+/// What a block that slips does to its siblings; docs/theory/rg.md.
+typedef enum lac_rg_rule {
+    LAC_RG_FIX,  ///< sheds the drop of its own strength, as the paper reads
+    LAC_RG_CONS, ///< sheds what it carried above its residual strength: forces balance
+    LAC_RG_LUMP, ///< as a point of its summed strength and load, whole or not at all
+} lac_rg_rule;
+
+/// The blocks over the contact cells as the cascade sees them: what each holds, what it sheds, and
+/// the answers of the last pass. Not shared between threads.
+typedef struct lac_rg_tree lac_rg_tree;
+
+/// The tree of a hierarchy. It may be freed before the tree.
+/// @param strength  [n] f p of each contact cell [Pa], > 0
+/// @param drop      [n] (1 - beta) f p, the strength that it loses by slipping [Pa], 0 to strength
+/// @return LAC_OK; LAC_EINPUT (a strength or drop that cannot be); LAC_ENOMEM
+lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, const double *drop,
+                              lac_rg_tree **out, lac_error *err);
+
+/// Any tree, of blocks with any number of children.
+/// @param levels  of blocks above the cells; the last holds one block, the root. 0: one cell
+/// @param count   [levels + 1] blocks of each level, count[0] the cells
+/// @param first   [levels + 1] of [count + 1]: first cell of each block, and n; first[0] unused
+/// @return as lac_rg_tree_create, LAC_EINPUT also where blocks do not nest
+typedef struct lac_rg_blocks {
+    size_t levels;
+    const size_t *count;
+    const uint32_t *const *first;
+} lac_rg_blocks;
+lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *strength,
+                                   const double *drop, lac_rg_tree **out, lac_error *err);
+
+/// Frees a tree; NULL is fine.
+void lac_rg_tree_free(lac_rg_tree *tree);
+
+/// Levels above the cells: the root is block 0 of level lac_rg_levels.
+size_t lac_rg_levels(const lac_rg_tree *tree);
+
+/// Blocks of a level, N_tot.
+size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
+
+/// The pass up the tree under one load: the threshold of every block, that is the smallest further
+/// stress, the same on all its cells, that makes it slip as a whole; <= 0: it slips by itself.
+/// LUMP has no thresholds: 0 where it slips, infinity where not.
+/// @param shear  [n] traction of each cell [Pa], at most its strength; not used by FIX
+/// @param gap    [n] what each cell lacks to slip [Pa], may be < 0; NULL: strength - shear
+/// @return the threshold of the root: the joint slides where it is <= 0 (lac_rg_slips)
+/// @cost   O(blocks); allocates nothing; cannot fail
+double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, const double *gap);
+
+/// Thresholds of a level after a pass: [blocks of the level] [Pa].
+const double *lac_rg_thresholds(const lac_rg_tree *tree, size_t level);
+
+/// Whether a threshold counts as reached: within 1e-12 of the mean strength.
+bool lac_rg_slips(const lac_rg_tree *tree, double threshold);
+
+/// Blocks of a level that slip by themselves after a pass, N_slip.
+size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level);
+
+/// The pass down the tree after a pass up: what the slip of each block does inside its siblings.
+/// FIX and CONS; with LUMP a cell slips at last where it or a block that holds it slips by itself.
+/// @param slipped  [n] 1 where a cell has slipped in the end, 0 where it sticks; overwritten
+/// @param stress   [n] stress that each sticking cell has received from others [Pa]; overwritten;
+///                 NULL if not wanted; with LUMP all 0
+/// @cost  O(blocks)
+void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress);
+
+#endif

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rg/tree.h"
+
+// A block's children slip in the order of their thresholds. Each that has slipped hands stress to
+// the cells of those that have not: `acc`, the stress received, under FIX; under CONS `E`, the
+// force that the W cells left must take over. docs/theory/rg.md, "Pass".
+
+static bool before(const lac_rg_child *a, const lac_rg_child *b)
+{
+    if (a->gap != b->gap) {
+        return a->gap < b->gap;
+    }
+    return a->strength != b->strength ? a->strength < b->strength : a->block < b->block;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const lac_rg_child *x = a;
+    const lac_rg_child *y = b;
+    return before(x, y) ? -1 : before(y, x) ? 1 : 0;
+}
+
+size_t lac_rg_sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order)
+{
+    const size_t few = 16;
+    const size_t n = end - begin;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t c = begin + (uint32_t)i;
+        lac_rg_child child = {below->gap[c], below->strength[c], c};
+        size_t at = i;
+        while (n <= few && at > 0 && before(&child, &order[at - 1])) {
+            order[at] = order[at - 1];
+            at--;
+        }
+        order[at] = child;
+    }
+    if (n > few) {
+        qsort(order, n, sizeof *order, compare);
+    }
+    return n;
+}
+
+// What has slipped among the children of a block, and what that does to the others.
+typedef struct slide {
+    double left;     // W: cells that still stick
+    double received; // acc: stress on each of them, FIX
+    double excess;   // E: force that they share, CONS
+} slide;
+
+// Child c slips.
+static void slip(slide *s, const lac_rg_layer *below, uint32_t c)
+{
+    s->left -= below->cells[c];
+    s->excess += below->shear[c] - (below->strength[c] - below->drop[c]);
+    if (s->left > 0.0) {
+        s->received += below->drop[c] / s->left;
+    }
+}
+
+// The smallest stress on all cells of a block that makes each child slip in turn.
+static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_rg_layer *layer,
+                        size_t block)
+{
+    const uint32_t *child = &layer->child[block];
+    if (child[1] - child[0] == 1) {
+        return below->gap[child[0]];
+    }
+    const double all = layer->cells[block];
+    size_t n = lac_rg_sort(below, child[0], child[1], tree->order);
+    double best = -INFINITY;
+    slide s = {.left = all};
+    for (size_t i = 0; i < n; i++) {
+        double gap = tree->order[i].gap;
+        double needed =
+            tree->rule == LAC_RG_FIX ? gap - s.received : (s.left * gap - s.excess) / all;
+        best = needed > best ? needed : best;
+        slip(&s, below, tree->order[i].block);
+    }
+    return best;
+}
+
+static void sum_shear(lac_rg_tree *tree)
+{
+    for (size_t k = 1; k < tree->layers; k++) {
+        const double *below = tree->layer[k - 1].shear;
+        const lac_rg_layer *layer = &tree->layer[k];
+        for (size_t b = 0; b < layer->count; b++) {
+            double sum = 0.0;
+            for (uint32_t c = layer->child[b]; c < layer->child[b + 1]; c++) {
+                sum += below[c];
+            }
+            layer->shear[b] = sum;
+        }
+    }
+}
+
+static void load_cells(lac_rg_layer *cells, const double *shear, const double *gap)
+{
+    for (size_t i = 0; i < cells->count; i++) {
+        cells->shear[i] = shear != NULL ? shear[i] : 0.0;
+        cells->gap[i] = gap != NULL ? gap[i] : cells->strength[i] - cells->shear[i];
+    }
+}
+
+double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, const double *gap)
+{
+    tree->rule = rule;
+    load_cells(&tree->layer[0], shear, gap);
+    if (rule != LAC_RG_FIX) {
+        sum_shear(tree);
+    }
+    if (rule == LAC_RG_LUMP) {
+        lac_rg_lump(tree);
+    }
+    for (size_t k = 1; k < tree->layers && rule != LAC_RG_LUMP; k++) {
+        lac_rg_layer *layer = &tree->layer[k];
+        for (size_t b = 0; b < layer->count; b++) {
+            layer->gap[b] = threshold(tree, &tree->layer[k - 1], layer, b);
+        }
+    }
+    return tree->layer[tree->layers - 1].gap[0];
+}
+
+// The children of a block that has received `received` in all: those that slip get infinity.
+static void settle_block(lac_rg_tree *tree, size_t k, size_t block)
+{
+    lac_rg_layer *below = &tree->layer[k - 1];
+    const lac_rg_layer *layer = &tree->layer[k];
+    const uint32_t begin = layer->child[block];
+    const uint32_t end = layer->child[block + 1];
+    const double received = layer->received[block];
+    const bool fix = tree->rule == LAC_RG_FIX;
+    bool whole = received == INFINITY || layer->gap[block] <= received + tree->tolerance;
+    slide s = {.left = layer->cells[block],
+               .received = received,
+               .excess = received * layer->cells[block]};
+    double share = received;
+    size_t n = whole ? 0 : lac_rg_sort(below, begin, end, tree->order);
+    size_t i = 0;
+    for (; i < n && s.left > 0.0 && tree->order[i].gap <= share + tree->tolerance; i++) {
+        below->received[tree->order[i].block] = INFINITY;
+        slip(&s, below, tree->order[i].block);
+        share = fix ? s.received : s.excess / s.left;
+    }
+    for (; i < n; i++) {
+        below->received[tree->order[i].block] = share;
+    }
+    for (uint32_t c = begin; c < end && whole; c++) {
+        below->received[c] = INFINITY;
+    }
+}
+
+// LUMP has no thresholds to hand stress to: a block that slips takes its cells along.
+static void settle_lump(lac_rg_tree *tree, size_t k, size_t block)
+{
+    const lac_rg_layer *layer = &tree->layer[k];
+    bool whole = layer->received[block] == INFINITY || layer->gap[block] <= tree->tolerance;
+    for (uint32_t c = layer->child[block]; c < layer->child[block + 1]; c++) {
+        tree->layer[k - 1].received[c] = whole ? INFINITY : 0.0;
+    }
+}
+
+void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
+{
+    tree->layer[tree->layers - 1].received[0] = 0.0;
+    for (size_t k = tree->layers; k-- > 1;) {
+        for (size_t b = 0; b < tree->layer[k].count; b++) {
+            if (tree->rule == LAC_RG_LUMP) {
+                settle_lump(tree, k, b);
+            } else {
+                settle_block(tree, k, b);
+            }
+        }
+    }
+    const lac_rg_layer *cells = &tree->layer[0];
+    for (size_t i = 0; i < cells->count; i++) {
+        slipped[i] = cells->gap[i] <= cells->received[i] + tree->tolerance ? 1 : 0;
+        if (stress != NULL) {
+            stress[i] = slipped[i] != 0 ? 0.0 : cells->received[i];
+        }
+    }
+}

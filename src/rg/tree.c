@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rg/tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SUMS = 6 }; // arrays of doubles a layer
+
+size_t lac_rg_levels(const lac_rg_tree *tree) { return tree->levels; }
+
+static const lac_rg_layer *layer_at(const lac_rg_tree *tree, size_t level)
+{
+    return &tree->layer[tree->of_level[level]];
+}
+
+size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level)
+{
+    return layer_at(tree, level)->count;
+}
+
+const double *lac_rg_thresholds(const lac_rg_tree *tree, size_t level)
+{
+    return layer_at(tree, level)->gap;
+}
+
+bool lac_rg_slips(const lac_rg_tree *tree, double threshold)
+{
+    return threshold <= tree->tolerance;
+}
+
+size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level)
+{
+    const lac_rg_layer *layer = layer_at(tree, level);
+    size_t n = 0;
+    for (size_t i = 0; i < layer->count; i++) {
+        n += layer->gap[i] <= tree->tolerance ? 1 : 0;
+    }
+    return n;
+}
+
+static lac_status check_blocks(const lac_rg_blocks *b, lac_error *err)
+{
+    if (b->levels > LAC_RG_LEVELS || b->count[0] == 0 || b->count[b->levels] != 1) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a tree needs cells, one root and at most %d levels, not %zu cells, %zu "
+                        "roots and %zu levels",
+                        LAC_RG_LEVELS, b->count[0], b->count[b->levels], b->levels);
+    }
+    return LAC_OK;
+}
+
+static lac_status check_cells(size_t n, const double *strength, const double *drop, lac_error *err)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
+            return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
+                            strength[i]);
+        }
+        if (!(drop[i] >= 0.0 && drop[i] <= strength[i])) {
+            return lac_fail(err, LAC_EINPUT,
+                            "the drop of strength of cell %zu must lie between 0 and %g Pa, not %g",
+                            i, strength[i], drop[i]);
+        }
+    }
+    return LAC_OK;
+}
+
+// Gives levels without a merger the layer of the level below; returns the blocks above the cells.
+static size_t number_layers(lac_rg_tree *tree, const lac_rg_blocks *b)
+{
+    size_t above = 0;
+    tree->levels = b->levels;
+    tree->layers = 1;
+    tree->layer[0].count = b->count[0];
+    for (size_t level = 1; level <= b->levels; level++) {
+        if (b->count[level] != tree->layer[tree->layers - 1].count) {
+            tree->layer[tree->layers].count = b->count[level];
+            above += b->count[level];
+            tree->layers++;
+        }
+        tree->of_level[level] = (uint8_t)(tree->layers - 1);
+    }
+    return above;
+}
+
+// First block of each block in the layer below, from the first cells of both.
+static bool link_layer(const uint32_t *fine, size_t n_fine, const uint32_t *coarse, size_t n_coarse,
+                       uint32_t *child)
+{
+    size_t j = 0;
+    for (size_t b = 0; b <= n_coarse; b++) {
+        while (j < n_fine && (fine != NULL ? fine[j] : (uint32_t)j) < coarse[b]) {
+            j++;
+        }
+        uint32_t at = fine != NULL ? fine[j] : (uint32_t)j;
+        if (at != coarse[b] || (b > 0 && j <= child[b - 1])) {
+            return false;
+        }
+        child[b] = (uint32_t)j;
+    }
+    return child[0] == 0 && child[n_coarse] == n_fine;
+}
+
+static lac_status link_layers(lac_rg_tree *tree, const lac_rg_blocks *b, uint32_t *links,
+                              lac_error *err)
+{
+    const uint32_t *fine = NULL;
+    for (size_t level = 1; level <= b->levels; level++) {
+        size_t k = tree->of_level[level];
+        if (k != tree->of_level[level - 1]) {
+            lac_rg_layer *above = &tree->layer[k];
+            above->child = links;
+            links += above->count + 1;
+            if (!link_layer(fine, tree->layer[k - 1].count, b->first[level], above->count,
+                            above->child)) {
+                return lac_fail(err, LAC_EINPUT, "the blocks of level %zu do not nest in level %zu",
+                                level - 1, level);
+            }
+            fine = b->first[level];
+        }
+    }
+    return LAC_OK;
+}
+
+static void place_sums(lac_rg_tree *tree, double *memory)
+{
+    for (size_t k = 0; k < tree->layers; k++) {
+        lac_rg_layer *layer = &tree->layer[k];
+        double **part[SUMS] = {&layer->cells, &layer->strength, &layer->drop,
+                               &layer->shear, &layer->gap,      &layer->received};
+        for (size_t i = 0; i < SUMS; i++) {
+            *part[i] = memory;
+            memory += layer->count;
+        }
+    }
+}
+
+static size_t most_children(const lac_rg_tree *tree)
+{
+    size_t most = 1;
+    for (size_t k = 1; k < tree->layers; k++) {
+        const uint32_t *child = tree->layer[k].child;
+        for (size_t b = 0; b < tree->layer[k].count; b++) {
+            size_t n = child[b + 1] - child[b];
+            most = n > most ? n : most;
+        }
+    }
+    return most;
+}
+
+// What does not change with the load.
+static void fill_sums(lac_rg_tree *tree, const double *strength, const double *drop)
+{
+    const size_t n = tree->layer[0].count;
+    double total = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        tree->layer[0].cells[i] = 1.0;
+        tree->layer[0].strength[i] = strength[i];
+        tree->layer[0].drop[i] = drop[i];
+        total += strength[i] / (double)n;
+    }
+    tree->tolerance = 1e-12 * total;
+    for (size_t k = 1; k < tree->layers; k++) {
+        const lac_rg_layer *below = &tree->layer[k - 1];
+        lac_rg_layer *layer = &tree->layer[k];
+        for (size_t b = 0; b < layer->count; b++) {
+            double sum[3] = {0};
+            for (uint32_t c = layer->child[b]; c < layer->child[b + 1]; c++) {
+                sum[0] += below->cells[c];
+                sum[1] += below->strength[c];
+                sum[2] += below->drop[c];
+            }
+            layer->cells[b] = sum[0];
+            layer->strength[b] = sum[1];
+            layer->drop[b] = sum[2];
+        }
+    }
+}
+
+lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *strength,
+                                   const double *drop, lac_rg_tree **out, lac_error *err)
+{
+    lac_status status;
+    lac_rg_tree *tree = NULL;
+    *out = NULL;
+    LAC_TRY(check_blocks(blocks, err));
+    LAC_TRY(check_cells(blocks->count[0], strength, drop, err));
+    tree = calloc(1, sizeof *tree);
+    status = tree != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    size_t above = number_layers(tree, blocks);
+    tree->memory = calloc(SUMS * (blocks->count[0] + above), sizeof *tree->memory);
+    tree->links = malloc((above + tree->layers) * sizeof *tree->links);
+    status = tree->memory != NULL && tree->links != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(link_layers(tree, blocks, tree->links, err));
+    tree->order = malloc(most_children(tree) * sizeof *tree->order);
+    status = tree->order != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    place_sums(tree, tree->memory);
+    fill_sums(tree, strength, drop);
+    *out = tree;
+    return LAC_OK;
+out:
+    lac_rg_tree_free(tree);
+    return status;
+}
+
+lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, const double *drop,
+                              lac_rg_tree **out, lac_error *err)
+{
+    size_t count[LAC_RG_LEVELS + 1];
+    const uint32_t *first[LAC_RG_LEVELS + 1];
+    const lac_rg_blocks blocks = {lac_hierarchy_levels(h), count, first};
+    for (size_t level = 0; level <= blocks.levels; level++) {
+        count[level] = lac_hierarchy_blocks(h, level);
+        first[level] = lac_hierarchy_offsets(h, level);
+    }
+    return lac_rg_tree_from_blocks(&blocks, strength, drop, out, err);
+}
+
+void lac_rg_tree_free(lac_rg_tree *tree)
+{
+    if (tree == NULL) {
+        return;
+    }
+    free(tree->order);
+    free(tree->links);
+    free(tree->memory);
+    free(tree);
+}
