@@ -70,4 +70,56 @@ size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level);
 /// @cost  O(blocks)
 void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress);
 
+/// How the shear force spreads over the cells as it grows from 0 to f P. Immutable.
+typedef struct lac_rg_path lac_rg_path;
+
+/// Springs of equal stiffness with caps: q = min(tau, f p); the map sees the gap f p - tau.
+/// @param strength  [n] f p of each contact cell [Pa], > 0
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
+
+enum { LAC_RG_LOADS = 24 };
+
+/// The 24 parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002
+/// by a constant factor, 0; Q_crit comes out within 0.005.
+/// @param part  [LAC_RG_LOADS] overwritten
+void lac_rg_loads(double part[LAC_RG_LOADS]);
+
+/// Elastic contact, q = f [p(P) - p(P - Q/f)] (Ciavarella 1998, Jaeger 1998): the gap of a cell is
+/// f p(P - Q/f), its strength under the load that is left.
+/// @param part      [loads] parts of the load, falling, from 1 to 0
+/// @param pressure  [loads * n] of each contact cell at each [Pa]; the last row all 0
+/// @param friction  f [1]
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+typedef struct lac_rg_series {
+    size_t n, loads;
+    const double *part;
+    const double *pressure;
+    double friction;
+} lac_rg_series;
+lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err);
+
+/// Solves the contact at each part of the load, from one to the next.
+/// @param contact   load control
+/// @param domain    its solution's domain
+/// @param pressure  [LAC_RG_LOADS * domain->n] [Pa]; overwritten
+/// @return as lac_contact_solve
+lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
+                               double *pressure, lac_error *err);
+
+/// Frees a path; NULL is fine.
+void lac_rg_path_free(lac_rg_path *path);
+
+/// Tractions and gaps at a load.
+/// @param load   Q/Q_nom [1], 0 to 1
+/// @param shear  [n] [Pa]; overwritten
+/// @param gap    [n] [Pa]; overwritten
+void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
+
+/// The smallest load at which the joint slides, as part of Q_nom = f P.
+/// @param work  [2 n] scratch
+/// @return Q_crit/Q_nom, to 1e-9
+/// @cost   some 90 passes
+double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
+
 #endif

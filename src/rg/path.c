@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/rg.h"
+
+struct lac_rg_path {
+    size_t n;
+    double *strength; // [n]; equal: f p of each cell
+    double *sorted;   // [n] equal: the same, ascending
+    double *below;    // [n + 1] equal: sums of those
+    size_t loads;     // 0: equal
+    double *load;     // [loads] elastic: Q/Q_nom, ascending
+    double *left;     // [loads * n] elastic: f p(P - Q/f)
+};
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return x < y ? -1 : x > y ? 1 : 0;
+}
+
+void lac_rg_path_free(lac_rg_path *path)
+{
+    if (path == NULL) {
+        return;
+    }
+    free(path->strength);
+    free(path->sorted);
+    free(path->below);
+    free(path->load);
+    free(path->left);
+    free(path);
+}
+
+static lac_status check_strengths(size_t n, const double *strength, lac_error *err)
+{
+    if (n == 0) {
+        return lac_fail(err, LAC_EINPUT, "no cell is in contact");
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
+            return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
+                            strength[i]);
+        }
+    }
+    return LAC_OK;
+}
+
+lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+{
+    lac_rg_path *path = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(check_strengths(n, strength, err));
+    path = calloc(1, sizeof *path);
+    status = path != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    path->n = n;
+    path->strength = malloc(n * sizeof *path->strength);
+    path->sorted = malloc(n * sizeof *path->sorted);
+    path->below = malloc((n + 1) * sizeof *path->below);
+    bool made = path->strength != NULL && path->sorted != NULL && path->below != NULL;
+    status = made ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    memcpy(path->strength, strength, n * sizeof *strength);
+    memcpy(path->sorted, strength, n * sizeof *strength);
+    qsort(path->sorted, n, sizeof *path->sorted, ascending);
+    path->below[0] = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        path->below[i + 1] = path->below[i] + path->sorted[i];
+    }
+    *out = path;
+    return LAC_OK;
+out:
+    lac_rg_path_free(path);
+    return status;
+}
+
+static lac_status check_series(const lac_rg_series *s, lac_error *err)
+{
+    bool falls = s->loads >= 2 && s->part[0] == 1.0 && s->part[s->loads - 1] == 0.0;
+    for (size_t k = 1; k < s->loads && falls; k++) {
+        falls = s->part[k] < s->part[k - 1];
+    }
+    if (!falls) {
+        return lac_fail(err, LAC_EINPUT, "the parts of the load must fall from 1 to 0");
+    }
+    if (!(s->friction > 0.0 && isfinite(s->friction))) {
+        return lac_fail(err, LAC_EINPUT, "the coefficient of friction must be > 0, not %g",
+                        s->friction);
+    }
+    for (size_t i = 0; i < s->n * s->loads; i++) {
+        if (!(s->pressure[i] >= 0.0 && isfinite(s->pressure[i]))) {
+            return lac_fail(err, LAC_EINPUT, "the pressure of cell %zu at load %zu is %g Pa",
+                            i % s->n, i / s->n, s->pressure[i]);
+        }
+    }
+    return check_strengths(s->n, s->pressure, err);
+}
+
+lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err)
+{
+    const size_t n = series->n;
+    const size_t loads = series->loads;
+    lac_rg_path *path = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(check_series(series, err));
+    path = calloc(1, sizeof *path);
+    status = path != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    path->n = n;
+    path->loads = loads;
+    path->load = malloc(loads * sizeof *path->load);
+    path->left = malloc(loads * n * sizeof *path->left);
+    status = path->load != NULL && path->left != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    for (size_t k = 0; k < loads; k++) {
+        path->load[k] = 1.0 - series->part[k];
+        for (size_t i = 0; i < n; i++) {
+            path->left[k * n + i] = series->friction * series->pressure[k * n + i];
+        }
+    }
+    *out = path;
+    return LAC_OK;
+out:
+    lac_rg_path_free(path);
+    return status;
+}
+
+// tau with sum min(tau, strength) = load * sum strength
+static double equal_stress(const lac_rg_path *path, double load)
+{
+    const size_t n = path->n;
+    double force = load * path->below[n];
+    size_t low = 0; // cells at their cap
+    size_t high = n - 1;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        double reached = path->below[middle] + (double)(n - middle) * path->sorted[middle];
+        if (reached < force) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return (force - path->below[low]) / (double)(n - low);
+}
+
+static void equal_at(const lac_rg_path *path, double load, double *shear, double *gap)
+{
+    double tau = equal_stress(path, load);
+    for (size_t i = 0; i < path->n; i++) {
+        shear[i] = fmin(tau, path->strength[i]);
+        gap[i] = path->strength[i] - tau;
+    }
+}
+
+static void elastic_at(const lac_rg_path *path, double load, double *shear, double *gap)
+{
+    size_t k = 1;
+    while (k + 1 < path->loads && path->load[k] < load) {
+        k++;
+    }
+    const double *from = &path->left[(k - 1) * path->n];
+    const double *to = &path->left[k * path->n];
+    double x = (load - path->load[k - 1]) / (path->load[k] - path->load[k - 1]);
+    for (size_t i = 0; i < path->n; i++) {
+        gap[i] = from[i] + x * (to[i] - from[i]);
+        shear[i] = path->left[i] - gap[i];
+    }
+}
+
+void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap)
+{
+    if (path->loads == 0) {
+        equal_at(path, load, shear, gap);
+    } else {
+        elastic_at(path, load, shear, gap);
+    }
+}
+
+void lac_rg_loads(double part[LAC_RG_LOADS])
+{
+    const int even = 10; // 1, 0.9 ... 0.1
+    const int last = LAC_RG_LOADS - 2;
+    for (int k = 0; k < LAC_RG_LOADS; k++) {
+        part[k] =
+            k < even ? (10.0 - k) / 10.0 : 0.1 * pow(0.02, (k - even + 1.0) / (last - even + 1.0));
+    }
+    part[LAC_RG_LOADS - 1] = 0.0;
+}
+
+lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
+                               double *pressure, lac_error *err)
+{
+    const size_t n = domain->n;
+    double part[LAC_RG_LOADS];
+    lac_contact_def def = *contact;
+    lac_status status;
+    double *p = calloc(lac_grid_cells(&contact->grid), sizeof *p);
+    status = p != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    lac_rg_loads(part);
+    def.start = p;
+    for (size_t i = 0; i < n; i++) {
+        p[domain->index[i]] = domain->pressure[i];
+    }
+    for (size_t k = 0; k < LAC_RG_LOADS; k++) {
+        if (k > 0 && part[k] > 0.0) {
+            def.mean_pressure = part[k] * contact->mean_pressure;
+            LAC_TRY(lac_contact_solve(&def, p, NULL, NULL, err));
+        }
+        for (size_t i = 0; i < n; i++) {
+            pressure[k * n + i] = part[k] > 0.0 ? p[domain->index[i]] : 0.0;
+        }
+    }
+out:
+    free(p);
+    return status;
+}
