@@ -122,4 +122,34 @@ void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double 
 /// @cost   some 90 passes
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
 
+/// N_slip/N_tot of every level along a path.
+/// @param n         loads
+/// @param load      [n] Q/Q_nom
+/// @param fraction  [n * (levels + 1)] of level l at load i: fraction[i * (levels + 1) + l];
+///                  overwritten
+/// @param work      [2 cells] scratch
+/// @return LAC_OK; LAC_ENOMEM
+/// @cost   a pass a load; with FIX and `equal` one pass and a sort of each level for all loads
+lac_status lac_rg_curve(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, size_t n,
+                        const double *load, double *fraction, double *work, lac_error *err);
+
+/// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
+/// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.
+typedef struct lac_rg_map {
+    size_t points;      ///< pairs (s, s') with both between 0.05 and 0.95
+    double lambda;      ///< slope at the fixed point, in logits as in s [1]
+    double g;           ///< [1]
+    double fixed_point; ///< C, the unstable one [1]; NaN where lambda is not > 1
+    double nu;          ///< exponent of the correlation length, ln 2 / ln lambda; NaN likewise
+    double residual;    ///< rms of the fit, in logits
+} lac_rg_map;
+
+/// Fits the map to pairs (s, s').
+/// @return LAC_OK; LAC_EINPUT where fewer than three pairs lie in the range, or all at one s
+lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
+                          lac_error *err);
+
+/// S(s) of a fitted map.
+double lac_rg_map_at(const lac_rg_map *map, double s);
+
 #endif

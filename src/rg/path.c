@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/rg.h"
+#include "rg/path.h"
 
 struct lac_rg_path {
     size_t n;
@@ -131,8 +131,9 @@ out:
     return status;
 }
 
-// tau with sum min(tau, strength) = load * sum strength
-static double equal_stress(const lac_rg_path *path, double load)
+bool lac_rg_path_is_equal(const lac_rg_path *path) { return path->loads == 0; }
+
+double lac_rg_path_stress(const lac_rg_path *path, double load)
 {
     const size_t n = path->n;
     double force = load * path->below[n];
@@ -152,7 +153,7 @@ static double equal_stress(const lac_rg_path *path, double load)
 
 static void equal_at(const lac_rg_path *path, double load, double *shear, double *gap)
 {
-    double tau = equal_stress(path, load);
+    double tau = lac_rg_path_stress(path, load);
     for (size_t i = 0; i < path->n; i++) {
         shear[i] = fmin(tau, path->strength[i]);
         gap[i] = path->strength[i] - tau;
