@@ -47,7 +47,7 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
 /// The pass up the tree under one load: the threshold of every block, that is the smallest further
 /// stress, the same on all its cells, that makes it slip as a whole; <= 0: it slips by itself.
 /// LUMP has no thresholds: 0 where it slips, infinity where not.
-/// @param shear  [n] traction of each cell [Pa], at most its strength; not used by FIX
+/// @param shear  [n] traction of each cell [Pa], at most its strength
 /// @param gap    [n] what each cell lacks to slip [Pa], may be < 0; NULL: strength - shear
 /// @return the threshold of the root: the joint slides where it is <= 0 (lac_rg_slips)
 /// @cost   O(blocks); allocates nothing; cannot fail
@@ -132,6 +132,30 @@ double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *p
 /// @cost   a pass a load; with FIX and `equal` one pass and a sort of each level for all loads
 lac_status lac_rg_curve(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, size_t n,
                         const double *load, double *fraction, double *work, lac_error *err);
+
+/// When the blocks of each level slip by themselves along a path: the size effect of the strength.
+typedef struct lac_rg_sizes {
+    size_t blocks;   ///< of the level that slip before all of the joint's strength is used up
+    double load;     ///< Q/Q_nom of the joint at which they do, mean [1]
+    double strength; ///< force that they carry then over their nominal area, mean [Pa]
+    double spread;   ///< standard deviation of that [Pa]
+} lac_rg_sizes;
+
+/// Strength of blocks as a function of their size, from a scan of the path.
+/// @param sizes  [levels + 1] overwritten; blocks of level l have 4^l cells (2^l on a line)
+/// @param line   the grid is a line of cells
+/// @param work   [2 cells] scratch
+/// @return LAC_OK; LAC_ENOMEM
+/// @cost   128 passes
+lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
+                              bool line, lac_rg_sizes *sizes, double *work, lac_error *err);
+
+/// The same domain with its blocks elsewhere: the cells moved by (dx, dy) against the grid of
+/// blocks. Periodic grids wrap; others get a grid twice as long on each side of more than a cell.
+/// @param cell  [n] for each cell of the moved domain the one of the domain; overwritten
+/// @return LAC_OK; LAC_EINPUT (a shift of more than the grid); LAC_ENOMEM
+lac_status lac_rg_shift(const lac_domain *domain, size_t dx, size_t dy, lac_domain **out,
+                        uint32_t *cell, lac_error *err);
 
 /// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
 /// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.

@@ -110,9 +110,7 @@ double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, con
 {
     tree->rule = rule;
     load_cells(&tree->layer[0], shear, gap);
-    if (rule != LAC_RG_FIX) {
-        sum_shear(tree);
-    }
+    sum_shear(tree);
     if (rule == LAC_RG_LUMP) {
         lac_rg_lump(tree);
     }

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Blocks laid elsewhere, and the strength of blocks as a function of their size.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "lacuna/rg.h"
+#include "support/trees.h"
+
+enum { SIDE = 16, CELLS = SIDE * SIDE };
+
+static void assert_near(double x, double expected, double tolerance)
+{
+    if (!(fabs(x - expected) <= tolerance)) {
+        fail_msg("%.17g is not %.17g +- %g", x, expected, tolerance);
+    }
+}
+
+static lac_domain *random_pressures(uint64_t seed, bool periodic, double filling)
+{
+    lac_grid grid = {SIDE, SIDE, 1, 1, periodic};
+    double pressure[CELLS];
+    for (size_t i = 0; i < CELLS; i++) {
+        bool touches = draw_uniform(seed, i, 0, 1) < filling;
+        pressure[i] = touches || i == 0 ? draw_log(seed, CELLS + i, 0.1, 10) : 0.0;
+    }
+    lac_domain *domain = NULL;
+    lac_error err = {""};
+    assert_int_equal(lac_domain_create(&grid, pressure, &domain, &err), LAC_OK);
+    return domain;
+}
+
+static void check_shift(const lac_domain *domain, size_t dx, size_t dy)
+{
+    uint32_t cell[CELLS];
+    bool seen[CELLS] = {false};
+    lac_domain *there = NULL;
+    lac_error err = {""};
+    const size_t n = SIDE;
+    assert_int_equal(lac_rg_shift(domain, dx, dy, &there, cell, &err), LAC_OK);
+    assert_int_equal(there->n, domain->n);
+    for (size_t i = 0; i < there->n; i++) {
+        size_t x = domain->index[cell[i]] % n + dx;
+        size_t y = domain->index[cell[i]] / n + dy;
+        if (domain->grid.periodic) {
+            x %= n;
+            y %= n;
+        }
+        assert_int_equal(there->index[i] % there->grid.nx, x);
+        assert_int_equal(there->index[i] / there->grid.nx, y);
+        assert_near(there->pressure[i], domain->pressure[cell[i]], 0.0);
+        assert_false(seen[cell[i]]);
+        seen[cell[i]] = true;
+    }
+    lac_domain_free(there);
+}
+
+static void test_shifted_blocks_hold_the_same_cells(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        lac_domain *domain = random_pressures(seed, seed % 2 == 0, 0.3);
+        check_shift(domain, 0, 0);
+        check_shift(domain, seed % SIDE, (7 * seed) % SIDE);
+        check_shift(domain, SIDE - 1, SIDE - 1);
+        lac_domain *there = NULL;
+        uint32_t cell[CELLS];
+        lac_error err = {""};
+        assert_int_equal(lac_rg_shift(domain, SIDE, 0, &there, cell, &err), LAC_EINPUT);
+        lac_domain_free(domain);
+    }
+}
+
+typedef struct joint {
+    lac_domain *domain;
+    lac_hierarchy *h;
+    lac_rg_tree *tree;
+    lac_rg_path *path;
+} joint;
+
+static void joint_fill(joint *j, lac_domain *domain, double beta)
+{
+    lac_error err = {""};
+    double drop[CELLS];
+    j->domain = domain;
+    j->h = hierarchy_of(domain);
+    for (size_t i = 0; i < domain->n; i++) {
+        drop[i] = (1.0 - beta) * domain->pressure[i];
+    }
+    assert_int_equal(lac_rg_tree_create(j->h, domain->pressure, drop, &j->tree, &err), LAC_OK);
+    assert_int_equal(lac_rg_path_equal(domain->n, domain->pressure, &j->path, &err), LAC_OK);
+}
+
+static void joint_clear(joint *j)
+{
+    lac_rg_path_free(j->path);
+    lac_rg_tree_free(j->tree);
+    lac_hierarchy_free(j->h);
+    lac_domain_free(j->domain);
+}
+
+// The largest block is the joint, and the smallest are its cells, of strength f p each.
+static void test_strength_from_cell_to_joint(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        joint j;
+        double work[2 * CELLS];
+        lac_rg_sizes sizes[8];
+        lac_error err = {""};
+        joint_fill(&j, random_pressures(seed, true, 0.1 + 0.04 * (double)seed), 0.7);
+        double total = 0.0;
+        for (size_t i = 0; i < j.domain->n; i++) {
+            total += j.domain->pressure[i];
+        }
+        for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_CONS; rule++) {
+            assert_int_equal(
+                lac_rg_size_effect(j.tree, rule, j.path, false, sizes, work, &err), LAC_OK);
+            double critical = lac_rg_critical(j.tree, rule, j.path, work);
+            size_t top = lac_rg_levels(j.tree);
+            assert_int_equal(sizes[top].blocks, 1);
+            assert_near(sizes[top].load, critical, 2.0 / 128);
+            assert_near(sizes[top].strength * CELLS, sizes[top].load * total, 1e-2 * total);
+            assert_int_equal(sizes[0].blocks, j.domain->n);
+            assert_near(sizes[0].strength, total / (double)j.domain->n, 1e-2 * total);
+        }
+        joint_clear(&j);
+    }
+}
+
+// All alike: Coulomb's friction at every size.
+static void test_uniform_joint_has_no_size_effect(void **state)
+{
+    (void)state;
+    joint j;
+    double work[2 * CELLS];
+    lac_rg_sizes sizes[8];
+    lac_error err = {""};
+    joint_fill(&j, domain_of(SIDE, SIDE, NULL), 0.7);
+    assert_int_equal(lac_rg_size_effect(j.tree, LAC_RG_FIX, j.path, false, sizes, work, &err),
+                     LAC_OK);
+    for (size_t level = 0; level <= lac_rg_levels(j.tree); level++) {
+        assert_int_equal(sizes[level].blocks, lac_rg_blocks_at(j.tree, level));
+        assert_near(sizes[level].load, 1.0, 1e-9);
+        assert_near(sizes[level].strength, 1.0, 1e-9);
+        assert_near(sizes[level].spread, 0.0, 1e-7);
+    }
+    joint_clear(&j);
+}
+
+static void test_what_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    lac_error err = {""};
+    lac_rg_tree *tree = NULL;
+    lac_domain *domain = domain_of(2, 1, NULL);
+    lac_hierarchy *h = hierarchy_of(domain);
+    const double good[2] = {1, 2};
+    const double wrong[5][2] = {{1, NAN}, {1, 0}, {1, -1}, {1, INFINITY}, {3, 1}};
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(lac_rg_tree_create(h, wrong[i], wrong[i], &tree, &err), LAC_EINPUT);
+        assert_null(tree);
+    }
+    assert_int_equal(lac_rg_tree_create(h, good, wrong[4], &tree, &err), LAC_EINPUT);
+    assert_int_equal(lac_rg_tree_create(h, good, wrong[0], &tree, &err), LAC_EINPUT);
+    // blocks that do not nest, and two roots
+    const uint32_t level1[3] = {0, 1, 2};
+    const uint32_t odd[2] = {0, 1};
+    const size_t two[2] = {2, 2};
+    const size_t one[2] = {2, 1};
+    const uint32_t *first[2] = {NULL, level1};
+    assert_int_equal(
+        lac_rg_tree_from_blocks(&(lac_rg_blocks){1, two, first}, good, good, &tree, &err),
+        LAC_EINPUT);
+    first[1] = odd;
+    assert_int_equal(
+        lac_rg_tree_from_blocks(&(lac_rg_blocks){1, one, first}, good, good, &tree, &err),
+        LAC_EINPUT);
+    lac_hierarchy_free(h);
+    lac_domain_free(domain);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shifted_blocks_hold_the_same_cells),
+        cmocka_unit_test(test_strength_from_cell_to_joint),
+        cmocka_unit_test(test_uniform_joint_has_no_size_effect),
+        cmocka_unit_test(test_what_cannot_be_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
