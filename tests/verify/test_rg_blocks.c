@@ -120,8 +120,8 @@ static void test_strength_from_cell_to_joint(void **state)
             total += j.domain->pressure[i];
         }
         for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_CONS; rule++) {
-            assert_int_equal(
-                lac_rg_size_effect(j.tree, rule, j.path, false, sizes, work, &err), LAC_OK);
+            assert_int_equal(lac_rg_size_effect(j.tree, rule, j.path, false, sizes, work, &err),
+                             LAC_OK);
             double critical = lac_rg_critical(j.tree, rule, j.path, work);
             size_t top = lac_rg_levels(j.tree);
             assert_int_equal(sizes[top].blocks, 1);
