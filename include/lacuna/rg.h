@@ -22,6 +22,14 @@ typedef struct lac_rg_tree lac_rg_tree;
 lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, const double *drop,
                               lac_rg_tree **out, lac_error *err);
 
+/// The tree of a domain whose blocks lie elsewhere: the cells are moved by (dx, dy) against the grid
+/// of blocks. Periodic grids wrap; others are laid into one twice as long on each side of more
+/// than a cell, so that they have a level more. Cells keep their numbers in all that follows.
+/// @return as lac_rg_tree_create; LAC_EINPUT also where a shift is not less than the grid
+lac_status lac_rg_tree_create_at(const lac_domain *domain, size_t dx, size_t dy,
+                                 const double *strength, const double *drop, lac_rg_tree **out,
+                                 lac_error *err);
+
 /// Any tree, of blocks with any number of children.
 /// @param levels  of blocks above the cells; the last holds one block, the root. 0: one cell
 /// @param count   [levels + 1] blocks of each level, count[0] the cells
@@ -149,13 +157,6 @@ typedef struct lac_rg_sizes {
 /// @cost   128 passes
 lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
                               bool line, lac_rg_sizes *sizes, double *work, lac_error *err);
-
-/// The same domain with its blocks elsewhere: the cells moved by (dx, dy) against the grid of
-/// blocks. Periodic grids wrap; others get a grid twice as long on each side of more than a cell.
-/// @param cell  [n] for each cell of the moved domain the one of the domain; overwritten
-/// @return LAC_OK; LAC_EINPUT (a shift of more than the grid); LAC_ENOMEM
-lac_status lac_rg_shift(const lac_domain *domain, size_t dx, size_t dy, lac_domain **out,
-                        uint32_t *cell, lac_error *err);
 
 /// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
 /// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.

@@ -98,18 +98,20 @@ static void sum_shear(lac_rg_tree *tree)
     }
 }
 
-static void load_cells(lac_rg_layer *cells, const double *shear, const double *gap)
+static void load_cells(const lac_rg_tree *tree, const double *shear, const double *gap)
 {
+    const lac_rg_layer *cells = &tree->layer[0];
     for (size_t i = 0; i < cells->count; i++) {
-        cells->shear[i] = shear != NULL ? shear[i] : 0.0;
-        cells->gap[i] = gap != NULL ? gap[i] : cells->strength[i] - cells->shear[i];
+        size_t c = lac_rg_cell(tree, i);
+        cells->shear[i] = shear[c];
+        cells->gap[i] = gap != NULL ? gap[c] : cells->strength[i] - cells->shear[i];
     }
 }
 
 double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, const double *gap)
 {
     tree->rule = rule;
-    load_cells(&tree->layer[0], shear, gap);
+    load_cells(tree, shear, gap);
     sum_shear(tree);
     if (rule == LAC_RG_LUMP) {
         lac_rg_lump(tree);
@@ -176,9 +178,10 @@ void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
     }
     const lac_rg_layer *cells = &tree->layer[0];
     for (size_t i = 0; i < cells->count; i++) {
-        slipped[i] = cells->gap[i] <= cells->received[i] + tree->tolerance ? 1 : 0;
+        size_t c = lac_rg_cell(tree, i);
+        slipped[c] = cells->gap[i] <= cells->received[i] + tree->tolerance ? 1 : 0;
         if (stress != NULL) {
-            stress[i] = slipped[i] != 0 ? 0.0 : cells->received[i];
+            stress[c] = slipped[c] != 0 ? 0.0 : cells->received[i];
         }
     }
 }

@@ -224,6 +224,7 @@ void lac_rg_tree_free(lac_rg_tree *tree)
     if (tree == NULL) {
         return;
     }
+    free(tree->cell);
     free(tree->order);
     free(tree->links);
     free(tree->memory);

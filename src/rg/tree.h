@@ -29,11 +29,18 @@ struct lac_rg_tree {
     uint8_t of_level[LAC_RG_LEVELS + 1];
     lac_rg_layer layer[LAC_RG_LEVELS + 1];
     lac_rg_child *order; ///< [most children of a block]
+    uint32_t *cell;      ///< [n] the caller's number of each cell; NULL: the same
     double *memory;
     uint32_t *links;
     double tolerance; ///< of a threshold [Pa]
     lac_rg_rule rule; ///< of the last pass
 };
+
+/// The caller's number of a cell.
+static inline size_t lac_rg_cell(const lac_rg_tree *tree, size_t i)
+{
+    return tree->cell != NULL ? tree->cell[i] : i;
+}
 
 /// The children of a block in the order in which they slip: by threshold, strength, place.
 /// @return how many

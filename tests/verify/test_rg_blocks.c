@@ -36,28 +36,80 @@ static lac_domain *random_pressures(uint64_t seed, bool periodic, double filling
     return domain;
 }
 
+// The place of a cell whose blocks lie (dx, dy) further, on the grid of the moved domain.
+static size_t place(const lac_domain *domain, size_t i, size_t dx, size_t dy, size_t side)
+{
+    size_t x = (domain->index[i] % SIDE + dx) % side;
+    size_t y = (domain->index[i] / SIDE + dy) % side;
+    return y * side + x;
+}
+
+// The same pressures on a grid where they are moved by hand, and who is who.
+static lac_domain *moved_by_hand(const lac_domain *domain, size_t dx, size_t dy, uint32_t *cell)
+{
+    const size_t side = domain->grid.periodic ? SIDE : 2 * SIDE;
+    lac_grid grid = {side, side, 1, 1, domain->grid.periodic};
+    double *pressure = new_doubles(side * side);
+    lac_domain *there = NULL;
+    lac_error err = {""};
+    for (size_t i = 0; i < domain->n; i++) {
+        pressure[place(domain, i, dx, dy, side)] = domain->pressure[i];
+    }
+    assert_int_equal(lac_domain_create(&grid, pressure, &there, &err), LAC_OK);
+    for (size_t i = 0; i < domain->n; i++) {
+        for (size_t j = 0; j < there->n; j++) {
+            if (there->index[j] == place(domain, i, dx, dy, side)) {
+                cell[j] = (uint32_t)i;
+            }
+        }
+    }
+    free(pressure);
+    return there;
+}
+
+static void settle(lac_rg_tree *tree, const double *shear, double *root, uint8_t *slipped,
+                   double *stress)
+{
+    *root = lac_rg_pass(tree, LAC_RG_FIX, shear, NULL);
+    lac_rg_settle(tree, slipped, stress);
+}
+
 static void check_shift(const lac_domain *domain, size_t dx, size_t dy)
 {
     uint32_t cell[CELLS];
-    bool seen[CELLS] = {false};
-    lac_domain *there = NULL;
+    double drop[CELLS];
+    double shear[CELLS];
+    double there_shear[CELLS];
+    double there_drop[CELLS];
+    double root[2];
+    uint8_t slipped[2][CELLS];
+    double stress[2][CELLS];
+    lac_rg_tree *tree = NULL;
+    lac_rg_tree *other = NULL;
     lac_error err = {""};
-    const size_t n = SIDE;
-    assert_int_equal(lac_rg_shift(domain, dx, dy, &there, cell, &err), LAC_OK);
-    assert_int_equal(there->n, domain->n);
-    for (size_t i = 0; i < there->n; i++) {
-        size_t x = domain->index[cell[i]] % n + dx;
-        size_t y = domain->index[cell[i]] / n + dy;
-        if (domain->grid.periodic) {
-            x %= n;
-            y %= n;
-        }
-        assert_int_equal(there->index[i] % there->grid.nx, x);
-        assert_int_equal(there->index[i] / there->grid.nx, y);
-        assert_near(there->pressure[i], domain->pressure[cell[i]], 0.0);
-        assert_false(seen[cell[i]]);
-        seen[cell[i]] = true;
+    lac_domain *there = moved_by_hand(domain, dx, dy, cell);
+    lac_hierarchy *h = hierarchy_of(there);
+    for (size_t i = 0; i < domain->n; i++) {
+        drop[i] = 0.4 * domain->pressure[i];
+        shear[i] = domain->pressure[i] * draw_uniform(dx, i, 0.2, 0.95);
     }
+    for (size_t i = 0; i < there->n; i++) {
+        there_drop[i] = drop[cell[i]];
+        there_shear[i] = shear[cell[i]];
+    }
+    assert_int_equal(
+        lac_rg_tree_create_at(domain, dx, dy, domain->pressure, drop, &tree, &err), LAC_OK);
+    assert_int_equal(lac_rg_tree_create(h, there->pressure, there_drop, &other, &err), LAC_OK);
+    settle(tree, shear, &root[0], slipped[0], stress[0]);
+    settle(other, there_shear, &root[1], slipped[1], stress[1]);
+    assert_near(root[0], root[1], 0.0);
+    for (size_t i = 0; i < there->n; i++) {
+        assert_int_equal(slipped[0][cell[i]], slipped[1][i]);
+        assert_near(stress[0][cell[i]], stress[1][i], 0.0);
+    }
+    lac_rg_tree_free(tree);
+    lac_rg_tree_free(other);
+    lac_hierarchy_free(h);
     lac_domain_free(there);
 }
 
@@ -66,13 +118,15 @@ static void test_shifted_blocks_hold_the_same_cells(void **state)
     (void)state;
     for (uint64_t seed = 0; seed < 20; seed++) {
         lac_domain *domain = random_pressures(seed, seed % 2 == 0, 0.3);
+        lac_rg_tree *tree = NULL;
+        lac_error err = {""};
         check_shift(domain, 0, 0);
         check_shift(domain, seed % SIDE, (7 * seed) % SIDE);
         check_shift(domain, SIDE - 1, SIDE - 1);
-        lac_domain *there = NULL;
-        uint32_t cell[CELLS];
-        lac_error err = {""};
-        assert_int_equal(lac_rg_shift(domain, SIDE, 0, &there, cell, &err), LAC_EINPUT);
+        assert_int_equal(lac_rg_tree_create_at(domain, SIDE, 0, domain->pressure, domain->pressure,
+                                               &tree, &err),
+                         LAC_EINPUT);
+        assert_null(tree);
         lac_domain_free(domain);
     }
 }
