@@ -97,8 +97,8 @@ static void check_shift(const lac_domain *domain, size_t dx, size_t dy)
         there_drop[i] = drop[cell[i]];
         there_shear[i] = shear[cell[i]];
     }
-    assert_int_equal(
-        lac_rg_tree_create_at(domain, dx, dy, domain->pressure, drop, &tree, &err), LAC_OK);
+    assert_int_equal(lac_rg_tree_create_at(domain, dx, dy, domain->pressure, drop, &tree, &err),
+                     LAC_OK);
     assert_int_equal(lac_rg_tree_create(h, there->pressure, there_drop, &other, &err), LAC_OK);
     settle(tree, shear, &root[0], slipped[0], stress[0]);
     settle(other, there_shear, &root[1], slipped[1], stress[1]);
@@ -123,9 +123,9 @@ static void test_shifted_blocks_hold_the_same_cells(void **state)
         check_shift(domain, 0, 0);
         check_shift(domain, seed % SIDE, (7 * seed) % SIDE);
         check_shift(domain, SIDE - 1, SIDE - 1);
-        assert_int_equal(lac_rg_tree_create_at(domain, SIDE, 0, domain->pressure, domain->pressure,
-                                               &tree, &err),
-                         LAC_EINPUT);
+        assert_int_equal(
+            lac_rg_tree_create_at(domain, SIDE, 0, domain->pressure, domain->pressure, &tree, &err),
+            LAC_EINPUT);
         assert_null(tree);
         lac_domain_free(domain);
     }

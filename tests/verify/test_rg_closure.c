@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-#include "lacuna/rg.h"
+#include "lacuna/rg_map.h"
 #include "support/trees.h"
 
 static void assert_near(double x, double expected, double tolerance)

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "lacuna/rg.h"
+#include "lacuna/rg_map.h"
 #include "support/trees.h"
 
 enum { MOST = 64 };

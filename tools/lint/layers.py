@@ -19,7 +19,7 @@ USES = {
     "contact": ["surface"],
     "fractal": ["contact"],
     "hierarchy": ["contact"],
-    "rg": ["hierarchy"],
+    "rg": ["hierarchy", "fractal"],
     "friction": [],
     "transfer": ["hierarchy"],
     "load": [],
@@ -39,6 +39,8 @@ HEADERS = {
     "grid": "base",
     "version": "base",
     "problem": "model",
+    "rg_map": "rg",
+    "rg_study": "rg",
     "lacuna": "cli",
 }
 

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RG_STUDY_H
+#define LACUNA_RG_STUDY_H
+
+#include "lacuna/rg.h"
+#include "lacuna/rg_map.h"
+
+/// A joint as the cascade needs it.
+typedef struct lac_rg_joint {
+    const lac_domain *domain;
+    const double *strength;  ///< [n] f p [Pa]
+    const double *drop;      ///< [n] (1 - beta) f p [Pa]
+    const lac_rg_path *path; ///< how the shear force grows
+} lac_rg_joint;
+
+/// How an ensemble of joints is studied.
+typedef struct lac_rg_study_def {
+    lac_rg_rule rule;
+    size_t places;      ///< of the grid of blocks on each joint, at random, averaged; the first is
+                        ///< the grid's own
+    size_t loads;       ///< Q/Q_nom from 1/loads to 1, evenly
+    size_t resamplings; ///< of the bootstrap
+    uint64_t seed;      ///< of places and bootstrap
+} lac_rg_study_def;
+
+/// FIX, 16 places, 60 loads, 400 resamplings, seed 1.
+lac_rg_study_def lac_rg_study_default(void);
+
+/// A value, its standard error and its 95 % interval, by bootstrap over joints, over places where
+/// there is one joint; NaN where too few of the resamplings have one.
+typedef struct lac_rg_estimate {
+    double value, error, low, high;
+} lac_rg_estimate;
+
+/// A power law xi ~ (1 - Q/Q_crit)^-exponent, or none.
+typedef struct lac_rg_power {
+    size_t points;
+    double exponent, error; ///< NaN where fewer than four points
+    double curvature;       ///< of ln xi against ln(1 - Q/Q_crit), over its standard error
+    bool holds;             ///< xi grows by a factor of 4 at least, straight within two errors
+} lac_rg_power;
+
+/// Results of a study. Levels: 0 the cells ... levels the joint.
+typedef struct lac_rg_result {
+    size_t joints, places, levels, loads;
+    double critical;       ///< Q_crit/Q_nom, mean over joints and places [1]
+    double critical_sd;    ///< standard deviation among joints; among places where there is one
+    double critical_error; ///< of the mean: sd/sqrt(joints), or /sqrt(places) where there is one
+    double place_sd;       ///< standard deviation among the places of a joint, mean over joints
+    lac_rg_map map;        ///< fitted to all pairs of levels with 8 blocks at least
+    lac_rg_estimate fixed_point, lambda, nu;
+    lac_rg_power cluster_law, block_law; ///< of the two correlation lengths below
+    double *load;                        ///< [loads] Q/Q_nom
+    double *fraction;                    ///< [loads * (levels + 1)] N_slip/N_tot, mean
+    double *cluster;    ///< [loads] longer side of the largest slipped cluster [m], mean
+    double *block;      ///< [loads] side of the largest block slipped as a whole [m], mean
+    double *blocks;     ///< [levels + 1] N_tot, mean
+    double *slipping;   ///< [levels + 1] N_slip at Q_crit, just before the joint slides, mean
+    lac_rg_sizes *size; ///< [levels + 1] mean over joints and places
+    double *cell_load;  ///< [n of the last joint] load at which each cell has slipped [1]
+    size_t last_n;      ///< n of the last joint
+} lac_rg_result;
+
+/// An ensemble under study: joints are added one after the other.
+typedef struct lac_rg_study lac_rg_study;
+
+/// @return LAC_OK; LAC_EINPUT (no place, fewer than 10 loads or 2^16 of either); LAC_ENOMEM
+lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, lac_error *err);
+
+/// Lets the cascade run on one joint, its places shared among the threads; the results do not
+/// depend on how many these are.
+/// @return LAC_OK; LAC_EINPUT (a joint of other levels than those before); LAC_ENOMEM
+/// @cost   some 280 passes a place
+lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
+
+/// Statistics of what was added.
+/// @param result  freed with the study
+/// @return LAC_OK; LAC_EINPUT (no joint); LAC_ENOMEM
+lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err);
+
+/// Frees a study and its result; NULL is fine.
+void lac_rg_study_free(lac_rg_study *study);
+
+#endif

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rg/study.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+
+enum { LEAST_BLOCKS = 8, LEAST_LOADS = 10, MOST = 1 << 16 };
+
+struct lac_rg_study {
+    lac_rg_study_def def;
+    size_t joints, levels;
+    double *load;             // [loads]
+    lac_rg_sample **of_joint; // [joints][places]
+    double *cluster;          // [loads] sum over joints
+    lac_rg_result *result;
+};
+
+lac_rg_study_def lac_rg_study_default(void)
+{
+    return (lac_rg_study_def){
+        .rule = LAC_RG_FIX, .places = 16, .loads = 60, .resamplings = 400, .seed = 1};
+}
+
+lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, lac_error *err)
+{
+    *out = NULL;
+    if (def->places < 1 || def->places >= MOST || def->loads < LEAST_LOADS || def->loads >= MOST) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%zu places and %zu loads are not possible: at least 1 and %d, fewer than "
+                        "%d of each",
+                        def->places, def->loads, LEAST_LOADS, MOST);
+    }
+    lac_rg_study *study = calloc(1, sizeof *study);
+    if (study == NULL) {
+        return lac_fail_memory(err);
+    }
+    study->def = *def;
+    study->load = malloc(def->loads * sizeof *study->load);
+    study->cluster = calloc(def->loads, sizeof *study->cluster);
+    study->result = calloc(1, sizeof *study->result);
+    if (study->load == NULL || study->cluster == NULL || study->result == NULL) {
+        lac_rg_study_free(study);
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < def->loads; i++) {
+        study->load[i] = (double)(i + 1) / (double)def->loads;
+    }
+    *out = study;
+    return LAC_OK;
+}
+
+static void free_samples(const lac_rg_study *study, lac_rg_sample *samples)
+{
+    for (size_t i = 0; samples != NULL && i < study->def.places; i++) {
+        free(samples[i].fraction);
+        free(samples[i].size);
+    }
+    free(samples);
+}
+
+static void free_result(lac_rg_result *result)
+{
+    if (result != NULL) {
+        free(result->fraction);
+        free(result->cell_load);
+        free(result->size);
+    }
+    free(result);
+}
+
+void lac_rg_study_free(lac_rg_study *study)
+{
+    if (study == NULL) {
+        return;
+    }
+    for (size_t j = 0; j < study->joints; j++) {
+        free_samples(study, study->of_joint[j]);
+    }
+    free(study->of_joint);
+    free_result(study->result);
+    free(study->cluster);
+    free(study->load);
+    free(study);
+}
+
+static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out, lac_error *err)
+{
+    const size_t loads = study->def.loads;
+    const size_t levels = study->levels + 1;
+    lac_rg_sample *samples = calloc(study->def.places, sizeof *samples);
+    bool made = samples != NULL;
+    for (size_t i = 0; made && i < study->def.places; i++) {
+        lac_rg_sample *s = &samples[i];
+        s->fraction = malloc((loads * levels + loads + 2 * levels) * sizeof *s->fraction);
+        s->size = malloc(levels * sizeof *s->size);
+        made = s->fraction != NULL && s->size != NULL;
+        if (made) {
+            s->block = s->fraction + loads * levels;
+            s->blocks = s->block + loads;
+            s->slipping = s->blocks + levels;
+        }
+    }
+    if (!made) {
+        free_samples(study, samples);
+        return lac_fail_memory(err);
+    }
+    *out = samples;
+    return LAC_OK;
+}
+
+// Where the grid of blocks lies; the first place is the grid's own.
+static void draw_place(const lac_rg_study *study, const lac_grid *grid, size_t place, size_t *dx,
+                       size_t *dy)
+{
+    uint64_t bits[4];
+    lac_random(study->def.seed, LAC_STREAM_PLACE, study->joints, place, bits);
+    *dx = place > 0 ? (size_t)(bits[0] % grid->nx) : 0;
+    *dy = place > 0 ? (size_t)(bits[1] % grid->ny) : 0;
+}
+
+static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *joint,
+                               lac_rg_sample *samples, lac_error *err)
+{
+    const int places = (int)study->def.places;
+    lac_status worst = LAC_OK;
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < places; i++) {
+        lac_error own = {""};
+        size_t dx;
+        size_t dy;
+        draw_place(study, &joint->domain->grid, (size_t)i, &dx, &dy);
+        lac_status status =
+            lac_rg_sample_take(joint, &study->def, dx, dy, study->load, &samples[i], &own);
+        if (status != LAC_OK) {
+#pragma omp critical
+            {
+                worst = status;
+                if (err != NULL) {
+                    *err = own;
+                }
+            }
+        }
+    }
+    return worst;
+}
+
+// Clusters and the order of slipping, at the grid's own place.
+static lac_status take_order(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
+{
+    const size_t n = joint->domain->n;
+    lac_rg_order order = {malloc(study->def.loads * sizeof(double)), malloc(n * sizeof(double))};
+    lac_status status = LAC_OK;
+    if (order.cluster == NULL || order.cell_load == NULL) {
+        status = lac_fail_memory(err);
+    } else {
+        status = lac_rg_order_take(joint, &study->def, study->load, &order, err);
+    }
+    if (status == LAC_OK) {
+        for (size_t i = 0; i < study->def.loads; i++) {
+            study->cluster[i] += order.cluster[i];
+        }
+        free(study->result->cell_load);
+        study->result->cell_load = order.cell_load;
+        study->result->last_n = n;
+        order.cell_load = NULL;
+    }
+    free(order.cell_load);
+    free(order.cluster);
+    return status;
+}
+
+lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
+{
+    lac_rg_sample *samples = NULL;
+    lac_status status;
+    size_t levels;
+    LAC_TRY(lac_rg_sample_levels(joint, &levels, err));
+    if (study->joints > 0 && levels != study->levels) {
+        status = lac_fail(err, LAC_EINPUT, "a joint of %zu levels cannot join one of %zu", levels,
+                          study->levels);
+        goto out;
+    }
+    study->levels = levels;
+    lac_rg_sample **grown = realloc(study->of_joint, (study->joints + 1) * sizeof *study->of_joint);
+    status = grown != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    study->of_joint = grown;
+    LAC_TRY(create_samples(study, &samples, err));
+    LAC_TRY(take_samples(study, joint, samples, err));
+    LAC_TRY(take_order(study, joint, err));
+    study->of_joint[study->joints++] = samples;
+    samples = NULL;
+out:
+    free_samples(study, samples);
+    return status;
+}
+
+// Mean and standard deviation of n values
+static void spread(size_t n, const double *x, double *mean, double *sd)
+{
+    *mean = 0.0;
+    *sd = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        *mean += x[i] / (double)n;
+    }
+    for (size_t i = 0; i < n && n > 1; i++) {
+        *sd += (x[i] - *mean) * (x[i] - *mean) / (double)(n - 1);
+    }
+    *sd = sqrt(*sd);
+}
+
+static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, lac_error *err)
+{
+    const size_t places = study->def.places;
+    double *of_place = malloc(places * sizeof *of_place);
+    double *of_joint = malloc(study->joints * sizeof *of_joint);
+    if (of_place == NULL || of_joint == NULL) {
+        free(of_place);
+        free(of_joint);
+        return lac_fail_memory(err);
+    }
+    r->place_sd = 0.0;
+    for (size_t j = 0; j < study->joints; j++) {
+        double sd;
+        for (size_t i = 0; i < places; i++) {
+            of_place[i] = study->of_joint[j][i].critical;
+        }
+        spread(places, of_place, &of_joint[j], &sd);
+        r->place_sd += sd / (double)study->joints;
+    }
+    spread(study->joints, of_joint, &r->critical, &r->critical_sd);
+    r->critical_error = r->critical_sd / sqrt((double)study->joints);
+    if (study->joints == 1) {
+        r->critical_sd = r->place_sd;
+        r->critical_error = r->place_sd / sqrt((double)places);
+    }
+    free(of_place);
+    free(of_joint);
+    return LAC_OK;
+}
+
+static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_error *err)
+{
+    const size_t loads = study->def.loads;
+    const size_t levels = study->levels + 1;
+    free(r->fraction);
+    free(r->size);
+    r->fraction = calloc(loads * levels + 3 * loads + 2 * levels, sizeof *r->fraction);
+    r->size = calloc(levels, sizeof *r->size);
+    if (r->fraction == NULL || r->size == NULL) {
+        return lac_fail_memory(err);
+    }
+    r->load = r->fraction + loads * levels;
+    r->cluster = r->load + loads;
+    r->block = r->cluster + loads;
+    r->blocks = r->block + loads;
+    r->slipping = r->blocks + levels;
+    return LAC_OK;
+}
+
+static void add_sizes(const lac_rg_sizes *from, double weight, lac_rg_sizes *to, double *counted)
+{
+    if (from->blocks > 0) {
+        to->blocks += from->blocks;
+        to->load += weight * from->load;
+        to->strength += weight * from->strength;
+        to->spread += weight * from->spread;
+        *counted += weight;
+    }
+}
+
+static void mean_sizes(const lac_rg_study *study, lac_rg_result *r)
+{
+    for (size_t level = 0; level <= study->levels; level++) {
+        double counted = 0.0;
+        lac_rg_sizes *to = &r->size[level];
+        for (size_t j = 0; j < study->joints; j++) {
+            for (size_t i = 0; i < study->def.places; i++) {
+                add_sizes(&study->of_joint[j][i].size[level], 1.0, to, &counted);
+            }
+        }
+        to->load /= counted;
+        to->strength /= counted;
+        to->spread /= counted;
+    }
+}
+
+static void means(const lac_rg_study *study, lac_rg_result *r)
+{
+    const size_t loads = study->def.loads;
+    const size_t levels = study->levels + 1;
+    const double weight = 1.0 / ((double)study->joints * (double)study->def.places);
+    for (size_t j = 0; j < study->joints; j++) {
+        for (size_t i = 0; i < study->def.places; i++) {
+            const lac_rg_sample *s = &study->of_joint[j][i];
+            for (size_t k = 0; k < loads * levels; k++) {
+                r->fraction[k] += weight * s->fraction[k];
+            }
+            for (size_t k = 0; k < loads; k++) {
+                r->block[k] += weight * s->block[k];
+            }
+            for (size_t k = 0; k < levels; k++) {
+                r->blocks[k] += weight * s->blocks[k];
+                r->slipping[k] += weight * s->slipping[k];
+            }
+        }
+    }
+    for (size_t k = 0; k < loads; k++) {
+        r->load[k] = study->load[k];
+        r->cluster[k] = study->cluster[k] / (double)study->joints;
+    }
+    mean_sizes(study, r);
+}
+
+// Pairs (s_l, s_{l+1}) of one sample; returns how many.
+static size_t pairs_of(const lac_rg_study *study, const lac_rg_sample *sample, double *s,
+                       double *s_next)
+{
+    const size_t levels = study->levels + 1;
+    size_t n = 0;
+    for (size_t i = 0; i < study->def.loads; i++) {
+        const double *at = &sample->fraction[i * levels];
+        for (size_t level = 0; level + 1 < levels; level++) {
+            if (sample->blocks[level + 1] >= LEAST_BLOCKS) {
+                s[n] = at[level];
+                s_next[n++] = at[level + 1];
+            }
+        }
+    }
+    return n;
+}
+
+// The map of all pairs, resampled by joint, or by place where there is one joint.
+static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error *err)
+{
+    const size_t samples = study->joints * study->def.places;
+    const size_t most = samples * study->def.loads * (study->levels + 1);
+    double *s = malloc((2 * most + 1) * sizeof *s);
+    size_t *first = malloc((samples + 1) * sizeof *first);
+    lac_status status = s != NULL && first != NULL ? LAC_OK : lac_fail_memory(err);
+    if (status == LAC_OK) {
+        size_t groups = 0;
+        size_t n = 0;
+        for (size_t k = 0; k < samples; k++) {
+            size_t place = k % study->def.places;
+            if (place == 0 || study->joints == 1) {
+                first[groups++] = n;
+            }
+            n += pairs_of(study, &study->of_joint[k / study->def.places][place], s + n,
+                          s + most + n);
+        }
+        first[groups] = n;
+        status = lac_rg_bootstrap(&study->def, groups, first, s, s + most, r, err);
+    }
+    free(first);
+    free(s);
+    return status;
+}
+
+lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err)
+{
+    lac_rg_result *r = study->result;
+    lac_status status;
+    if (study->joints == 0) {
+        return lac_fail(err, LAC_EINPUT, "no joint was added to the study");
+    }
+    r->joints = study->joints;
+    r->places = study->def.places;
+    r->levels = study->levels;
+    r->loads = study->def.loads;
+    LAC_TRY(create_means(study, r, err));
+    means(study, r);
+    LAC_TRY(critical_force(study, r, err));
+    LAC_TRY(fit_map(study, r, err));
+    r->cluster_law = lac_rg_power_fit(r->loads, r->load, r->cluster, r->critical);
+    r->block_law = lac_rg_power_fit(r->loads, r->load, r->block, r->critical);
+    *result = r;
+out:
+    return status;
+}

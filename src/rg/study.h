@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RG_STUDY_INTERNAL_H
+#define LACUNA_RG_STUDY_INTERNAL_H
+
+#include "lacuna/rg_study.h"
+
+/// What one joint gave with its blocks at one place.
+typedef struct lac_rg_sample {
+    double critical;
+    double *fraction;   ///< [loads * (levels + 1)]
+    double *block;      ///< [loads] side of the largest block slipped as a whole [m]
+    double *blocks;     ///< [levels + 1]
+    double *slipping;   ///< [levels + 1]
+    lac_rg_sizes *size; ///< [levels + 1]
+} lac_rg_sample;
+
+/// What one joint gave at its own place only.
+typedef struct lac_rg_order {
+    double *cluster;   ///< [loads]
+    double *cell_load; ///< [n]
+} lac_rg_order;
+
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT
+lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                              size_t dy, const double *load, lac_rg_sample *out, lac_error *err);
+
+/// Levels of trees of a domain, with the doubled grid where it is not periodic.
+/// @return 0 where memory is short or the joint is a single cell
+lac_status lac_rg_sample_levels(const lac_rg_joint *joint, size_t *levels, lac_error *err);
+
+/// Largest slipped cluster at each load, and the load at which each cell slips for good.
+lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,
+                             const double *load, lac_rg_order *out, lac_error *err);
+
+/// Bootstrap of the map over groups of pairs.
+/// @param groups  of pairs; group i is pairs first[i] ... first[i + 1]
+/// @param result  map and the three estimates are set
+lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const size_t *first,
+                            const double *s, const double *s_next, lac_rg_result *result,
+                            lac_error *err);
+
+/// Fits xi ~ (1 - load/critical)^-exponent below the critical load.
+lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, double critical);
+
+#endif
