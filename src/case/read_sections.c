@@ -30,6 +30,8 @@ static bool section_lacks(const lac_reader *reader, const char *key)
            !lac_key_misspelt(reader->root, &table, key);
 }
 
+bool lac_needs_run(const lac_reader *reader) { return reader->purpose != LAC_FOR_CONTACT; }
+
 static void read_version(lac_reader *reader)
 {
     const lac_node *node = lac_node_child(reader->root, "lacuna");
@@ -104,7 +106,7 @@ static void read_friction(lac_reader *reader, lac_case *c)
 {
     const char *keys[32];
     const lac_node *node = lac_node_child(reader->root, "friction");
-    if (section_lacks(reader, "friction")) {
+    if (section_lacks(reader, "friction") && lac_needs_run(reader)) {
         lac_blame_missing(reader, reader->root, "friction",
                           "is missing: a friction law such as {aging: {...}}");
     }
@@ -142,7 +144,7 @@ static void read_start(lac_reader *reader, const lac_node *node, lac_case *c)
 static void read_time(lac_reader *reader, lac_case *c)
 {
     const lac_node *node = read_section(reader, reader->root, "time", LAC_SECTION_TIME, c);
-    if (section_lacks(reader, "time")) {
+    if (section_lacks(reader, "time") && lac_needs_run(reader)) {
         lac_blame_key(reader, "time.end", "is missing: must be a time such as \"1 day\"");
     }
     if (node == NULL) {
