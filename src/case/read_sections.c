@@ -52,13 +52,8 @@ static void read_interface(lac_reader *reader, lac_case *c)
     if (node == NULL) {
         return;
     }
-    const lac_node *boundary = lac_node_child(node, "boundary");
     const lac_node *surface = lac_node_child(node, "surface");
     const lac_node *domain = lac_node_child(node, "domain");
-    if (boundary != NULL &&
-        (boundary->kind != LAC_NODE_SCALAR || strcmp(boundary->text, "periodic") != 0)) {
-        lac_blame(reader, boundary, "must be periodic, the boundary that this version solves");
-    }
     if (surface != NULL) {
         lac_read_slot(reader, surface, LAC_KIND_SURFACE, NULL, &c->surface);
     }

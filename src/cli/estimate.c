@@ -24,36 +24,32 @@ enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
 // Grids above this are not synthesised only to be estimated.
 static const double largest_surface = 1 << 22;
 
-static lac_grid grid_of(const lac_case *c)
-{
-    size_t n = (size_t)1 << c->interface.levels;
-    double side = c->interface.size / (double)n;
-    return (lac_grid){.nx = n,
-                      .ny = c->interface.shape == LAC_LINE ? 1 : n,
-                      .dx = side,
-                      .dy = side,
-                      .periodic = true};
-}
-
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     return normal->pressure(c->normal.params, c->material.density);
 }
 
-// Mean square gradient by differences to the next cell, periodic.
-static double rms_slope(const lac_grid *grid, const double *h)
+// Mean square slope to the next cell along one direction, round the edges where periodic.
+static double mean_square_slope(const lac_grid *grid, const double *h, bool along_x)
 {
-    double sum = 0;
-    for (size_t j = 0; j < grid->ny; j++) {
-        for (size_t i = 0; i < grid->nx; i++) {
-            double here = h[j * grid->nx + i];
-            double right = (h[j * grid->nx + (i + 1) % grid->nx] - here) / grid->dx;
-            double up = (h[(j + 1) % grid->ny * grid->nx + i] - here) / grid->dy;
-            sum += right * right + up * up;
+    size_t n = along_x ? grid->nx : grid->ny, rows = lac_grid_cells(grid) / n;
+    size_t step = along_x ? 1 : grid->nx, next_row = along_x ? grid->nx : 1;
+    size_t pairs = grid->periodic ? n : n - 1;
+    double sum = 0, side = along_x ? grid->dx : grid->dy;
+    for (size_t j = 0; j < rows; j++) {
+        for (size_t i = 0; i < pairs; i++) {
+            const double *row = h + j * next_row;
+            double slope = (row[(i + 1) % n * step] - row[i * step]) / side;
+            sum += slope * slope;
         }
     }
-    return sqrt(sum / (double)lac_grid_cells(grid));
+    return pairs > 0 ? sum / ((double)pairs * (double)rows) : 0;
+}
+
+static double rms_slope(const lac_grid *grid, const double *h)
+{
+    return sqrt(mean_square_slope(grid, h, true) + mean_square_slope(grid, h, false));
 }
 
 // A/A_nom = kappa p/(E* h') at light load, kappa = 2.2 by simulation: Hyun et al. (2004), doi
@@ -123,7 +119,7 @@ static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimat
 
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 {
-    lac_grid grid = grid_of(c);
+    lac_grid grid = lac_interface_grid(&c->interface);
     lac_status status = LAC_OK;
     *e = (cli_estimate){
         .grid_cells = (double)lac_grid_cells(&grid), .contact_cells = NAN, .stiffness_ratio = NAN};
