@@ -70,6 +70,26 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
     }
 }
 
+// An approach takes the place of a normal stress: the load follows from pressing the surface.
+static void check_approach(lac_reader *reader, const lac_case *c)
+{
+    const lac_normal_load *normal = (const void *)c->normal.about;
+    if (normal == NULL || normal->approach == NULL) {
+        return;
+    }
+    if (lac_needs_run(reader)) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "is for statics (lacuna contact); a run needs a load: pressure, depth or "
+                      "slope");
+    } else if (!present(reader, "interface.surface")) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "needs interface.surface: only heights tell the load that follows");
+    } else if (c->interface.boundary == LAC_PERIODIC && !(normal->approach(c->normal.params) > 0)) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "must be > 0 m between periodic faces: without a gap any load would do");
+    }
+}
+
 // The mean normal stress; NaN where the case is wrong about it.
 static double normal_stress(const lac_reader *reader, const lac_case *c)
 {
@@ -180,6 +200,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
+    check_approach(reader, c);
     check_load(reader, c);
     check_initial(reader, c);
     check_solver(reader, c);

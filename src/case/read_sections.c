@@ -30,7 +30,12 @@ static bool section_lacks(const lac_reader *reader, const char *key)
            !lac_key_misspelt(reader->root, &table, key);
 }
 
-bool lac_needs_run(const lac_reader *reader) { return reader->purpose != LAC_FOR_CONTACT; }
+bool lac_needs_run(const lac_reader *reader)
+{
+    // What names a case as static.
+    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL;
+    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
+}
 
 static void read_version(lac_reader *reader)
 {

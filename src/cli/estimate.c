@@ -72,8 +72,10 @@ static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_
         return lac_fail_memory(err);
     }
     lac_status status = lac_surface_generate(&c->surface, grid, heights, err);
-    if (status == LAC_OK) {
-        e->contact_cells = fmax(1, e->grid_cells * contact_fraction(c, rms_slope(grid, heights)));
+    double fraction =
+        status == LAC_OK ? contact_fraction(c, rms_slope(grid, heights)) : (double)NAN;
+    if (isfinite(fraction)) {
+        e->contact_cells = fmax(1, e->grid_cells * fraction);
     }
     free(heights);
     return status;
@@ -105,9 +107,10 @@ static double finest_stiffness(const lac_case *c, const lac_grid *grid)
 static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimate *e)
 {
     const lac_friction_params *law = c->friction.params;
+    e->integrated = law != NULL;
     e->stable = true;
-    if (law == NULL) {
-        return; // statics: nothing is integrated
+    if (!e->integrated) {
+        return;
     }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
@@ -132,23 +135,32 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
         e->exact = true;
     }
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
-    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, contact_cell_bytes * cells);
     judge_stability(c, &grid, e);
-    e->steps = e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
+    double integration = e->integrated ? contact_cell_bytes * cells : 0;
+    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, integration);
+    e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
     e->cpu_time = grid_cell_seconds * e->grid_cells + cell_step_seconds * cells * e->steps;
     return status;
 }
 
 void cli_estimate_print(const cli_estimate *e)
 {
-    puts("\n# What it will cost with bdf, roughly");
+    puts(e->integrated ? "\n# What it will cost with bdf, roughly"
+                       : "\n# What it will cost, roughly");
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
-        printf("#   contact         %s%.3g cells, %.3g unknowns\n", e->exact ? "" : "about ",
-               e->contact_cells, 2 * e->contact_cells);
+        char unknowns[40] = "";
+        if (e->integrated) {
+            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns", 2 * e->contact_cells);
+        }
+        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
+               unknowns);
     }
     printf("#   memory          %.2g MB\n", e->memory / 1e6);
     printf("#   time            about %.1g s on one core\n", e->cpu_time);
+    if (!e->integrated) {
+        return;
+    }
     if (isnan(e->stiffness_ratio)) {
         printf("#   steps           hundreds (%s)\n",
                e->contact_cells <= 1 ? "one block" : "b <= a: no cell can fail on its own");
@@ -177,7 +189,11 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "memory_bytes", round(e->memory));
     cli_json_number(json, "cpu_time_s", e->cpu_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
-    cli_json_number(json, "steps", e->steps);
+    if (e->integrated) {
+        cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
+    } else {
+        cli_json_null(json, "steps_class");
+    }
+    cli_json_number(json, "steps", e->integrated ? e->steps : NAN);
     cli_json_close(json, '}');
 }

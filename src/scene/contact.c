@@ -5,9 +5,26 @@
 #include "lacuna/surface.h"
 #include "scene/internal.h"
 
+// The faces do not touch: by how much.
+static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
+{
+    size_t cells = lac_grid_cells(&def->grid);
+    double mean = 0.0;
+    double highest = -INFINITY;
+    for (size_t i = 0; i < cells; i++) {
+        mean += def->heights[i] / (double)cells;
+        highest = fmax(highest, def->heights[i]);
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "the faces do not touch: at an approach of %g m the highest peak, %g m above "
+                    "the mean of the heights, is short of it",
+                    def->approach, highest - mean);
+}
+
 // Presses the surface; heights and gap are allocated here. With `all` also at coarser resolutions.
 static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     size_t cells = lac_grid_cells(&out->grid);
     lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
@@ -25,10 +42,21 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     def.grid = out->grid;
     def.heights = out->heights;
     def.e_star = out->e_star;
+    def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
     def.mean_pressure = out->mean_pressure;
+    def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;
     status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
+    if (status == LAC_OK && out->report.n_cells == 0) {
+        status = fail_apart(&def, err);
+    }
     out->solved = status == LAC_OK;
+    if (normal->approach != NULL) {
+        out->mean_pressure = out->report.mean_pressure;
+    }
     if (status == LAC_OK && all) {
+        // The same load at every resolution, also where it followed from an approach.
+        def.control = LAC_CONTROL_LOAD;
+        def.mean_pressure = out->mean_pressure;
         lac_scaling_def scaling = lac_scaling_default();
         lac_status scaled = lac_scaling_measure(&def, &scaling, &out->scaling, err);
         // A contact that cannot be halved often enough, or whose coarser resolutions follow no

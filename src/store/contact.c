@@ -74,6 +74,7 @@ static lac_status put_report(const lac_nc *file, const lac_grid *grid,
         {"complementarity_error", report->complementarity_error},
         {"penetration_m", report->penetration},
         {"load_error", report->load_error},
+        {"mean_pressure_Pa", report->mean_pressure},
         {"max_pressure_Pa", report->max_pressure},
         {"approach_m", report->approach},
     };
