@@ -81,6 +81,24 @@ typedef struct lac_compare_def {
     char *label; ///< what to call it; NULL
 } lac_compare_def;
 
+/// How the shear force spreads over the cells in `rg`.
+typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL } lac_rg_field;
+
+enum { LAC_MOST_BETAS = 32 };
+
+/// What `lacuna rg` does with the interface.
+typedef struct lac_rg_def {
+    bool named;      ///< the case has the section
+    int rule;        ///< lac_rg_rule
+    int field;       ///< lac_rg_field
+    int64_t shifts;  ///< places of the grid of blocks
+    int64_t seeds;   ///< surfaces or domains: the case's seed and those that follow it
+    int64_t loads;   ///< Q/Q_nom along the path
+    double friction; ///< Coulomb's f [1]
+    size_t betas;    ///< 0: from the friction law
+    double beta[LAC_MOST_BETAS];
+} lac_rg_def;
+
 /// A case: text turned into one def per stage. Everything is SI and checked.
 typedef struct lac_case {
     char *path;
@@ -102,6 +120,7 @@ typedef struct lac_case {
     char *output_file; ///< NULL: named after the case
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
+    lac_rg_def rg;
     size_t compare_count;
     lac_compare_def *compare;
 } lac_case;
@@ -116,6 +135,7 @@ typedef struct lac_override {
 typedef enum lac_case_purpose {
     LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
     LAC_FOR_CONTACT, ///< statics: none of those
+    LAC_FOR_RG,      ///< statics, and what the cascade needs
     LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
 } lac_case_purpose;
 

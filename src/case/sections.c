@@ -26,7 +26,7 @@ static const lac_param case_rows[] = {
 
 static const char *const case_own[] = {"lacuna",   "interface", "material", "load",
                                        "friction", "initial",   "transfer", "time",
-                                       "solver",   "output",    "compare",  NULL};
+                                       "solver",   "output",    "compare",  "rg",   NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
@@ -350,6 +350,9 @@ static const struct {
                             NULL},
     [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
                             output_own},
+    [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)", lac_rg_rows,
+                         LAC_RG_ROWS},
+                        lac_rg_own},
     [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
                               cadence_rows, COUNT(cadence_rows)},
                              NULL},

@@ -15,6 +15,7 @@ enum {
     LAC_SECTION_STOP,
     LAC_SECTION_SOLVER,
     LAC_SECTION_OUTPUT,
+    LAC_SECTION_RG,
     LAC_SECTION_CADENCE,
     LAC_SECTION_COMPARE,
 };
@@ -37,6 +38,17 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// Reads `compare`.
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// The keys of `rg`.
+enum { LAC_RG_ROWS = 7 };
+extern const lac_param lac_rg_rows[LAC_RG_ROWS];
+extern const char *const lac_rg_own[];
+
+/// Reads `rg`; NULL: the defaults.
+void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What is wrong with the cascade, and the friction it takes from the law.
+void lac_check_rg(lac_reader *reader, lac_case *c);
 
 /// Whether the case must hold what only a run needs: friction, a shear load, an end.
 bool lac_needs_run(const lac_reader *reader);

@@ -347,6 +347,23 @@ static void put_compare(writer *w, const lac_case *c)
     }
 }
 
+static void put_rg(writer *w, const lac_case *c)
+{
+    if (!c->rg.named) {
+        return;
+    }
+    put(w, "rg:\n");
+    put_section(w, 1, LAC_SECTION_RG, c);
+    put_key(w, 1, "beta");
+    put(w, c->rg.betas == 0 ? " from-friction" : " [");
+    for (size_t i = 0; i < c->rg.betas; i++) {
+        char text[100];
+        (void)lac_units_exact(c->rg.beta[i], "1", text, sizeof text);
+        put(w, i > 0 ? ", %s" : "%s", text);
+    }
+    put(w, c->rg.betas == 0 ? "\n" : "]\n");
+}
+
 char *lac_case_text(const lac_case *c)
 {
     writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
@@ -369,6 +386,7 @@ char *lac_case_text(const lac_case *c)
     put(&w, "solver:\n");
     put_section(&w, 1, LAC_SECTION_SOLVER, c);
     put_output(&w, c);
+    put_rg(&w, c);
     put_compare(&w, c);
     if (w.failed) {
         free(w.text);

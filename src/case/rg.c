@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// rg: its keys, how they are read and what is wrong with them.
+#include <math.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+#define FIELD(name) offsetof(lac_case, name)
+
+static const char *const rules[] = {"fix", "cons", "lump", NULL};
+static const char *const rg_fields[] = {"elastic", "equal", NULL};
+static const char from_friction[] = "from-friction";
+
+const lac_param lac_rg_rows[LAC_RG_ROWS] = {
+    {.key = "rule",
+     .unit = "1",
+     .fallback = 0,
+     .type = LAC_CHOICE,
+     .choices = rules,
+     .offset = FIELD(rg.rule),
+     .doc = "what a block that slips sheds: fix, the drop of its strength (the paper); cons, all "
+            "above its residual strength; lump, as a point with its sums"},
+    {.key = "field",
+     .unit = "1",
+     .fallback = LAC_RG_ELASTIC,
+     .type = LAC_CHOICE,
+     .choices = rg_fields,
+     .offset = FIELD(rg.field),
+     .doc = "how shear spreads over the cells: elastic contact, or equal springs with caps"},
+    {.key = "beta", .doc = "strength left after slip, as a number, a list, or from-friction",
+     .unit = "1",
+     .type = LAC_TEXT,
+     .flags = LAC_OPTIONAL,
+     .fallback = NAN},
+    {.key = "friction",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1000,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(rg.friction),
+     .doc = "Coulomb's coefficient f; f0 of the friction law if absent"},
+    {.key = "shifts",
+     .unit = "1",
+     .fallback = 16,
+     .min = 1,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.shifts),
+     .doc = "places of the grid of blocks, averaged"},
+    {.key = "seeds",
+     .unit = "1",
+     .fallback = 1,
+     .min = 1,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.seeds),
+     .doc = "interfaces: the case's own seed and those that follow it"},
+    {.key = "loads",
+     .unit = "1",
+     .fallback = 60,
+     .min = 10,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.loads),
+     .doc = "shear forces at which slipping blocks are counted"},
+};
+
+const char *const lac_rg_own[] = {"beta", NULL};
+
+static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
+{
+    double beta = NAN;
+    if (rg->betas == LAC_MOST_BETAS) {
+        lac_blame(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
+    } else if (lac_read_number(reader, node, "1", &beta)) {
+        if (beta >= 0.0 && beta <= 1.0) {
+            rg->beta[rg->betas++] = beta;
+        } else {
+            lac_blame(reader, node, "must be >= 0 and <= 1");
+        }
+    }
+}
+
+static void read_betas(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
+{
+    rg->betas = 0;
+    if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
+        return;
+    }
+    if (node->kind == LAC_NODE_SCALAR) {
+        read_beta(reader, node, rg);
+    } else if (node->kind != LAC_NODE_LIST || node->count == 0) {
+        lac_blame(reader, node, "must be a number, a list such as [0.8, 0.7], or %s",
+                  from_friction);
+    }
+    for (size_t i = 0; node->kind == LAC_NODE_LIST && i < node->count; i++) {
+        read_beta(reader, node->child[i], rg);
+    }
+}
+
+void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    lac_table table = lac_section_table(LAC_SECTION_RG);
+    c->rg.betas = 1;
+    c->rg.beta[0] = 0.7;
+    if (node == NULL || node->bad ||
+        !lac_expect_map(reader, node, "a mapping such as {rule: fix, beta: [0.8, 0.7, 0.6]}")) {
+        return;
+    }
+    c->rg.named = true;
+    lac_read_table(reader, node, &table, c);
+    if (lac_node_child(node, "beta") != NULL) {
+        read_betas(reader, lac_node_child(node, "beta"), &c->rg);
+    }
+}
+
+static bool present(const lac_reader *reader, const char *key)
+{
+    return lac_node_at(reader->root, key) != NULL;
+}
+
+// Coulomb's coefficient: the section's own, else f0 of the law.
+static void find_friction(lac_reader *reader, lac_case *c)
+{
+    if (present(reader, "rg.friction")) {
+        return;
+    }
+    if (c->friction.about == NULL) {
+        if (!present(reader, "friction")) {
+            lac_blame_key(reader, "rg.friction",
+                          "is missing: Coulomb's coefficient, which no friction law gives either");
+        }
+        return;
+    }
+    c->rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
+    if (!(c->rg.friction > 0.0)) {
+        lac_blame_key(reader, "rg.friction", "is missing, and f0 of the friction law is %g",
+                      c->rg.friction);
+    }
+}
+
+// Whether a slot's model has a seed.
+static bool seeded(const lac_slot *slot)
+{
+    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
+        if (strcmp(slot->about->params[i].key, "seed") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void check_interface(lac_reader *reader, const lac_case *c)
+{
+    if (!present(reader, "interface.surface") && !present(reader, "interface.domain")) {
+        lac_blame_key(reader, "interface",
+                      "is a single block, which has no cells to hand load on: rg needs surface or "
+                      "domain");
+    }
+    if (c->rg.field == LAC_RG_ELASTIC && present(reader, "interface.domain")) {
+        lac_blame_key(reader, "rg.field",
+                      "elastic needs interface.surface to press; a domain goes with equal");
+    }
+    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain)) {
+        lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
+    }
+}
+
+static void check_law(lac_reader *reader, const lac_case *c)
+{
+    const lac_material_def *m = &c->material;
+    if (c->rg.betas > 0 || c->rg.rule < 0) {
+        return;
+    }
+    if (!present(reader, "friction")) {
+        lac_blame_key(reader, "rg.beta", "from-friction needs a friction law");
+    }
+    if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
+        lac_blame_key(reader, "rg.beta",
+                      "from-friction needs material.shear_modulus and shear_speed or density");
+    }
+}
+
+void lac_check_rg(lac_reader *reader, lac_case *c)
+{
+    bool asked = present(reader, "rg");
+    if (reader->purpose != LAC_FOR_RG && !asked) {
+        return;
+    }
+    if (!lac_clean(reader, "rg") || !lac_clean(reader, "friction") ||
+        !lac_clean(reader, "interface")) {
+        return;
+    }
+    find_friction(reader, c);
+    check_interface(reader, c);
+    check_law(reader, c);
+}
