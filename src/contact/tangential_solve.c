@@ -23,7 +23,7 @@ typedef struct iteration {
     double lambda[2];
     double rho;              // length of a step along -g
     double objective, noise; // tau.C tau/2 - tau.(u0 + d); what rounding makes of it
-    double strength;         // sum of the limits
+    double strength, widest; // sum of the limits; twice the largest
     double G_old;            // z.phi of the step before; 0 to start afresh
     int64_t plain, failures; // steps along -g to come; how often the objective rose
 } iteration;
@@ -38,6 +38,16 @@ static double dot(size_t n, const double *restrict x, const double *restrict y)
         sum += x[i] * y[i];
     }
     return sum;
+}
+
+static double largest(size_t n, const double *restrict x)
+{
+    double most = 0.0;
+#pragma omp simd reduction(max : most)
+    for (size_t i = 0; i < n; i++) {
+        most = fabs(x[i]) > most ? fabs(x[i]) : most;
+    }
+    return most;
 }
 
 // The mean that x has along what is free: least squares, along the axes held
@@ -236,8 +246,9 @@ static bool step(iteration *it, double pt)
     for (size_t i = 0; i < n; i++) {
         tct += it->curve[i] * (it->t[i] * it->t[i] + it->t[n + i] * it->t[n + i]);
     }
-    double alpha = pt / tct;
-    if (!(pt > 0.0 && tct > 0.0 && isfinite(alpha))) {
+    // no further than all discs are wide: the mean of full contacts meets no elastic resistance
+    double alpha = fmin(pt / tct, it->widest / largest(2 * n, it->t));
+    if (!(pt > 0.0 && tct >= 0.0 && isfinite(alpha))) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
@@ -328,6 +339,7 @@ lac_status lac_shear_solve(lac_shear_problem *p, lac_error *err)
     LAC_TRY(allocate(&it, err));
     for (size_t i = 0; i < p->n; i++) {
         it.strength += p->limit[i];
+        it.widest = fmax(it.widest, 2.0 * p->limit[i]);
     }
     memcpy(it.z, p->tau, 2 * p->n * sizeof *p->tau);
     lac_shear_project(p, it.z, p->tau, p->limited, it.lambda);

@@ -53,6 +53,8 @@ static void fill_stiffness(lac_shear_space *s, spacing d)
             s->stiffness[i * fft->ny + j] = hypot(qx, qy) / cells;
         }
     }
+    // where the shift is given the mean counts, too: as stiff as half a wave
+    s->stiffness[0] = 0.5 / cells;
 }
 
 typedef enum part { WHOLE_X, WHOLE_Y, CROSS } part;
@@ -146,7 +148,8 @@ static void measure(lac_shear_space *s)
             most = fmax(most, 0.5 * (xx + yy) + hypot(0.5 * (xx - yy), xy));
         }
     }
-    s->self = self;
+    // one periodic cell: whatever moves it, it moves as a whole
+    s->self = self > 0.0 ? self : 1.0;
     s->most = most * (double)fft->nx * (double)fft->ny;
 }
 

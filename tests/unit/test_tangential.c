@@ -266,6 +266,31 @@ static void nothing_happens_without_a_load(void **state)
     assert_true(j->report.highest_ratio > 0.999999);
 }
 
+// Full periodic contact meets no elastic resistance on the whole: any shift slides all of it.
+static void complete_contact(void **state)
+{
+    joint *j = *state;
+    uint64_t seed = 11;
+    for (size_t i = 0; i < CELLS; i++) {
+        j->p[i] = 1e6 * (1.0 + 0.1 * random_of(&seed));
+    }
+    must(j, load(j, 1e5, 0.0)); // no cell near its limit
+    assert_int_equal(j->report.stick_cells, CELLS);
+    assert_true(fabs(j->report.shift[0]) < 1e-18);
+    begin(j);
+    must(j, drag(j, 1e-2, 0.0));
+    assert_int_equal(j->report.slip_cells, CELLS);
+    assert_true(fabs(j->report.traction[0] / (0.6 * mean_pressure(j)) - 1.0) < 1e-6);
+    check_coulomb(j);
+    j->def.grid.nx = j->def.grid.ny = 1; // and a single cell never resists
+    begin(j);
+    must(j, load(j, 1e5, 0.0));
+    assert_true(j->report.shift[0] == 0.0);
+    must(j, drag(j, 1.0, 0.0));
+    assert_int_equal(j->report.slip_cells, 1);
+    assert_true(fabs(j->report.traction[0] / (0.6 * j->p[0]) - 1.0) < 1e-12);
+}
+
 static void one_cell(void **state)
 {
     joint *j = *state;
@@ -451,6 +476,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(wrong_steps_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(every_kind_of_joint, set_up, tear_down),
         cmocka_unit_test_setup_teardown(nothing_happens_without_a_load, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(complete_contact, set_up, tear_down),
         cmocka_unit_test_setup_teardown(one_cell, set_up, tear_down),
         cmocka_unit_test_setup_teardown(lines, set_up, tear_down),
         cmocka_unit_test_setup_teardown(extremes, set_up, tear_down),
