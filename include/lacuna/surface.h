@@ -63,8 +63,10 @@ typedef struct lac_surface_file {
 
 /// Measured heights as a file holds them. Row 0 is at the smallest y, whatever the file's order.
 typedef struct lac_height_map {
+    const char *format;    ///< name of the format; static
     size_t nx, ny;
     double dx, dy;         ///< spacing [lateral_unit]; NaN where the file says none
+    double x, y;           ///< of the first sample [lateral_unit]; NaN where the file says none
     char lateral_unit[32]; ///< "" where the file says none
     char height_unit[32];  ///< "" where the file says none
     size_t masked;         ///< samples without a height
