@@ -185,6 +185,9 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
     if (contact->report != NULL) {
         LAC_TRY(put_report(&file, contact->grid, contact->report, err));
     }
+    if (contact->surface != NULL) {
+        LAC_TRY(lac_nc_surface(&file, contact->surface, err));
+    }
     if (contact->boxes != NULL) {
         LAC_TRY(put_boxes(&file, contact->boxes, err));
     }

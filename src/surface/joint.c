@@ -53,9 +53,9 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
     }
     lac_fft *fft = NULL;
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
-    lac_waves waves = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
+    lac_waves stated = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
     lac_status status;
-    LAC_TRY(lac_band_of(&waves, grid, &f.band, err));
+    LAC_TRY(lac_band_of(&stated, grid, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
     f.q_mating = isnan(p->mating) ? 0.0 : TWO_PI / p->mating * (1.0 + 1e-9);
     LAC_TRY(check(p, &f, err));
@@ -69,6 +69,14 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
 out:
     lac_fft_free(fft);
     return status;
+}
+
+// Mated waves are left by the offset alone: no power law.
+static lac_wave_range waves(const void *params, const lac_grid *grid)
+{
+    const lac_joint *p = params;
+    (void)grid;
+    return (lac_wave_range){fmin(p->rolloff, p->mating), p->shortest};
 }
 
 #define FIELD(name) offsetof(lac_joint, name)
@@ -107,4 +115,5 @@ const lac_surface_source lac_surface_joint = {
             .params_size = sizeof(lac_joint),
         },
     .generate = generate,
+    .waves = waves,
 };

@@ -273,8 +273,8 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     size_t most = NODES_PER_POINT * p.n;
     if (a[0].n > most || a[1].n > most || a[0].n * a[1].n > most) {
         LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded, "
-                         "with a point on one node in %d at least",
+                         "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded "
+                         "along x and y (turn a grid that is rotated), with a point on one node in %d at least",
                          bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
                          NODES_PER_POINT));
     }

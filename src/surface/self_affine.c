@@ -81,9 +81,9 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
         return LAC_OK;
     }
     synthesis y = {.seed = (uint64_t)p->seed};
-    lac_waves waves = {"self-affine", p->hurst,      p->rolloff,
-                       p->shortest,   p->anisotropy, p->direction};
-    LAC_TRY(lac_band_of(&waves, grid, &y.band, err));
+    lac_waves stated = {"self-affine", p->hurst,      p->rolloff,
+                        p->shortest,   p->anisotropy, p->direction};
+    LAC_TRY(lac_band_of(&stated, grid, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
@@ -99,6 +99,13 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
 out:
     lac_fft_free(fft);
     return status;
+}
+
+static lac_wave_range waves(const void *params, const lac_grid *grid)
+{
+    const lac_self_affine *p = params;
+    (void)grid;
+    return (lac_wave_range){p->rolloff, p->shortest * p->anisotropy};
 }
 
 #define FIELD(name) offsetof(lac_self_affine, name)
@@ -145,4 +152,5 @@ const lac_surface_source lac_surface_self_affine = {
             .params_size = sizeof(lac_self_affine),
         },
     .generate = generate,
+    .waves = waves,
 };
