@@ -272,11 +272,12 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(find_axis(bytes, &p, 1, &a[1], err));
     size_t most = NODES_PER_POINT * p.n;
     if (a[0].n > most || a[1].n > most || a[0].n * a[1].n > most) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded "
-                         "along x and y (turn a grid that is rotated), with a point on one node in %d at least",
-                         bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
-                         NODES_PER_POINT));
+        LAC_TRY(lac_fail(
+            err, LAC_EINPUT,
+            "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded "
+            "along x and y (turn a grid that is rotated), with a point on one node in %d at least",
+            bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
+            NODES_PER_POINT));
     }
     LAC_TRY(lac_map_size(map, bytes->path, a[0].n, a[1].n, most, err));
     taken = calloc(map->nx * map->ny, sizeof *taken);
