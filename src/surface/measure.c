@@ -13,6 +13,9 @@ enum { SHELLS = 256, PER_OCTAVE = 4 };
 typedef struct radial {
     double power[SHELLS], log_q[SHELLS], modes[SHELLS];
     double q_low, q_high;
+    double dimensions; // 2, 1 for a line
+    double tied;       // neighbouring waves that a window makes one
+    double smear;      // by a window: see window_gain [rad2/m2]
 } radial;
 
 static lac_status check(const lac_grid *grid, const double *heights, lac_error *err)
@@ -104,19 +107,26 @@ static void add_modes(const lac_grid *grid, const lac_fft *fft, radial *r)
     }
 }
 
+// Log of what Hann's window makes of a power law q^-fall. It mixes the power of a wave with those of
+// its neighbours along either direction, as 1/6, 2/3, 1/6: to second order 1 + the Laplacian / 6.
+static double window_gain(const radial *r, double fall, double log_q)
+{
+    return log1p(r->smear * fall * (fall + 2.0 - r->dimensions) * exp(-2.0 * log_q));
+}
+
 // Weighted least squares of log power on log q. The mean power of n waves scatters by 1/sqrt(n)
 // of itself and its log lies 1/(2n) low; `tied` waves of a window count as one.
-static void fit(const radial *r, double tied, double dimensions, lac_surface_measures *m)
+static void fit(const radial *r, double fall, lac_surface_measures *m)
 {
     double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0, wyy = 0.0;
     int shells = 0;
     for (size_t s = 0; s < SHELLS; s++) {
-        double n = r->modes[s] / tied;
+        double n = r->modes[s] / r->tied;
         if (n < 2.0 || r->power[s] <= 0.0) {
             continue;
         }
         double x = r->log_q[s] / r->modes[s];
-        double y = log(r->power[s] / r->modes[s]) + 0.5 / n;
+        double y = log(r->power[s] / r->modes[s]) + 0.5 / n - window_gain(r, fall, x);
         w += n;
         wx += n * x;
         wy += n * y;
@@ -131,7 +141,7 @@ static void fit(const radial *r, double tied, double dimensions, lac_surface_mea
     double sxx = wxx - wx * wx / w;
     double slope = (wxy - wx * wy / w) / sxx;
     double misfit = (wyy - wy * wy / w - slope * slope * sxx) / (shells - 2);
-    m->hurst = -0.5 * (slope + dimensions);
+    m->hurst = -0.5 * (slope + r->dimensions);
     m->hurst_error = 0.5 * sqrt(fmax(1.0, misfit) / sxx);
     m->hurst_misfit = misfit;
 }
@@ -151,16 +161,24 @@ static void measure_hurst(const lac_grid *grid, lac_fft *fft, lac_surface_measur
         return; // too small a grid: hurst stays NaN
     }
     radial r = {.q_low = TWO_PI / m->fit_longest * (1.0 - 1e-9),
-                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9)};
-    bool line = grid->nx == 1 || grid->ny == 1;
+                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9),
+                .dimensions = grid->nx == 1 || grid->ny == 1 ? 1.0 : 2.0,
+                .tied = 1.0};
     if (!grid->periodic) {
+        const double tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
+        double dqx = grid->nx > 1 ? TWO_PI / ((double)grid->nx * grid->dx) : 0.0;
+        double dqy = grid->ny > 1 ? TWO_PI / ((double)grid->ny * grid->dy) : 0.0;
+        r.tied = pow(tie, r.dimensions);
+        r.smear = (dqx * dqx + dqy * dqy) / (6.0 * r.dimensions);
         window(grid, fft->real);
     }
     lac_fft_forward(fft);
     add_modes(grid, fft, &r);
-    const double hann_tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
-    double tied = grid->periodic ? 1.0 : (line ? hann_tie : hann_tie * hann_tie);
-    fit(&r, tied, line ? 1.0 : 2.0, m);
+    enum { PASSES = 4 }; // each with the power law of the last; the gain changes little by it
+    for (int pass = 0; pass < PASSES; pass++) {
+        double fall = pass > 0 ? 2.0 * m->hurst + r.dimensions : 0.0;
+        fit(&r, fmax(fall, 0.0), m);
+    }
 }
 
 static double tse_cruden(double z2) { return z2 > 0.0 ? 32.2 + 32.47 * log10(z2) : (double)NAN; }
