@@ -107,8 +107,9 @@ static void add_modes(const lac_grid *grid, const lac_fft *fft, radial *r)
     }
 }
 
-// Log of what Hann's window makes of a power law q^-fall. It mixes the power of a wave with those of
-// its neighbours along either direction, as 1/6, 2/3, 1/6: to second order 1 + the Laplacian / 6.
+// Log of what Hann's window makes of a power law q^-fall. It mixes the power of a wave with those
+// of its neighbours along either direction, as 1/6, 2/3, 1/6: to second order 1 + the Laplacian
+// / 6.
 static double window_gain(const radial *r, double fall, double log_q)
 {
     return log1p(r->smear * fall * (fall + 2.0 - r->dimensions) * exp(-2.0 * log_q));

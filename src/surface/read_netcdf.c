@@ -7,10 +7,11 @@
 #include <string.h>
 #include <strings.h>
 
-#include "surface/read.h"
+#include "surface/classic.h"
 
 typedef struct grid_file {
     const char *path;
+    size_t most; ///< heights that the file can hold
     int id;
     int var;
     int dim[2]; ///< of the variable, slowest first
@@ -263,8 +264,7 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
     LAC_TRY(find_variable(file, err));
     LAC_TRY(find_dimensions(file, err));
     size_t x = file->transposed ? 0 : 1;
-    // compressed or never written data may be larger than the file: only the limit bounds them
-    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], SIZE_MAX, err));
+    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
     LAC_TRY(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
     LAC_TRY(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
     bool one = map->lateral_unit[0] == '\0' || other[0] == '\0';
@@ -289,7 +289,16 @@ out:
 
 static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    grid_file file = {.path = bytes->path};
+    // compressed or never written data of netCDF-4 may be larger than the file: only the limit
+    // of all files bounds them
+    bool classic = lac_bytes_begin(bytes, "CDF");
+    grid_file file = {.path = bytes->path, .most = classic ? bytes->size : SIZE_MAX};
+    if (classic) {
+        lac_status sound = lac_classic_check(bytes, err);
+        if (sound != LAC_OK) {
+            return sound;
+        }
+    }
     // netCDF does not write to memory opened for reading; its own name tells it nothing
     int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
     if (code != NC_NOERR) {

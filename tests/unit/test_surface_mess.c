@@ -150,6 +150,8 @@ static void binary_mess_is_refused(void **state)
                48, "at most");
     const double infinite[6] = {1, 2, 3, 4, INFINITY, 6};
     refuse_bytes(file, heights_npy(file, sound, infinite, 48), "column 2 of row 2");
+    refuse_bytes("CDF\1\0\0\0\0\0\0\0\x0a\x7f\xff\xff\xff\0\0\0\1x\0\0\0", 24, "byte 16");
+    refuse_bytes("CDF\5\0\0\0\0\0\0\0\0\0\0\0\x0a\0\0\0\1\0\0\0\0", 24, "byte 24");
     refuse_bytes(file, heights_gsf(file, HEIGHTS_GSF, 5), "hold at most");
     refuse_bytes(file, heights_gsf(file, HEIGHTS_GSF, 6) + 4, "goes on behind");
     refuse_bytes(file, heights_gsf(file, "Gwyddion Simple Field 1.0\nYRes = 2\n", 6), "XRes");
