@@ -117,7 +117,7 @@ typedef struct lac_joint {
 
 /// Parameters of `file`.
 typedef struct lac_surface_file {
-    char *path;
+    char *path;         ///< composite heights; with `lower` those of the upper face
     char *unit;         ///< of the heights, where the file says none; NULL: m
     char *lateral_unit; ///< of the file's spacing, where it says none; NULL: `unit`
     double spacing;     ///< of the samples, where the file says none [m]; NaN: not given
