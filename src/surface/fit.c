@@ -106,12 +106,8 @@ lac_placement lac_place_centred(const lac_height_map *map, int fit, const lac_gr
 static side side_of(char name, const lac_height_map *map, const lac_placement *place,
                     const lac_grid *grid)
 {
-    side s = {.name = name};
-    if (name == 'x') {
-        s = (side){'x', map->nx, grid->nx, map->dx, grid->dx, place->centre_x, 1.0};
-    } else {
-        s = (side){'y', map->ny, grid->ny, map->dy, grid->dy, place->centre_y, 1.0};
-    }
+    side s = name == 'x' ? (side){'x', map->nx, grid->nx, map->dx, grid->dx, place->centre_x, 1.0}
+                         : (side){'y', map->ny, grid->ny, map->dy, grid->dy, place->centre_y, 1.0};
     if (place->fit == LAC_FIT_RESAMPLE) {
         s.step = s.cell / lac_fit_spacing(s.spacing, s.samples, place->fit, s.cells, s.cell);
     }
