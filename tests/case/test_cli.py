@@ -582,7 +582,7 @@ class Contact(Case):
         self.assertEqual(surface["measured"], "composite")
         self.assertEqual([f["nx"] for f in surface["files"]], [16, 17])
         self.assertEqual(surface["files"][1]["path"], "lower.asc")
-        self.assertEqual(surface["files"][0]["height_unit"], "um")
+        self.assertEqual([f["height_unit"] for f in surface["files"]], ["um", "um"])
         self.assertEqual([p["step_m"] for p in surface["profiles"]], [0.0005, 0.001])
         out = self.expect(0, "contact", "joint.yaml", "--force", *faces).stdout
         self.assertRegex(out, r"upper face +upper.asc \(ESRI ASCII grid\)\n +16 x 16 samples "

@@ -174,6 +174,8 @@ static void faces_of_two_kinds(void **state)
     lac_surface_file p = faces(upper, scratch_write(&files, "lower.npy", file, n));
     p.fit = 2;
     p.detrend = 1;
+    p.unit = "m";
+    p.lateral_unit = "m";
     p.lower_unit = "mm";
     p.lower_spacing = 0.2;
     p.offset = 0.17;
