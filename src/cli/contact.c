@@ -54,7 +54,8 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
                 contact->scaling.dimension, contact->scaling.error,
                 (size_t)1 << (contact->scaling.n - 1));
     } else if (contact->solved) {
-        cli_row("Delta_S", "none: needs 512 cells a side and areas that fall with the cell");
+        cli_row("Delta_S", "none: needs sides of more than 256 cells that halve three times, and "
+                           "areas that fall with the cell");
     }
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
@@ -99,7 +100,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     lac_scene_contact contact = {0};
     char *path = NULL;
     lac_status status;
-    LAC_TRY(cli_case_read(request, &c, NULL, err));
+    LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));
