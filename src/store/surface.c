@@ -39,14 +39,17 @@ static lac_status put_file(const lac_nc *nc, const lac_file_report *file, const 
     static const char *const fits[] = {"cropped", "padded", "resampled"};
     char name[40];
     char text[256];
+    char apart[64] = "";
     lac_status status;
     (void)snprintf(name, sizeof name, "surface_%s_path", which);
     LAC_TRY(lac_nc_text(nc, NC_GLOBAL, name, file->path, err));
     (void)snprintf(name, sizeof name, "surface_%s", which);
+    if (!isnan(file->dx) && !isnan(file->dy)) {
+        (void)snprintf(apart, sizeof apart, " %g x %g m apart", file->dx, file->dy);
+    }
     (void)snprintf(text, sizeof text,
-                   "%s, %zu x %zu samples of %g x %g m, heights in %s, %zu without height, %s",
-                   file->format, file->nx, file->ny, file->dx, file->dy, file->height_unit,
-                   file->masked, fits[file->fit]);
+                   "%s, %zu x %zu samples%s, heights in %s, %zu without height, %s", file->format,
+                   file->nx, file->ny, apart, file->height_unit, file->masked, fits[file->fit]);
     LAC_TRY(lac_nc_text(nc, NC_GLOBAL, name, text, err));
 out:
     return status;
