@@ -183,6 +183,11 @@ class ClosedForms(Interfaces):
                    "shortest: 0.01}}")
         done = self.contact("cells_x: 320, cells_y: 272" + surface, 'pressure: "100 MPa"')
         self.assertTrue(1 < done["delta_s"] < 2)
+        # The load that follows from an approach is the one at every resolution.
+        near = self.contact("cells_x: 320, cells_y: 272" + surface,
+                            f"approach: {done['approach_m']!r}")
+        self.near(near["mean_pressure_Pa"], 100e6, 1e-6)
+        self.assertAlmostEqual(near["delta_s"], done["delta_s"], delta=1e-3)
         for cells in ("cells_x: 320, cells_y: 160", "cells_x: 300, cells_y: 270", "cells_x: 320, "
                       "cells_y: 1, boundary: free"):
             self.assertIsNone(self.contact(cells + surface)["delta_s"])
