@@ -21,7 +21,7 @@ lac_grid lac_interface_grid(const lac_interface_def *def)
     if (def->shape == LAC_LINE) {
         grid.ny = 1;
         grid.dy = 1.0; // forces on a line are per metre of width
-    } else if (!isnan(def->width)) {
+    } else if (def->width > 0) {
         grid.dy = def->width / (double)ny;
     }
     return grid;
