@@ -127,8 +127,9 @@ static void an_approach_is_static(void **state)
         "material: {shear_modulus: 1e9}\n"
         "load: {normal: {approach: 1e-3}}\n";
     char first[500];
-    for (int purpose = LAC_FOR_CONTACT; purpose <= LAC_FOR_CHECK; purpose++) {
-        lac_case *c = read_for(text, purpose, first, sizeof first);
+    const lac_case_purpose purposes[] = {LAC_FOR_CONTACT, LAC_FOR_CHECK};
+    for (size_t i = 0; i < 2; i++) {
+        lac_case *c = read_for(text, purposes[i], first, sizeof first);
         assert_string_equal(first, "");
         const lac_normal_load *normal = (const void *)c->normal.about;
         assert_true(normal->approach(c->normal.params) == 1e-3);
