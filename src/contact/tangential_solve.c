@@ -43,7 +43,6 @@ static double dot(size_t n, const double *restrict x, const double *restrict y)
 static double largest(size_t n, const double *restrict x)
 {
     double most = 0.0;
-#pragma omp simd reduction(max : most)
     for (size_t i = 0; i < n; i++) {
         most = fabs(x[i]) > most ? fabs(x[i]) : most;
     }
