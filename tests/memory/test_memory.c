@@ -89,7 +89,40 @@ out:
     return status;
 }
 
-static void every_allocation_fails(bool for_good)
+// A joint of 8 x 8 cells, pressed and sheared in every way
+static lac_status whole_shear(const char *path, lac_error *err)
+{
+    double heights[64];
+    double pressure[64];
+    lac_status status = LAC_OK;
+    lac_tangential *t = NULL;
+    lac_superposed_error error;
+    lac_first_slip first;
+    const double load[2] = {1e-4, 1e-4};
+    const lac_tangential_target target = {{LAC_SHEAR_LOAD, LAC_SHEAR_SHIFT}, {1e-4, 1e-4}};
+    lac_contact_def normal = lac_contact_default();
+    lac_tangential_def def = lac_tangential_default();
+    (void)path;
+    for (size_t i = 0; i < 64; i++) {
+        heights[i] = 1e-3 * (double)(i * i % 17);
+    }
+    def.grid = normal.grid = (lac_grid){8, 8, 0.125, 0.125, true};
+    def.heights = normal.heights = heights;
+    def.e_star = normal.e_star = 1.0;
+    def.poisson = 0.25;
+    def.friction = 0.5;
+    normal.mean_pressure = 1e-2;
+    LAC_TRY(lac_contact_solve(&normal, pressure, NULL, NULL, err));
+    LAC_TRY(lac_tangential_create(&def, &t, err));
+    LAC_TRY(lac_tangential_step(t, pressure, &target, NULL, err));
+    LAC_TRY(lac_tangential_first_slip(&def, pressure, load, NULL, &first, err));
+    LAC_TRY(lac_superposed_measure(&def, 1e-2, load, 4, &error, err));
+out:
+    lac_tangential_free(t);
+    return status;
+}
+
+static void every_allocation_fails(lac_status (*whole)(const char *, lac_error *), bool for_good)
 {
     char path[] = "/tmp/lacuna-memory-XXXXXX";
     int fd = mkstemp(path);
@@ -99,7 +132,7 @@ static void every_allocation_fails(bool for_good)
     for (;; k++) {
         lac_error err = {""};
         fail_allocation(k, for_good);
-        lac_status status = whole_run(path, &err);
+        lac_status status = whole(path, &err);
         if (!stop_failing()) {
             assert_int_equal(status, LAC_OK);
             break;
@@ -116,13 +149,15 @@ static void every_allocation_fails(bool for_good)
 static void one_fails(void **state)
 {
     (void)state;
-    every_allocation_fails(false);
+    every_allocation_fails(whole_run, false);
+    every_allocation_fails(whole_shear, false);
 }
 
 static void all_fail_from_one_on(void **state)
 {
     (void)state;
-    every_allocation_fails(true);
+    every_allocation_fails(whole_run, true);
+    every_allocation_fails(whole_shear, true);
 }
 
 int main(void)
