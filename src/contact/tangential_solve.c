@@ -49,8 +49,15 @@ static double largest(size_t n, const double *restrict x)
     return most;
 }
 
-// The mean that x has along what is free: least squares, along the axes held
-static void free_mean(const iteration *it, const double *x, double mean[2])
+// Cells that slip a long way take little part in what keeps the load.
+static double share(const iteration *it, size_t i)
+{
+    return it->p->space->self / (it->p->space->self + it->curve[i]);
+}
+
+// The mean that x has along what is free, along the axes held: of a gradient by shares, of a
+// direction (to be taken off by shares) just so
+static void free_mean(const iteration *it, const double *x, bool gradient, double mean[2])
 {
     const lac_shear_problem *p = it->p;
     const size_t n = p->n;
@@ -62,12 +69,13 @@ static void free_mean(const iteration *it, const double *x, double mean[2])
         double tx = it->tx[i];
         double ty = it->ty[i];
         bool sticks = moves(it, i);
-        double along = tx * x[i] + ty * x[n + i];
+        double w = share(it, i);
+        double along = (gradient ? w : 1.0) * (tx * x[i] + ty * x[n + i]);
         f[0] += sticks ? x[i] : along * tx;
         f[1] += sticks ? x[n + i] : along * ty;
-        xx += sticks ? 1.0 : tx * tx;
-        yy += sticks ? 1.0 : ty * ty;
-        xy += tx * ty;
+        xx += sticks ? 1.0 : w * tx * tx;
+        yy += sticks ? 1.0 : w * ty * ty;
+        xy += w * tx * ty;
     }
     double trace = xx + yy;
     double det = xx * yy - xy * xy;
@@ -84,16 +92,17 @@ static void free_mean(const iteration *it, const double *x, double mean[2])
 }
 
 // to <- from along what is free, less what would change the load
-static void project_free(const iteration *it, const double *from, double *to)
+static void project_free(const iteration *it, const double *from, bool gradient, double *to)
 {
     const size_t n = it->p->n;
     double mean[2];
-    free_mean(it, from, mean);
+    free_mean(it, from, gradient, mean);
     for (size_t i = 0; i < n; i++) {
         double tx = it->tx[i];
         double ty = it->ty[i];
-        double x = from[i] - mean[0];
-        double y = from[n + i] - mean[1];
+        double w = gradient ? 1.0 : share(it, i);
+        double x = from[i] - w * mean[0];
+        double y = from[n + i] - w * mean[1];
         double along = tx * x + ty * y;
         bool sticks = moves(it, i);
         to[i] = sticks ? x : along * tx;
@@ -186,7 +195,7 @@ static void examine(iteration *it)
     it->phi = swap;
     descend(it);
     classify(it);
-    project_free(it, it->g, it->phi);
+    project_free(it, it->g, true, it->phi);
 }
 
 // |q| where cells stick; where they slip each by itself, mostly held by its slip
@@ -208,7 +217,7 @@ static void precondition(iteration *it)
         it->z[i] = sticks ? it->z[i] : c * it->phi[i];
         it->z[n + i] = sticks ? it->z[n + i] : c * it->phi[n + i];
     }
-    project_free(it, it->z, it->z);
+    project_free(it, it->z, false, it->z);
 }
 
 // The search direction, by Polak and Ribiere; returns phi.t
@@ -216,7 +225,7 @@ static double direction(iteration *it)
 {
     const size_t n = it->p->n;
     precondition(it);
-    project_free(it, it->t, it->t);
+    project_free(it, it->t, false, it->t);
     double G = dot(2 * n, it->z, it->phi);
     double pt = dot(2 * n, it->t, it->phi);
     double beta = 0.0;
