@@ -17,8 +17,8 @@ enum {
 // What differs between the precisions.
 typedef struct kernels {
     size_t size; // of a real number
-    void *(*plan)(size_t n, int sign, void *at);
-    void (*execute)(void *plan, void *at);
+    void *(*plan)(size_t n, int sign, void *from, void *to);
+    void (*execute)(void *plan, void *from, void *to);
     void (*destroy)(void *plan);
     void (*weave)(size_t n, const void *row, size_t apart, void *pair);
     void (*unweave)(size_t n, const void *pair, size_t apart, void *row);
@@ -33,6 +33,14 @@ typedef struct plans {
     void *row_forward, *row_inverse, *column_forward, *column_inverse;
 } plans;
 
+// A thread's part of the scratch, in bytes. Transforms out of place are faster.
+typedef struct room {
+    size_t first;  // at 0: a block of columns, or two rows
+    size_t second; // the block transformed, or the two rows as one complex one
+    size_t factor; // [my]
+    size_t share;  // all of it
+} room;
+
 struct lac_filter {
     size_t nx, ny;           // the field
     size_t mx, my, nkx;      // the transform; nkx = mx/2 + 1 columns are kept
@@ -40,8 +48,8 @@ struct lac_filter {
     size_t pitch;            // complex numbers from pair to pair
     size_t lead;             // from column to column in a block
     char *buffer;            // [pairs * pitch] complex
-    char *scratch;           // [threads * share] bytes: a block, factors; or two rows
-    size_t share, factor_at; // in bytes
+    char *scratch;           // [threads * share] bytes: see room
+    room room;
     double *column_power;    // [nkx]
     int threads;
     const kernels *now; // the precision of what the buffer holds
@@ -75,20 +83,22 @@ static const plans *current(const lac_filter *f)
 // columns would fall on the same few lines of the cache.
 static size_t padded(size_t n) { return (n + 7) / 8 * 8 + 8; }
 
+static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
+
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
     size_t complex_size = 2 * sizeof(double);
-    size_t block = BLOCK * f->lead * complex_size;
-    size_t rows = 2 * padded(f->mx) * sizeof(double);
-    f->factor_at = block > rows ? block : rows;
-    f->share = f->factor_at + padded(f->my) * sizeof(double);
+    size_t half = larger(BLOCK * f->lead, f->pitch) * complex_size;
+    f->room.second = half;
+    f->room.factor = 2 * half;
+    f->room.share = 2 * half + padded(f->my) * sizeof(double);
     f->buffer = aligned_alloc(LINE, f->pairs * f->pitch * complex_size);
-    f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->share);
+    f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
     if (f->buffer == NULL || f->scratch == NULL || f->column_power == NULL) {
         return lac_fail_memory(err);
     }
-    memset(f->scratch, 0, (size_t)f->threads * f->share);
+    memset(f->scratch, 0, (size_t)f->threads * f->room.share);
     return LAC_OK;
 }
 
@@ -96,10 +106,12 @@ static bool plan(lac_filter *f, lac_precision precision)
 {
     const kernels *k = precisions[precision];
     plans *p = &f->plans[precision];
-    p->row_forward = k->plan(f->mx, FFTW_FORWARD, f->buffer);
-    p->row_inverse = k->plan(f->mx, FFTW_BACKWARD, f->buffer);
-    p->column_forward = k->plan(f->my, FFTW_FORWARD, f->scratch);
-    p->column_inverse = k->plan(f->my, FFTW_BACKWARD, f->scratch);
+    char *first = f->scratch;
+    char *second = &f->scratch[f->room.second];
+    p->row_forward = k->plan(f->mx, FFTW_FORWARD, second, f->buffer);
+    p->row_inverse = k->plan(f->mx, FFTW_BACKWARD, f->buffer, second);
+    p->column_forward = k->plan(f->my, FFTW_FORWARD, first, second);
+    p->column_inverse = k->plan(f->my, FFTW_BACKWARD, second, first);
     return p->row_forward != NULL && p->row_inverse != NULL && p->column_forward != NULL &&
            p->column_inverse != NULL;
 }
@@ -173,7 +185,7 @@ int lac_filter_threads(const lac_filter *f) { return f->threads; }
 // This thread's part of the scratch
 static char *own_scratch(const lac_filter *f)
 {
-    return &f->scratch[(size_t)omp_get_thread_num() * f->share];
+    return &f->scratch[(size_t)omp_get_thread_num() * f->room.share];
 }
 
 static char *pair_at(const lac_filter *f, size_t pair)
@@ -181,14 +193,14 @@ static char *pair_at(const lac_filter *f, size_t pair)
     return &f->buffer[pair * f->pitch * 2 * f->now->size];
 }
 
-// Two rows side by side in the scratch, filled by the caller and zeros beyond
+// Two rows of the scratch, filled by the caller and zeros beyond, go into the buffer
 static void fill_pair(const lac_filter *f, size_t pair, lac_filter_row fill, void *context)
 {
-    size_t apart = padded(f->mx);
     size_t size = f->now->size;
     char *rows = own_scratch(f);
+    char *woven = &rows[f->room.second];
     for (size_t k = 0; k < 2; k++) {
-        char *row = &rows[k * apart * size];
+        char *row = &rows[k * f->pitch * size];
         bool there = 2 * pair + k < f->ny;
         size_t filled = there ? f->nx : 0;
         if (there) {
@@ -196,8 +208,18 @@ static void fill_pair(const lac_filter *f, size_t pair, lac_filter_row fill, voi
         }
         memset(&row[filled * size], 0, (f->mx - filled) * size);
     }
-    f->now->weave(f->mx, rows, apart, pair_at(f, pair));
-    f->now->execute(current(f)->row_forward, pair_at(f, pair));
+    f->now->weave(f->mx, rows, f->pitch, woven);
+    f->now->execute(current(f)->row_forward, woven, pair_at(f, pair));
+}
+
+// Two rows from the buffer into the scratch
+static char *open_pair(const lac_filter *f, size_t pair)
+{
+    char *rows = own_scratch(f);
+    char *woven = &rows[f->room.second];
+    f->now->execute(current(f)->row_inverse, pair_at(f, pair), woven);
+    f->now->unweave(f->nx, woven, f->pitch, rows);
+    return rows;
 }
 
 void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context)
@@ -213,7 +235,7 @@ void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t pair = 0; pair < f->pairs; pair++) {
-        f->now->unweave(f->nx, pair_at(f, pair), padded(f->mx), own_scratch(f));
+        (void)open_pair(f, pair);
         fill_pair(f, pair, fill, context);
     }
 }
@@ -222,23 +244,28 @@ void lac_filter_take(lac_filter *f, lac_filter_row take, void *context)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t pair = 0; pair < f->pairs; pair++) {
-        char *rows = own_scratch(f);
-        size_t apart = padded(f->mx);
-        f->now->execute(current(f)->row_inverse, pair_at(f, pair));
-        f->now->unweave(f->nx, pair_at(f, pair), apart, rows);
+        char *rows = open_pair(f, pair);
         for (size_t j = 2 * pair; j < 2 * pair + 2 && j < f->ny; j++) {
-            take(context, j, &rows[(j - 2 * pair) * apart * f->now->size]);
+            take(context, j, &rows[(j - 2 * pair) * f->pitch * f->now->size]);
         }
     }
 }
 
+static char *column_of(const lac_filter *f, char *block, size_t c)
+{
+    return &block[c * f->lead * 2 * f->now->size];
+}
+
 // Columns from first on into the scratch, and to wavenumbers along y; returns how many
-static size_t transform_columns(const lac_filter *f, size_t first, char *block)
+static size_t transform_columns(const lac_filter *f, size_t first)
 {
     size_t width = f->nkx - first < BLOCK ? f->nkx - first : BLOCK;
+    char *block = own_scratch(f);
+    char *spectrum = &block[f->room.second];
     f->now->gather(f, first, width, block);
     for (size_t c = 0; c < width; c++) {
-        f->now->execute(current(f)->column_forward, &block[c * f->lead * 2 * f->now->size]);
+        f->now->execute(current(f)->column_forward, column_of(f, block, c),
+                        column_of(f, spectrum, c));
     }
     return width;
 }
@@ -247,7 +274,7 @@ static size_t transform_columns(const lac_filter *f, size_t first, char *block)
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
                            size_t k)
 {
-    char *factor = own_scratch(f) + f->factor_at;
+    char *factor = own_scratch(f) + f->room.factor;
     symbol(context, k, factor);
     f->now->mirror(f->my, factor);
     return factor;
@@ -255,33 +282,32 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
 
 void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
-    const kernels *now = f->now;
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->nkx; first += BLOCK) {
         char *block = own_scratch(f);
-        size_t width = transform_columns(f, first, block);
+        char *spectrum = &block[f->room.second];
+        size_t width = transform_columns(f, first);
         for (size_t c = 0; c < width; c++) {
-            char *column = &block[c * f->lead * 2 * now->size];
-            now->multiply(f->my, factors(f, symbol, context, first + c), column);
-            now->execute(current(f)->column_inverse, column);
+            char *column = column_of(f, spectrum, c);
+            f->now->multiply(f->my, factors(f, symbol, context, first + c), column);
+            f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
         }
-        now->scatter(f, first, width, block);
+        f->now->scatter(f, first, width, block);
     }
 }
 
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
-    const kernels *now = f->now;
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->nkx; first += BLOCK) {
-        char *block = own_scratch(f);
-        size_t width = transform_columns(f, first, block);
+        char *spectrum = own_scratch(f) + f->room.second;
+        size_t width = transform_columns(f, first);
         for (size_t c = 0; c < width; c++) {
             size_t k = first + c;
             bool alone = k == 0 || 2 * k == f->mx; // no mirror image
+            const void *factor = factors(f, symbol, context, k);
             f->column_power[k] =
-                (alone ? 1.0 : 2.0) * now->power(f->my, factors(f, symbol, context, k),
-                                                 &block[c * f->lead * 2 * now->size]);
+                (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
         }
     }
     double total = 0.0;

@@ -37,17 +37,18 @@ void lac_filter_free(lac_filter *f);
 /// Fills all rows and transforms them along x. Each row begins undefined.
 void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context);
 
-/// The same in the precision of before; each row begins as lac_filter_take gave it last.
-void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context);
-
 /// Multiplies the spectrum of what was filled by a symbol, unnormalised.
 void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context);
 
-/// Sum over all wavenumbers of symbol |F x|^2 of what was filled; destroys it.
+/// Sum over all wavenumbers of symbol |F x|^2 of what was filled, which stays.
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context);
 
-/// Transforms the rows back, unnormalised, and gives a copy of each to the caller.
+/// Transforms the rows back, unnormalised, and gives a copy of each to the caller; they stay, to
+/// be taken again.
 void lac_filter_take(lac_filter *f, lac_filter_row take, void *context);
+
+/// Takes each row and fills it anew, in the precision of before.
+void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context);
 
 /// The precision of what was filled last.
 lac_precision lac_filter_precision(const lac_filter *f);

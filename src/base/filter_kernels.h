@@ -5,12 +5,12 @@
 //   NAME(x)   the function's own name
 // Complex numbers are pairs of REAL.
 
-static void *NAME(plan)(size_t n, int sign, void *at)
+static void *NAME(plan)(size_t n, int sign, void *from, void *to)
 {
-    return FFT(plan_dft_1d)((int)n, at, at, sign, FFTW_ESTIMATE);
+    return FFT(plan_dft_1d)((int)n, from, to, sign, FFTW_ESTIMATE);
 }
 
-static void NAME(execute)(void *plan, void *at) { FFT(execute_dft)(plan, at, at); }
+static void NAME(execute)(void *plan, void *from, void *to) { FFT(execute_dft)(plan, from, to); }
 
 static void NAME(destroy)(void *plan)
 {
