@@ -49,6 +49,10 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
     REAL *restrict block = columns;
     for (size_t pair = 0; pair < f->pairs; pair++) {
         const REAL *restrict z = (const REAL *)f->buffer + 2 * pair * f->pitch;
+        for (size_t c = 0; c <= width; c += 64 / (2 * sizeof(REAL))) {
+            __builtin_prefetch(&z[8 * f->pitch * 2 + 2 * (first + c)], 0, 2);
+            __builtin_prefetch(&z[8 * f->pitch * 2 + 2 * (f->mx - first - c)], 0, 2);
+        }
         REAL *restrict to = &block[4 * pair];
         for (size_t c = 0; c < width; c++) {
             const REAL *at = &z[2 * (first + c)];

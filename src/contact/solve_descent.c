@@ -6,17 +6,21 @@
 
 #include "contact/solve.h"
 
-// Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient g = S p - h, less its mean
-// over the contact I = {p > 0}, is the gap. docs/theory/contact.md, "Solver".
+// Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient S p - h, less its mean over
+// the contact I = {p > 0}, is the gap g. docs/theory/contact.md, "Solver".
 //
-// p and g are kept in double precision, directions and changes of g in single: they need not be
-// exact, as long as g is what it says. So g is brought up to date by single-precision products of
-// the changes of p, and computed anew in double precision before that shows.
+// p is kept in double precision; the gap, whose relative error is what counts, the directions and
+// the changes of the gap in single. The gap is brought up to date by single-precision products of
+// the changes of p, and computed anew in double precision before the errors of that show.
 //
 // Each stage is one sweep over rows that are on their way into or out of a transform; sums are
 // kept row by row and added in order, so that they do not depend on threads.
 
-enum { MOST_UPDATES = 64 };
+enum {
+    MOST_UPDATES = 64,
+    APART = 272, // between arrays: no power of two, where they would fall on the same cache lines
+    PIECE = 512 // cells of a row whose sums are taken in single precision
+};
 
 // What the error of a single-precision product is at most, of its rms.
 static const double single_error = 2e-7;
@@ -29,13 +33,15 @@ typedef struct iteration {
     lac_half_space *s;
     size_t nx, ny;
     const double *h;      // [ny * nx]
-    double *p;            // [ny * nx]
-    double *g;            // [ny * nx] gradient before its mean is taken off
-    float *dg;            // [ny * nx] its last change
+    const float *h_short; // [ny * nx] the same
+    double *p;            // [ny * nx] pressure over scale
+    double *gap;          // [ny * nx] of the last fresh product; or NULL
+    float *g;             // [ny * nx] gap plus g_mean
+    float *dg;            // [ny * nx] last change of the gap plus g_mean, on I
     float *t;             // [ny * nx] search direction, 0 outside I
     sums *rows;           // [ny]
-    double g_mean;        // over I
-    double dg_mean;       // its last change
+    double level;         // gap = S p - h - level
+    double g_mean;        // of g over I
     double cells;         // in I
     double sum_p;         // over all cells
     double sum_g, g2;     // sums over I of the gap and its square
@@ -43,11 +49,10 @@ typedef struct iteration {
     double z_mean, beta;  // of the direction
     double t_mean;        // over I, of the direction before
     double tau, tau_ov;   // step along t; step of the cells that open or close
-    double scale;         // brings p back to the load, not yet applied
+    double scale;         // brings p back to the load
     double keep;          // 1 where a fresh product goes with the same step, 0 with a new one
     double error;         // of g, about, from updates since the last fresh product
     int updates;          // since then
-    double mean_pressure; // given
     bool held;            // the load is given: directions keep it, and the gap has mean 0 over I
 } iteration;
 
@@ -84,97 +89,124 @@ static void pressure_row(void *context, size_t j, void *row)
     }
 }
 
-// g = u - h; sums: cells of I, sum of g over I, sum of p
-static void fresh_row(void *context, size_t j, void *row)
+// Sums: cells of I, sum of u - h over I, sum of p
+static void level_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     const double *restrict u = row;
     const double *restrict p = &it->p[j * it->nx];
     const double *restrict h = &it->h[j * it->nx];
-    double *restrict g = &it->g[j * it->nx];
-    float *restrict dg = &it->dg[j * it->nx];
-    double keep = it->keep;
     double cells = 0.0;
     double sum_g = 0.0;
     double sum_p = 0.0;
     const size_t n = it->nx;
 #pragma omp simd reduction(+ : cells, sum_g, sum_p)
     for (size_t i = 0; i < n; i++) {
-        double fresh = u[i] - h[i];
-        dg[i] = (float)(keep * (double)dg[i] + (fresh - g[i]));
-        g[i] = fresh;
         cells += p[i] > 0.0 ? 1.0 : 0.0;
-        sum_g += p[i] > 0.0 ? fresh : 0.0;
+        sum_g += p[i] > 0.0 ? u[i] - h[i] : 0.0;
         sum_p += p[i];
     }
     it->rows[j] = (sums){.a = cells, .b = sum_g, .c = sum_p};
 }
 
-// p <- scale p, g <- scale u - h with u = g + h + S d, d the change of p; sums: cells of I, sum
-// of g over I, sum of p, square of S d
-static void update_row(void *context, size_t j, void *row)
+// g = u - h - level
+static void fresh_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
-    const float *restrict du = row;
-    double *restrict p = &it->p[j * it->nx];
+    const double *restrict u = row;
     const double *restrict h = &it->h[j * it->nx];
-    double *restrict g = &it->g[j * it->nx];
+    float *restrict g = &it->g[j * it->nx];
     float *restrict dg = &it->dg[j * it->nx];
-    double scale = it->scale;
-    double cells = 0.0;
-    double sum_g = 0.0;
-    double sum_p = 0.0;
-    double du2 = 0.0;
-    const size_t n = it->nx;
-#pragma omp simd reduction(+ : cells, sum_g, sum_p, du2)
-    for (size_t i = 0; i < n; i++) {
-        double change = (double)du[i];
-        double now = scale * (g[i] + h[i] + change) - h[i];
-        dg[i] = (float)(now - g[i]);
-        g[i] = now;
-        p[i] *= scale;
-        cells += p[i] > 0.0 ? 1.0 : 0.0;
-        sum_g += p[i] > 0.0 ? now : 0.0;
-        sum_p += p[i];
-        du2 += change * change;
+    float keep = (float)it->keep;
+    float offset = (float)((1.0 - it->keep) * it->g_mean);
+    double level = it->level;
+    for (size_t i = 0; i < it->nx; i++) {
+        float gap = (float)(u[i] - h[i] - level);
+        dg[i] = keep * dg[i] + (gap - g[i] + offset);
+        g[i] = gap;
     }
-    it->rows[j] = (sums){.a = cells, .b = sum_g, .c = sum_p, .d = du2};
+    for (size_t i = 0; i < it->nx && it->gap != NULL; i++) {
+        it->gap[j * it->nx + i] = u[i] - h[i] - level;
+    }
 }
 
-// What fresh_row and update_row summed up
-static void take_sums(iteration *it, const sums *all)
-{
-    double before = it->g_mean;
-    it->cells = all->a;
-    it->sum_p = all->c;
-    if (it->held) {
-        it->g_mean = all->b / all->a;
-    }
-    it->dg_mean = it->keep * it->dg_mean + (it->g_mean - before);
-    it->scale = 1.0;
-}
-
-// g = S p - h in double precision.
+// The gap in double precision.
 static void refresh(iteration *it, bool same_step)
 {
     it->keep = same_step ? 1.0 : 0.0;
     lac_filter_fill(it->s->filter, LAC_DOUBLE, pressure_row, it);
     lac_half_space_displace(it->s);
-    lac_filter_take(it->s->filter, fresh_row, it);
+    lac_filter_take(it->s->filter, level_row, it);
     sums all = total(it);
-    take_sums(it, &all);
+    it->cells = all.a;
+    it->sum_p = all.c;
+    it->level = it->held ? all.b / all.a : it->level;
+    lac_filter_take(it->s->filter, fresh_row, it);
+    it->g_mean = 0.0;
+    it->scale = 1.0;
     it->error = 0.0;
     it->updates = 0;
 }
 
-// g from the change of p in the transform, in single precision.
+// g <- g + S d + (scale - 1) (u + S d) with d the change of p; sums: cells of I, sum of g over I,
+// square of S d
+static sums update_piece(const iteration *it, size_t n, size_t at, const float *restrict du)
+{
+    const double *restrict p = &it->p[at];
+    const float *restrict h = &it->h_short[at];
+    float *restrict g = &it->g[at];
+    float *restrict dg = &it->dg[at];
+    float g_mean = (float)it->g_mean;
+    float level = (float)it->level;
+    float more = (float)(it->scale - 1.0);
+    float cells = 0.0F;
+    float sum_g = 0.0F;
+    float du2 = 0.0F;
+#pragma omp simd reduction(+ : cells, sum_g, du2)
+    for (size_t i = 0; i < n; i++) {
+        float gap = g[i] - g_mean;
+        float change = du[i] + more * (du[i] + (gap + (h[i] + level)));
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        g[i] = gap + change;
+        dg[i] = change;
+        cells += in;
+        sum_g += in * (gap + change);
+        du2 += du[i] * du[i];
+    }
+    return (sums){.a = (double)cells, .b = (double)sum_g, .d = (double)du2};
+}
+
+static void add(sums *all, sums piece)
+{
+    all->a += piece.a;
+    all->b += piece.b;
+    all->c += piece.c;
+    all->d += piece.d;
+    all->e += piece.e;
+    all->f += piece.f;
+}
+
+static void update_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const float *du = row;
+    sums all = {0};
+    for (size_t i = 0; i < it->nx; i += PIECE) {
+        size_t n = it->nx - i < PIECE ? it->nx - i : PIECE;
+        add(&all, update_piece(it, n, j * it->nx + i, &du[i]));
+    }
+    it->rows[j] = all;
+}
+
+// The gap from the change of p in the transform, in single precision.
 static void update(iteration *it)
 {
-    it->keep = 0.0;
     lac_half_space_displace(it->s);
     lac_filter_take(it->s->filter, update_row, it);
     sums all = total(it);
-    take_sums(it, &all);
+    it->cells = all.a;
+    it->level += it->g_mean; // which update_row took off
+    it->g_mean = it->held ? all.b / all.a : 0.0;
     it->error += single_error * sqrt(all.d / ((double)it->nx * (double)it->ny));
     it->updates++;
 }
@@ -184,17 +216,17 @@ static void gap_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     const double *restrict p = &it->p[j * it->nx];
-    const double *restrict g = &it->g[j * it->nx];
+    const float *restrict g = &it->g[j * it->nx];
     float *restrict into = row;
-    double g_mean = it->g_mean;
+    float g_mean = (float)it->g_mean;
     double pg = 0.0;
     double g2 = 0.0;
     double sum_g = 0.0;
     const size_t n = it->nx;
 #pragma omp simd reduction(+ : pg, g2, sum_g)
     for (size_t i = 0; i < n; i++) {
-        double gap = g[i] - g_mean;
-        double inside = p[i] > 0.0 ? gap : 0.0;
+        float gap = g[i] - g_mean;
+        double inside = p[i] > 0.0 ? (double)gap : 0.0;
         into[i] = (float)inside;
         pg += p[i] * fabs(inside);
         g2 += inside * inside;
@@ -211,8 +243,8 @@ static void measure(iteration *it, lac_descent *d)
     double n = (double)it->nx * (double)it->ny;
     it->g2 = all.b;
     it->sum_g = all.c;
-    d->closest = -it->g_mean;
-    d->residual.complementarity = it->sum_p > 0.0 ? all.a / it->sum_p : 0.0;
+    d->closest = -it->level;
+    d->residual.complementarity = it->sum_p > 0.0 ? it->scale * all.a / it->sum_p : 0.0;
     d->residual.load = it->held ? fabs(it->sum_p / n / d->mean_pressure - 1.0) : 0.0;
 }
 
@@ -221,7 +253,7 @@ static double penetration(const iteration *it)
 {
     double least = 0.0;
     for (size_t i = 0; i < it->nx * it->ny; i++) {
-        double gap = it->p[i] > 0.0 ? 0.0 : it->g[i] - it->g_mean;
+        double gap = it->p[i] > 0.0 ? 0.0 : (double)it->g[i] - it->g_mean;
         least = gap < least ? gap : least;
     }
     return -least;
@@ -248,38 +280,46 @@ static bool settled(iteration *it, lac_descent *d)
 }
 
 // Sums over I: z, z.g, z.dg, dg, t, g.t
-static void overlap_row(void *context, size_t j, void *row)
+static sums overlap_piece(const iteration *it, size_t n, size_t at, const float *restrict z)
 {
-    const iteration *it = context;
-    const double *restrict p = &it->p[j * it->nx];
-    const double *restrict g = &it->g[j * it->nx];
-    const float *restrict dg = &it->dg[j * it->nx];
-    const float *restrict t = &it->t[j * it->nx];
-    const float *restrict z = row;
-    double gm = it->g_mean;
-    double dgm = it->dg_mean;
-    double sz = 0.0;
-    double zg = 0.0;
-    double zd = 0.0;
-    double sd = 0.0;
-    double st = 0.0;
-    double gt = 0.0;
-    const size_t n = it->nx;
+    const double *restrict p = &it->p[at];
+    const float *restrict g = &it->g[at];
+    const float *restrict dg = &it->dg[at];
+    const float *restrict t = &it->t[at];
+    float g_mean = (float)it->g_mean;
+    float sz = 0.0F;
+    float zg = 0.0F;
+    float zd = 0.0F;
+    float sd = 0.0F;
+    float st = 0.0F;
+    float gt = 0.0F;
 #pragma omp simd reduction(+ : sz, zg, zd, sd, st, gt)
     for (size_t i = 0; i < n; i++) {
-        double in = p[i] > 0.0 ? 1.0 : 0.0;
-        double zi = in * (double)z[i];
-        double ti = in * (double)t[i];
-        double gi = g[i] - gm;
-        double di = in * ((double)dg[i] - dgm);
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        float zi = in * z[i];
+        float ti = in * t[i];
+        float gi = g[i] - g_mean;
+        float di = dg[i] - g_mean;
         sz += zi;
         zg += zi * gi;
         zd += zi * di;
-        sd += di;
+        sd += in * di;
         st += ti;
         gt += ti * gi;
     }
-    it->rows[j] = (sums){.a = sz, .b = zg, .c = zd, .d = sd, .e = st, .f = gt};
+    return (sums){(double)sz, (double)zg, (double)zd, (double)sd, (double)st, (double)gt};
+}
+
+static void overlap_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const float *z = row;
+    sums all = {0};
+    for (size_t i = 0; i < it->nx; i += PIECE) {
+        size_t n = it->nx - i < PIECE ? it->nx - i : PIECE;
+        add(&all, overlap_piece(it, n, j * it->nx + i, &z[i]));
+    }
+    it->rows[j] = all;
 }
 
 // t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform, which holds z
@@ -364,23 +404,24 @@ static void step_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     double *restrict p = &it->p[j * it->nx];
-    const double *restrict g = &it->g[j * it->nx];
+    const float *restrict g = &it->g[j * it->nx];
     const float *restrict t = &it->t[j * it->nx];
     float *restrict into = row;
     double tau = it->tau;
     double tau_ov = it->tau_ov;
-    double g_mean = it->g_mean;
+    double scale = it->scale;
+    float g_mean = (float)it->g_mean;
     double sum = 0.0;
     double closing = 0.0;
     const size_t n = it->nx;
 #pragma omp simd reduction(+ : sum, closing)
     for (size_t i = 0; i < n; i++) {
-        double gap = g[i] - g_mean;
-        double outside = p[i] > 0.0 ? 0.0 : gap;
-        double overlap = outside < 0.0 ? outside : 0.0;
-        double moved = p[i] - tau * (double)t[i] - tau_ov * overlap;
+        double before = scale * p[i];
+        float gap = g[i] - g_mean;
+        double overlap = p[i] > 0.0 || gap > 0.0F ? 0.0 : (double)gap;
+        double moved = before - tau * (double)t[i] - tau_ov * overlap;
         moved = moved > 0.0 ? moved : 0.0;
-        into[i] = (float)(moved - p[i]);
+        into[i] = (float)(moved - before);
         p[i] = moved;
         sum += moved;
         closing += overlap * overlap;
@@ -399,9 +440,8 @@ static void step(iteration *it, const lac_descent *d)
 {
     lac_filter_fill(it->s->filter, LAC_SINGLE, step_row, it);
     sums all = total(it);
-    if (it->held) {
-        it->scale = d->mean_pressure * (double)it->nx * (double)it->ny / all.a;
-    }
+    it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->ny / all.a : 1.0;
+    it->sum_p = it->scale * all.a;
     // New cells change the problem: the directions so far are conjugate no more.
     if (all.b > 0.01 * it->g2) {
         it->G_old = 0.0;
@@ -437,31 +477,31 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                        lac_error *err)
 {
     size_t n = s->nx * s->ny;
-    float *dg = calloc(n, sizeof *dg);
-    float *t = calloc(n, sizeof *t);
+    size_t apart = n + APART;
+    float *work = calloc(4 * apart, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
-    lac_status status = dg != NULL && t != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err);
+    lac_status status = work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    memset(gap, 0, n * sizeof *gap);
+    for (size_t i = 0; i < n; i++) {
+        work[i] = (float)d->heights[i];
+    }
     iteration it = {.s = s,
                     .nx = s->nx,
                     .ny = s->ny,
                     .h = d->heights,
+                    .h_short = work,
                     .p = pressure,
-                    .g = gap,
-                    .dg = dg,
-                    .t = t,
+                    .gap = gap,
+                    .g = &work[apart],
+                    .dg = &work[2 * apart],
+                    .t = &work[3 * apart],
                     .rows = rows,
                     .scale = 1.0,
-                    .g_mean = -d->approach,
+                    .level = -d->approach,
                     .held = d->control == LAC_CONTROL_LOAD};
     iterate(&it, d);
-    for (size_t i = 0; i < n; i++) {
-        gap[i] -= it.g_mean;
-    }
 out:
-    free(dg);
-    free(t);
+    free(work);
     free(rows);
     return status;
 }
