@@ -42,15 +42,15 @@ typedef struct room {
 } room;
 
 struct lac_filter {
-    size_t nx, ny;           // the field
-    size_t mx, my, nkx;      // the transform; nkx = mx/2 + 1 columns are kept
-    size_t pairs;            // of rows
-    size_t pitch;            // complex numbers from pair to pair
-    size_t lead;             // from column to column in a block
-    char *buffer;            // [pairs * pitch] complex
-    char *scratch;           // [threads * share] bytes: see room
+    size_t nx, ny;      // the field
+    size_t mx, my, nkx; // the transform; nkx = mx/2 + 1 columns are kept
+    size_t pairs;       // of rows
+    size_t pitch;       // complex numbers from pair to pair
+    size_t lead;        // from column to column in a block
+    char *buffer;       // [pairs * pitch] complex
+    char *scratch;      // [threads * share] bytes: see room
     room room;
-    double *column_power;    // [nkx]
+    double *column_power; // [nkx]
     int threads;
     const kernels *now; // the precision of what the buffer holds
     plans plans[2];
@@ -71,13 +71,10 @@ struct lac_filter {
 #undef FFT
 #undef NAME
 
-static const kernels *const precisions[] = {[LAC_SINGLE] = &single_kernels,
-                                            [LAC_DOUBLE] = &double_kernels};
+static const kernels *const precisions[] = {
+    [LAC_SINGLE] = &single_kernels, [LAC_DOUBLE] = &double_kernels};
 
-static const plans *current(const lac_filter *f)
-{
-    return &f->plans[lac_filter_precision(f)];
-}
+static const plans *current(const lac_filter *f) { return &f->plans[lac_filter_precision(f)]; }
 
 // Complex numbers, so that the next row begins at a cache line and not a power of two away, where
 // columns would fall on the same few lines of the cache.

@@ -158,7 +158,7 @@ out:
 typedef struct full {
     const problem *p;
     double mean_pressure;
-    double *pressure; // [ny * nx]
+    double *pressure; // [ny * nx] or NULL
     bool *positive;   // [ny] all of a row
 } full;
 
@@ -172,24 +172,27 @@ static void full_row(void *context, size_t j, void *row)
 {
     const full *f = context;
     const double *stiff = row;
-    double *pressure = &f->pressure[j * f->p->at.nx];
-    f->positive[j] = true;
+    bool positive = true;
     for (size_t i = 0; i < f->p->at.nx; i++) {
-        pressure[i] = f->mean_pressure + f->p->unit * stiff[i];
-        f->positive[j] = f->positive[j] && pressure[i] > 0.0;
+        double pressure = f->mean_pressure + f->p->unit * stiff[i];
+        positive = positive && pressure > 0.0;
+        if (f->pressure != NULL) {
+            f->pressure[j * f->p->at.nx + i] = pressure;
+        }
     }
+    f->positive[j] = positive;
 }
 
 // Full contact, where the load is high enough for it: p = mean p + E* |q| h / 2 >= 0. Pressures
-// may hold the first guess: they are made in `scratch`.
+// may hold the first guess until that is sure.
 static lac_status full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
-                               double *scratch, bool *is_full, lac_error *err)
+                               double *pressure, bool *is_full, lac_error *err)
 {
     *is_full = false;
     if (!p->at.periodic || def->control != LAC_CONTROL_LOAD) {
         return LAC_OK; // edges have no such closed form
     }
-    full f = {p, def->mean_pressure, scratch, malloc(p->at.ny * sizeof(bool))};
+    full f = {p, def->mean_pressure, NULL, malloc(p->at.ny * sizeof(bool))};
     if (f.positive == NULL) {
         return lac_fail_memory(err);
     }
@@ -199,6 +202,10 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
     *is_full = true;
     for (size_t j = 0; j < p->at.ny; j++) {
         *is_full = *is_full && f.positive[j];
+    }
+    if (*is_full) {
+        f.pressure = pressure;
+        lac_filter_take(s->filter, full_row, &f);
     }
     free(f.positive);
     return LAC_OK;
@@ -239,6 +246,8 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
     }
     for (size_t i = 0; i < n; i++) {
         pressure[i] = 0.0;
+    }
+    for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] = def->approach + mean - def->heights[i];
     }
     return true;
@@ -264,6 +273,8 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
     LAC_TRY(lac_descend(s, &d, pressure, gap, err));
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= p->unit;
+    }
+    for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] *= p->h_rms;
     }
     *report = (lac_contact_report){.iterations = d.iterations,
@@ -301,7 +312,6 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
 {
     lac_half_space *s = NULL;
     problem p = {0};
-    double *own_gap = NULL;
     lac_contact_report own_report;
     lac_contact_report *r = report != NULL ? report : &own_report;
     *r = (lac_contact_report){0};
@@ -309,27 +319,24 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     LAC_TRY(check(def, err));
     size_t n = lac_grid_cells(&def->grid);
     p.h = malloc(n * sizeof *p.h);
-    if (gap == NULL) {
-        gap = own_gap = malloc(n * sizeof *gap);
-    }
-    status = p.h != NULL && gap != NULL ? LAC_OK : lac_fail_memory(err);
+    status = p.h != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(scale_problem(def, &p, err));
     LAC_TRY(lac_half_space_create(&p.at, &s, err));
     bool is_full;
-    LAC_TRY(full_contact(def, &p, s, gap, &is_full, err));
+    LAC_TRY(full_contact(def, &p, s, pressure, &is_full, err));
     if (no_contact(def, pressure, gap)) {
         r->approach = def->approach;
     } else if (is_full) {
-        memcpy(pressure, gap, n * sizeof *gap);
-        memset(gap, 0, n * sizeof *gap);
+        for (size_t i = 0; i < n && gap != NULL; i++) {
+            gap[i] = 0.0;
+        }
         r->products = 1;
     } else {
         LAC_TRY(partial_contact(def, &p, s, pressure, gap, r, err));
     }
     count_contact(def, pressure, r);
 out:
-    free(own_gap);
     lac_half_space_free(s);
     free(p.h);
     return status;

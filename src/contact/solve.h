@@ -68,7 +68,7 @@ typedef struct lac_descent {
 
 /// Constrained conjugate gradients on the pressures from a first guess.
 /// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
-/// @param gap       [ny * nx] gap of the result; overwritten
+/// @param gap       [ny * nx] gap of the result; overwritten; NULL if not wanted
 /// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err);

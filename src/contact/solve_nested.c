@@ -99,21 +99,16 @@ static lac_status solve_coarse(const lac_extent *at, const double *h, const lac_
                                double *pressure, lac_error *err)
 {
     lac_half_space *s = NULL;
-    double *gap = NULL;
     lac_descent d = *fine;
     d.heights = h;
     d.tolerance = coarse_tolerance;
     d.max_iterations = coarse_iterations;
     lac_status status;
     LAC_TRY(lac_coarse_guess(at, h, fine, pressure, err));
-    gap = malloc(at->nx * at->ny * sizeof *gap);
-    status = gap != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
     LAC_TRY(lac_half_space_create(at, &s, err));
-    LAC_TRY(lac_descend(s, &d, pressure, gap, err));
+    LAC_TRY(lac_descend(s, &d, pressure, NULL, err));
 out:
     lac_half_space_free(s);
-    free(gap);
     return status;
 }
 

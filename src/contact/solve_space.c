@@ -148,8 +148,8 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
     s->compliance = malloc(n * sizeof *s->compliance);
     status = s->compliance != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    LAC_TRY(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx),
-                        1.0 / (extent->dqy * (double)s->ny), err));
+    LAC_TRY(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx), 1.0 / (extent->dqy * (double)s->ny),
+                        err));
     s->self = s->compliance[0];
     LAC_TRY(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
     for (size_t i = 0; i < n; i++) {
