@@ -42,26 +42,45 @@ static void NAME(unweave)(size_t n, const void *pair, size_t apart, void *row)
     }
 }
 
-// Columns first ... first + width of the spectra of real rows, twice: those of a + i b at k and -k
-// are A + i B and conj(A) + i conj(B).
+// From a row pair's spectrum at k and -k to those of its rows, twice: a + i b has A + i B and
+// conj(A) + i conj(B) there.
+static inline void NAME(part)(const REAL *restrict at, const REAL *restrict mirror,
+                              REAL *restrict ab)
+{
+    const REAL left[4] = {at[0], at[1], at[1], mirror[0]};
+    const REAL right[4] = {mirror[0], -mirror[1], mirror[1], -at[0]};
+    for (int i = 0; i < 4; i++) {
+        ab[i] = left[i] + right[i];
+    }
+}
+
+// And back; at and mirror may be the same
+static inline void NAME(join)(const REAL *restrict ab, REAL *at, REAL *mirror)
+{
+    REAL re = ab[0];
+    REAL im = ab[1];
+    at[0] = re - ab[3];
+    at[1] = im + ab[2];
+    mirror[0] = re + ab[3];
+    mirror[1] = ab[2] - im;
+}
+
+// Columns first ... first + width of the spectra of all rows
 static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *columns)
 {
     REAL *restrict block = columns;
+    const size_t apart = 2 * f->lead;
     for (size_t pair = 0; pair < f->pairs; pair++) {
-        const REAL *restrict z = (const REAL *)f->buffer + 2 * pair * f->pitch;
-        for (size_t c = 0; c <= width; c += 64 / (2 * sizeof(REAL))) {
-            __builtin_prefetch(&z[8 * f->pitch * 2 + 2 * (first + c)], 0, 2);
-            __builtin_prefetch(&z[8 * f->pitch * 2 + 2 * (f->mx - first - c)], 0, 2);
-        }
+        const REAL *z = (const REAL *)f->buffer + 2 * pair * f->pitch;
         REAL *restrict to = &block[4 * pair];
-        for (size_t c = 0; c < width; c++) {
-            const REAL *at = &z[2 * (first + c)];
-            const REAL *mirror = &z[first + c > 0 ? 2 * (f->mx - first - c) : 0];
-            REAL *ab = &to[2 * c * f->lead];
-            ab[0] = at[0] + mirror[0];
-            ab[1] = at[1] - mirror[1];
-            ab[2] = at[1] + mirror[1];
-            ab[3] = mirror[0] - at[0];
+        const REAL *at = &z[2 * first];
+        const REAL *mirror = &z[2 * (f->mx - first)];
+        size_t begin = first == 0 ? 1 : 0;
+        if (begin == 1) {
+            NAME(part)(z, z, to); // -0 is 0
+        }
+        for (size_t c = begin; c < width; c++) {
+            NAME(part)(&at[2 * c], mirror - 2 * c, &to[c * apart]);
         }
     }
     for (size_t c = 0; c < width && f->my > f->ny; c++) {
@@ -73,21 +92,18 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
 static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, const void *columns)
 {
     const REAL *restrict block = columns;
+    const size_t apart = 2 * f->lead;
     for (size_t pair = 0; pair < f->pairs; pair++) {
-        REAL *restrict z = (REAL *)f->buffer + 2 * pair * f->pitch;
+        REAL *z = (REAL *)f->buffer + 2 * pair * f->pitch;
         const REAL *restrict from = &block[4 * pair];
-        for (size_t c = 0; c < width; c++) {
-            REAL *at = &z[2 * (first + c)];
-            REAL *mirror = &z[first + c > 0 ? 2 * (f->mx - first - c) : 0];
-            const REAL *ab = &from[2 * c * f->lead];
-            REAL are = ab[0];
-            REAL aim = ab[1];
-            REAL bre = ab[2];
-            REAL bim = ab[3];
-            at[0] = are - bim;
-            at[1] = aim + bre;
-            mirror[0] = are + bim;
-            mirror[1] = bre - aim;
+        REAL *at = &z[2 * first];
+        REAL *mirror = &z[2 * (f->mx - first)];
+        size_t begin = first == 0 ? 1 : 0;
+        if (begin == 1) {
+            NAME(join)(from, z, z);
+        }
+        for (size_t c = begin; c < width; c++) {
+            NAME(join)(&from[c * apart], &at[2 * c], mirror - 2 * c);
         }
     }
 }
