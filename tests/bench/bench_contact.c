@@ -233,6 +233,7 @@ int main(int argc, char **argv)
 {
     size_t largest = argc > 1 ? (size_t)strtoul(argv[1], NULL, 10) : 1024;
     bool failed = false;
+    (void)setvbuf(stdout, NULL, _IOLBF, 0);
     omp_set_num_threads(1);
     printf("products: two an iteration (S p and t.St) and the first; the |q| of each iteration is "
            "not counted.\npair: transforms of the grid; free: of twice its sides. arrays: of "
