@@ -10,6 +10,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <omp.h>
 #include <stdbool.h>
 
 #include "base/fft.h"
@@ -173,6 +174,22 @@ static void filter_equals_plain_transforms(void **state)
     }
 }
 
+static void only_large_grids_are_worth_threads(void **state)
+{
+    (void)state;
+    const size_t sides[][2] = {{128, 128}, {256, 255}, {256, 256}, {384, 256}, {512, 512}};
+    const int expected[] = {1, 1, 2, 3, 3};
+    const int before = omp_get_max_threads();
+    omp_set_num_threads(3);
+    for (size_t k = 0; k < 5; k++) {
+        lac_filter *filter = NULL;
+        assert_int_equal(lac_filter_create(sides[k], sides[k], &filter, NULL), LAC_OK);
+        assert_int_equal(lac_filter_threads(filter), expected[k]);
+        lac_filter_free(filter);
+    }
+    omp_set_num_threads(before);
+}
+
 static void impossible_transforms_are_refused(void **state)
 {
     (void)state;
@@ -256,6 +273,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_equals_plain_transforms),
+        cmocka_unit_test(only_large_grids_are_worth_threads),
         cmocka_unit_test(impossible_transforms_are_refused),
         cmocka_unit_test(filter_by_table_equals_plain_transforms),
         cmocka_unit_test(even_field_from_its_quarter),
