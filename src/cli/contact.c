@@ -11,6 +11,7 @@
 #include "cli/report.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
+#include "cli/surface.h"
 #include "cli/words.h"
 
 static lac_status write_file(const cli_request *request, const lac_case *c,
@@ -27,7 +28,8 @@ static lac_status write_file(const cli_request *request, const lac_case *c,
                                    .gap = contact->gap,
                                    .pressure = contact->pressure,
                                    .report = contact->solved ? &contact->report : NULL,
-                                   .boxes = contact->counted ? &contact->boxes : NULL};
+                                   .boxes = contact->counted ? &contact->boxes : NULL,
+                                   .surface = contact->solved ? &contact->surface : NULL};
     cli_signals_hold();
     lac_status status =
         lac_store_contact(path, cli_given(request, CLI_OPT_FORCE), &provenance, &view, err);
@@ -42,6 +44,9 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
     if (c->title != NULL) {
         puts(c->title);
     }
+    if (contact->solved) {
+        cli_surface_print(&contact->surface);
+    }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
     if (contact->scaled) {
@@ -49,7 +54,8 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
                 contact->scaling.dimension, contact->scaling.error,
                 (size_t)1 << (contact->scaling.n - 1));
     } else if (contact->solved) {
-        cli_row("Delta_S", "none: needs 512 cells a side and areas that fall with the cell");
+        cli_row("Delta_S", "none: needs sides of more than 256 cells that halve three times, and "
+                           "areas that fall with the cell");
     }
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
@@ -68,6 +74,7 @@ static void write_result(const lac_scene_contact *contact, const char *path)
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_measures_json(&json, contact);
+    cli_surface_json(&json, contact->solved ? &contact->surface : NULL);
     cli_json_number(&json, "mean_pressure_Pa", contact->mean_pressure);
     if (contact->solved) {
         cli_json_integer(&json, "iterations", report->iterations);
@@ -93,7 +100,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     lac_scene_contact contact = {0};
     char *path = NULL;
     lac_status status;
-    LAC_TRY(cli_case_read(request, &c, NULL, err));
+    LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));
