@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cost of the normal contact solver on the benchmark surface A08 at 10 % contact: grids, periodic
 // and free; threads; a sequence of loads.
-//   bench_contact [LARGEST]      grids from 256 to LARGEST (1024; 4096 takes 3 GB)
+//   bench_contact [LARGEST]      grids from 256 to LARGEST (1024; 4096 takes 1 GB)
 #include <math.h>
 #include <omp.h>
 #include <stdbool.h>
