@@ -70,5 +70,6 @@ void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
     cli_json_number(json, "mean_real_pressure_Pa", mean_real_pressure(contact->domain));
     cli_json_number(json, "d_box", counted ? boxes->dimension : NAN);
     cli_json_number(json, "d_box_error", counted ? boxes->error : NAN);
+    cli_json_number(json, "d_box_regression_error", counted ? boxes->regression_error : NAN);
     cli_json_boolean(json, "d_box_weak", counted && (boxes->few_cells || boxes->dense));
 }

@@ -17,11 +17,9 @@ static lac_grid grid_of(const lac_interface_def *def)
     return grid;
 }
 
-// Presses the surface; heights and gap are allocated here. With `all` also at coarser resolutions.
-static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
+// Presses the surface; heights and gap are allocated here.
+static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *err)
 {
-    // Four resolutions from 64 cells a side are the least that a scaling is fitted to.
-    const size_t least_side = 512;
     size_t cells = lac_grid_cells(&out->grid);
     lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
@@ -42,13 +40,6 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     def.mean_pressure = out->mean_pressure;
     status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
     out->solved = status == LAC_OK;
-    if (status == LAC_OK && all && out->grid.nx >= least_side && out->grid.ny >= least_side) {
-        lac_scaling_def scaling = lac_scaling_default();
-        lac_status scaled = lac_scaling_measure(&def, &scaling, &out->scaling, err);
-        // A contact whose coarser resolutions follow no power law is a contact all the same.
-        status = scaled == LAC_ENOMEM ? scaled : LAC_OK;
-        out->scaled = scaled == LAC_OK;
-    }
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
 }
 
@@ -79,7 +70,7 @@ static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *ou
 {
     lac_status status = LAC_OK;
     if (c->surface.about != NULL) {
-        LAC_TRY(press(c, all, out, err));
+        LAC_TRY(press(c, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else if (c->domain.about != NULL) {
         LAC_TRY(
