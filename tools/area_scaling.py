@@ -2,19 +2,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Area scaling of an interface under several loads, as a table in markdown.
 
-    tools/area_scaling.py [CASE] [--loads X ...] [--coarsening HOW] [--boxes S:S] [--set KEY=VALUE]
+    tools/area_scaling.py [CASE] [--loads X ...] [--coarsening HOW] [--boxes S:S] [--seeds N] [--set KEY=VALUE]
 
 Calls `lacuna contact --json` on the case (cases/contact/j07.yaml) at mean pressures of X times its
 contact modulus E* = G/(1 - nu), 5e-4 to 0.1 unless said. Columns: the contact fraction at each
 resolution; Delta_S of all resolutions, and without the finest, +- its error; less boundary cells;
 2 - d ln h'/d ln(1/r) from the heights alone; D_box on sides 2 to 32 +- its error. In brackets the
-standard error of the regression alone.
+standard error of the regression alone. With --seeds each row is the mean over surfaces of the seeds
+1 to N, +- the standard deviation among them.
 """
 
 import argparse
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -58,12 +60,22 @@ def dimension(done, name):
 
 
 def row(load, done):
-    """One row of the table."""
+    """One row of the table, of one surface."""
     areas = [f"{at['area_fraction']:.6f}" for at in done["resolutions"]]
     return [f"{load:g}", *areas,
             dimension(done, "delta_s_all"), dimension(done, "delta_s"),
             number(done["delta_s_smooth"]), number(done["delta_s_from_slopes"]),
             dimension(done, "d_box") + (", weak" if done["d_box_weak"] else "")]
+
+
+def mean_row(load, all_done):
+    """One row of the table, of several surfaces."""
+    areas = [[at["area_fraction"] for at in done["resolutions"]] for done in all_done]
+    names = ("delta_s_all", "delta_s", "delta_s_smooth", "delta_s_from_slopes", "d_box")
+    columns = [[done[name] for done in all_done] for name in names]
+    return [f"{load:g}", *(f"{statistics.mean(area):.6f}" for area in zip(*areas)),
+            *("-" if None in column else
+              number(statistics.mean(column), statistics.stdev(column)) for column in columns)]
 
 
 def heading(done):
@@ -83,6 +95,9 @@ def main():
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--coarsening", default="sample", help="sample or block-mean")
     parser.add_argument("--boxes", default="2:32", help="sides that D_box is fitted to")
+    parser.add_argument("--seeds", type=int, default=0, metavar="N", help="surfaces to average over")
+    parser.add_argument("--seed-key", default="interface.surface.self-affine.seed", metavar="KEY",
+                        help="what --seeds sets")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="override the case; may be repeated")
     arguments = parser.parse_args()
@@ -92,16 +107,20 @@ def main():
     e_star = modulus(arguments.program, arguments.case)
     with tempfile.TemporaryDirectory(prefix="lacuna-area-scaling-") as folder:
         for i, load in enumerate(arguments.loads):
-            done = call(arguments.program, "contact", arguments.case, "--force", "-o",
-                        os.path.join(folder, "contact.nc"), "--set",
-                        f"load.normal.pressure={load * e_star:.17g} Pa", *others)
-            if not done["resolutions"]:
-                sys.exit(f"area_scaling: {arguments.case}: no Delta_S: {done['delta_s_none']}")
+            words = ["contact", arguments.case, "--force", "-o", os.path.join(folder, "contact.nc"),
+                     "--set", f"load.normal.pressure={load * e_star:.17g} Pa", *others]
+            seeds = [["--set", f"{arguments.seed_key}={seed + 1}"]
+                     for seed in range(arguments.seeds)] or [[]]
+            done = [call(arguments.program, *words, *seed) for seed in seeds]
+            for one in done:
+                if not one["resolutions"]:
+                    sys.exit(f"area_scaling: {arguments.case}: no Delta_S: {one['delta_s_none']}")
             if i == 0:
-                names = heading(done)
+                names = heading(done[0])
                 print("| " + " | ".join(names) + " |")
                 print("| " + " | ".join("---" for _ in names) + " |")
-            print("| " + " | ".join(row(load, done)) + " |", flush=True)
+            cells = mean_row(load, done) if len(done) > 1 else row(load, done[0])
+            print("| " + " | ".join(cells) + " |", flush=True)
 
 
 if __name__ == "__main__":

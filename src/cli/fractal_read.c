@@ -39,6 +39,17 @@ static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *er
     return LAC_OK;
 }
 
+static lac_status read_coarsest(const char *text, size_t *coarsest, lac_error *err)
+{
+    unsigned long n = strtoul(text, NULL, 10);
+    if (strspn(text, "0123456789") != strlen(text) || n < 2 || n > 1ul << 20) {
+        return lac_fail(err, LAC_EINPUT, "--coarsest: \"%.60s\" must be a number of cells from 2",
+                        text);
+    }
+    *coarsest = n;
+    return LAC_OK;
+}
+
 // "50 mm, 1 m"
 static lac_status read_sizes(const char *text, lac_scene_measure_def *def, lac_error *err)
 {
@@ -79,6 +90,9 @@ lac_status cli_fractal_read(const cli_request *request, lac_scene_measure_def *d
     *def = lac_scene_measure_default();
     if (request->boxes != NULL) {
         LAC_TRY(read_boxes(request->boxes, &def->boxes, err));
+    }
+    if (request->coarsest != NULL) {
+        LAC_TRY(read_coarsest(request->coarsest, &def->scaling.coarsest, err));
     }
     if (request->coarsening != NULL) {
         LAC_TRY(read_coarsening(request->coarsening, &def->scaling.coarsening, err));
