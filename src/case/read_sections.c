@@ -30,6 +30,13 @@ static bool section_lacks(const lac_reader *reader, const char *key)
            !lac_key_misspelt(reader->root, &table, key);
 }
 
+bool lac_needs_run(const lac_reader *reader)
+{
+    // What names a case as static.
+    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL;
+    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
+}
+
 static void read_version(lac_reader *reader)
 {
     const lac_node *node = lac_node_child(reader->root, "lacuna");
@@ -50,13 +57,8 @@ static void read_interface(lac_reader *reader, lac_case *c)
     if (node == NULL) {
         return;
     }
-    const lac_node *boundary = lac_node_child(node, "boundary");
     const lac_node *surface = lac_node_child(node, "surface");
     const lac_node *domain = lac_node_child(node, "domain");
-    if (boundary != NULL &&
-        (boundary->kind != LAC_NODE_SCALAR || strcmp(boundary->text, "periodic") != 0)) {
-        lac_blame(reader, boundary, "must be periodic, the boundary that this version solves");
-    }
     if (surface != NULL) {
         lac_read_slot(reader, surface, LAC_KIND_SURFACE, NULL, &c->surface);
     }
@@ -104,7 +106,7 @@ static void read_friction(lac_reader *reader, lac_case *c)
 {
     const char *keys[32];
     const lac_node *node = lac_node_child(reader->root, "friction");
-    if (section_lacks(reader, "friction")) {
+    if (section_lacks(reader, "friction") && lac_needs_run(reader)) {
         lac_blame_missing(reader, reader->root, "friction",
                           "is missing: a friction law such as {aging: {...}}");
     }
@@ -142,7 +144,7 @@ static void read_start(lac_reader *reader, const lac_node *node, lac_case *c)
 static void read_time(lac_reader *reader, lac_case *c)
 {
     const lac_node *node = read_section(reader, reader->root, "time", LAC_SECTION_TIME, c);
-    if (section_lacks(reader, "time")) {
+    if (section_lacks(reader, "time") && lac_needs_run(reader)) {
         lac_blame_key(reader, "time.end", "is missing: must be a time such as \"1 day\"");
     }
     if (node == NULL) {

@@ -38,6 +38,15 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 /// Reads `compare`.
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
+/// Whether the case must hold what only a run needs: friction, a shear load, an end.
+bool lac_needs_run(const lac_reader *reader);
+
+/// Whether nothing is wrong below a key: what depends on it can be checked.
+bool lac_clean(const lac_reader *reader, const char *key);
+
+/// What is wrong with the interface as a whole; fills in what is absent.
+void lac_check_interface(lac_reader *reader, lac_interface_def *def);
+
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);
 
@@ -52,6 +61,7 @@ typedef struct lac_case_source {
     size_t size;
     const lac_override *overrides; ///< [count]
     size_t count;
+    lac_case_purpose purpose;
 } lac_case_source;
 
 /// lac_case_read_text with a units database that is there already.

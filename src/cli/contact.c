@@ -94,7 +94,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     char *path = NULL;
     lac_status status;
     LAC_TRY(cli_fractal_read(request, &measure, err));
-    LAC_TRY(cli_case_read(request, &c, NULL, err));
+    LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));

@@ -41,10 +41,10 @@ typedef struct cli_request {
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
-    int threads;                            ///< 0: not given
-    size_t set_count;                       ///< --set, in order
-    lac_override *overrides;                ///< [set_count]; keys owned, values point into them
-    char *command_line;                     ///< owned
+    int threads;                                       ///< 0: not given
+    size_t set_count;                                  ///< --set, in order
+    lac_override *overrides; ///< [set_count]; keys owned, values point into them
+    char *command_line;      ///< owned
 } cli_request;
 
 /// Reads the command line; options may stand before or after the command and its arguments.

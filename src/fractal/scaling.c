@@ -233,10 +233,10 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
     if (cells == 0 || def->coarsest == 0 || coarser >= LAC_SCALING_POINTS ||
         coarser + 1 < LEAST_POINTS + def->left_out) {
         return lac_fail(err, LAC_EINPUT,
-                        "area scaling: a grid of %zu x %zu cells gives %zu resolutions down to "
-                        "%zu cells, %zu of them left out: at least %d must stay",
-                        contact->grid.nx, contact->grid.ny, coarser + 1, def->coarsest,
-                        def->left_out, LEAST_POINTS);
+                        "area scaling: %zu x %zu cells halve %zu times on the way to %zu a side; "
+                        "%zu times are needed",
+                        contact->grid.nx, contact->grid.ny, coarser, def->coarsest,
+                        LEAST_POINTS + def->left_out - 1);
     }
     // Where the finest is known, the next one needs a quarter of the room.
     size_t room = def->finest != NULL && coarser > 0 ? cells / 4 : cells;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 #include "scene/internal.h"
@@ -27,23 +26,16 @@ static lac_status measure_clusters(lac_scene_contact *contact, lac_error *err)
     return status;
 }
 
-// Solves the coarser resolutions; the finest is there.
+// Solves the coarser resolutions under the load of the finest, which is there.
 static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact *contact,
                                   lac_error *err)
 {
-    // Four resolutions are the least that a scaling is fitted to.
-    const size_t least_side = how->coarsest <= SIZE_MAX / 8 ? 8 * how->coarsest : SIZE_MAX;
-    const lac_grid *grid = &contact->grid;
     if (!contact->solved) {
         return lac_fail(err, LAC_EINPUT, "no surface is pressed");
     }
-    if (grid->nx < least_side || grid->ny < least_side) {
-        return lac_fail(err, LAC_EINPUT, "needs %zu cells a side for four resolutions from %zu",
-                        least_side, how->coarsest);
-    }
     lac_contact_def def = lac_contact_default();
     lac_scaling_def scaling = *how;
-    def.grid = *grid;
+    def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
     def.mean_pressure = contact->mean_pressure;

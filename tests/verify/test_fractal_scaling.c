@@ -192,7 +192,7 @@ static void what_cannot_be_fitted_is_refused(void **state)
     refuse_measure(contact, lac_scaling_default(), LAC_EINPUT, "8 x 8");
     refuse_measure(contact, (lac_scaling_def){.coarsest = 0}, LAC_EINPUT, "8 x 8");
     refuse_measure(contact, (lac_scaling_def){.coarsest = 2, .left_out = 1}, LAC_EINPUT,
-                   "1 of them");
+                   "3 times are needed");
     h[0] = NAN;
     refuse_measure(contact, (lac_scaling_def){.coarsest = 2}, LAC_EINPUT, "2 x 2");
 }
