@@ -36,6 +36,7 @@ static void write_fit(cli_json *json, const lac_scene_contact *contact)
     cli_json_number(json, "delta_s_from_slopes", scaled ? s->from_slopes : NAN);
     cli_json_text(json, "delta_s_none", scaled ? NULL : fractal->why.message);
     cli_json_text(json, "coarsening", scaled ? cli_coarsening(s->coarsening) : NULL);
+    cli_json_number(json, "e_star_Pa", contact->e_star);
     cli_json_number(json, "load_N", scaled ? s->load : NAN);
     cli_json_number(json, "load_spread", scaled ? s->load_error : NAN);
     cli_json_number(json, "fractal_pressure", scaled ? s->fractal_pressure : NAN);
