@@ -163,7 +163,7 @@ typedef struct lac_size_strength {
 } lac_size_strength;
 
 /// The size effect: q_crit ~ p_0 ~ p* b^-(2 - Delta_S).
-/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 4.
+/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 6.
 /// @param n     specimens
 /// @param size  [n] their sides [m]
 /// @param rows  [n] overwritten
