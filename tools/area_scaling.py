@@ -63,7 +63,8 @@ def row(load, done):
     """One row of the table, of one surface."""
     areas = [f"{at['area_fraction']:.6f}" for at in done["resolutions"]]
     return [f"{load:g}", *areas,
-            dimension(done, "delta_s_all"), dimension(done, "delta_s"),
+            dimension(done, "delta_s_all"),
+            dimension(done, "delta_s") + (", weak" if done["delta_s_weak"] else ""),
             number(done["delta_s_smooth"]), number(done["delta_s_from_slopes"]),
             dimension(done, "d_box") + (", weak" if done["d_box_weak"] else "")]
 

@@ -104,8 +104,9 @@ typedef struct lac_scaling {
     double dimension;                      ///< Delta_S
     double regression_error;               ///< its standard error, from the regression alone
     double error;                          ///< its standard error, with the spread over sub-ranges
-    double load;                           ///< P, mean of p_r A_r [N]
-    double load_error;                     ///< largest |p_r A_r - P| / P [1]
+    bool few_cells;      ///< fewer than 100 cells touch at the coarsest resolution: a weak estimate
+    double load;         ///< P, mean of p_r A_r [N]
+    double load_error;   ///< largest |p_r A_r - P| / P [1]
     double smooth;       ///< Delta_S of the areas less what their boundary cells add; NaN where
                          ///< nothing is left of one
     double from_slopes;  ///< 2 - d ln h'_r / d ln(1/r): Delta_S if A_r h'_r did not depend on r;

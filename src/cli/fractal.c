@@ -8,14 +8,22 @@
 
 enum { TEXT = 32 };
 
+// A dimension, or a dash where there is none.
+static const char *local(double value, char *text, size_t size)
+{
+    (void)snprintf(text, size, isfinite(value) ? "%.3f" : "-", value);
+    return text;
+}
+
 static void print_fit(const lac_scaling *s)
 {
-    char fine[TEXT], coarse[TEXT];
-    cli_row("Delta_S", "%.3f +/- %.3f (cells of %s to %s, %s)", s->dimension, s->error,
+    char fine[TEXT], coarse[TEXT], smooth[TEXT], slopes[TEXT];
+    cli_row("Delta_S", "%.3f +/- %.3f (cells of %s to %s, %s)%s", s->dimension, s->error,
             cli_quantity(s->at[s->n - s->left_out - 1].cell, "m", fine, sizeof fine),
-            cli_quantity(s->at[0].cell, "m", coarse, sizeof coarse), cli_coarsening(s->coarsening));
-    cli_row("", "%.3f less boundary cells; %.3f from the rms slopes alone", s->smooth,
-            s->from_slopes);
+            cli_quantity(s->at[0].cell, "m", coarse, sizeof coarse), cli_coarsening(s->coarsening),
+            s->few_cells ? " (weak: fewer than 100 cells at the coarsest)" : "");
+    cli_row("", "%s less boundary cells; %s from the rms slopes alone",
+            local(s->smooth, smooth, sizeof smooth), local(s->from_slopes, slopes, sizeof slopes));
     cli_row("fractal area", "%.4g m^%.3f", s->fractal_area, s->dimension);
     cli_row("fractal pressure", "%.4g N m^-%.3f", s->fractal_pressure, s->dimension);
 }
@@ -46,13 +54,6 @@ void cli_fractal_print(const lac_scene_contact *contact)
     if (f->sizes > 0) {
         print_size_effect(f);
     }
-}
-
-// A local slope, or a dash where there is none.
-static const char *local(double value, char *text, size_t size)
-{
-    (void)snprintf(text, size, isfinite(value) ? "%.3f" : "-", value);
-    return text;
 }
 
 static void print_resolutions(const lac_scene_contact *contact)

@@ -34,6 +34,7 @@ static void write_fit(cli_json *json, const lac_scene_contact *contact)
     cli_json_number(json, "delta_s_all_regression_error", scaled ? whole.regression_error : NAN);
     cli_json_number(json, "delta_s_smooth", scaled ? s->smooth : NAN);
     cli_json_number(json, "delta_s_from_slopes", scaled ? s->from_slopes : NAN);
+    cli_json_boolean(json, "delta_s_weak", scaled && s->few_cells);
     cli_json_text(json, "delta_s_none", scaled ? NULL : fractal->why.message);
     cli_json_text(json, "coarsening", scaled ? cli_coarsening(s->coarsening) : NULL);
     cli_json_number(json, "e_star_Pa", contact->e_star);

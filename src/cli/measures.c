@@ -61,7 +61,7 @@ void cli_measures_print(const lac_scene_contact *contact)
         cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
                 weakness(&contact->boxes));
     } else if (lac_grid_cells(grid) > 1) {
-        cli_row("D_box", "none: the grid is too small to count boxes");
+        cli_row("D_box", "none: the grid or the contact is too small to count boxes");
     }
 }
 

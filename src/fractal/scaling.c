@@ -5,7 +5,7 @@
 #include "fractal/line_fit.h"
 #include "lacuna/fractal.h"
 
-enum { LEAST_POINTS = 3 };
+enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 
 lac_scaling_def lac_scaling_default(void)
 {
@@ -109,6 +109,7 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
     s->error = hypot(line.error, lac_line_range_spread(x, y, fitted, line.slope));
     check_load(s);
     compare(s, x, fitted);
+    s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
     s->fractal_area = exp(line.intercept);
     s->fractal_pressure = s->load / s->fractal_area;
     return LAC_OK;

@@ -40,7 +40,12 @@ static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact 
     def.e_star = contact->e_star;
     def.mean_pressure = contact->mean_pressure;
     scaling.finest = contact->pressure;
-    return lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);
+    lac_status status = lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);
+    double dimension = contact->fractal.scaling.dimension;
+    if (status == LAC_OK && !(dimension > 0 && dimension <= 2)) {
+        return lac_fail(err, LAC_EINPUT, "the areas follow no law: it would be %.3g", dimension);
+    }
+    return status;
 }
 
 // Strength of specimens beside that of this interface.
@@ -86,8 +91,7 @@ lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene
         return lac_fail_memory(err);
     }
     status = LAC_OK;
-    // An area that grows as cells get smaller has no size effect to speak of.
-    if (fractal->scaled && fractal->scaling.dimension > 0 && fractal->scaling.dimension <= 2) {
+    if (fractal->scaled) {
         LAC_TRY(measure_sizes(def, contact, err));
     }
 out:

@@ -184,6 +184,7 @@ static lac_status put_scaling_fit(const lac_nc *file, const lac_scaling *s, lac_
     LAC_TRY(lac_nc_text(file, NC_GLOBAL, "fractal_pressure_unit", pressure, err));
     LAC_TRY(lac_nc_text(file, NC_GLOBAL, "coarsening",
                         s->coarsening == LAC_SAMPLE ? "point sampling" : "block means", err));
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "delta_s_few_cells", s->few_cells, err));
     LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "delta_s_left_out", (long long)s->left_out, err));
 out:
     return status;

@@ -241,6 +241,19 @@ class Options(Case):
         self.assertGreater(done["clusters"]["number"], 0)
         self.assertIn("halve 0 times", self.contact("cases/measured.yaml"))
 
+    def test_weak_and_lawless_areas(self):
+        self.assertTrue(self.scaling("0.5 MPa")["delta_s_weak"])
+        self.assertFalse(self.scaling("10 MPa")["delta_s_weak"])
+        done = self.scaling("1e-9 MPa")  # one cell at every resolution
+        self.assertIsNone(done["delta_s"])
+        self.assertIn("no law", done["delta_s_none"])
+        self.assertEqual(done["n_cells"], 1)
+
+    @classmethod
+    def scaling(cls, pressure):
+        return json.loads(cls.contact(J07, *SMALL, "--json", "--set",
+                                      f"load.normal.pressure={pressure}"))
+
     def test_without_a_surface(self):
         done = json.loads(self.contact("cases/block.yaml", "--json"))
         self.assertEqual(done["clusters"]["number"], 1)

@@ -132,6 +132,14 @@ static void boundary_cells_are_taken_off(void **state)
     assert_true(fabs(s.smooth - 1.625) < 1e-13);
     assert_true(fabs(s.from_slopes - 1.75) < 1e-13);
     assert_true(s.dimension < 1.63 && s.dimension > 1.5);
+    assert_false(s.few_cells); // not known
+    s.at[0].cells = 100;
+    s.at[3].cells = 5;
+    assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
+    assert_false(s.few_cells);
+    s.at[0].cells = 99;
+    assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
+    assert_true(s.few_cells);
     s.at[1].slope = 0.0;
     s.at[2].boundary = 100.0;
     assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
