@@ -4,6 +4,7 @@
 
 #include "lacuna/fractal.h"
 #include "lacuna/run.h"
+#include "lacuna/surface.h"
 
 /// Per-cell fields that a run may keep.
 enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
@@ -61,6 +62,7 @@ typedef struct lac_contact_view {
     const lac_scaling *scaling;          ///< NULL: not measured
     size_t sizes;                        ///< specimens of the size effect
     const lac_size_strength *size;       ///< [sizes]
+    const lac_surface_report *surface;   ///< NULL: not measured
 } lac_contact_view;
 
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.

@@ -12,6 +12,7 @@
 #include "cli/report.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
+#include "cli/surface.h"
 #include "cli/words.h"
 
 static lac_status write_file(const cli_request *request, const lac_case *c,
@@ -33,7 +34,8 @@ static lac_status write_file(const cli_request *request, const lac_case *c,
                                    .clusters = f->clustered ? &f->clusters : NULL,
                                    .scaling = f->scaled ? &f->scaling : NULL,
                                    .sizes = f->sizes,
-                                   .size = f->size};
+                                   .size = f->size,
+                                   .surface = contact->solved ? &contact->surface : NULL};
     cli_signals_hold();
     lac_status status =
         lac_store_contact(path, cli_given(request, CLI_OPT_FORCE), &provenance, &view, err);
@@ -47,6 +49,9 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
     char cpu[32];
     if (c->title != NULL) {
         puts(c->title);
+    }
+    if (contact->solved) {
+        cli_surface_print(&contact->surface);
     }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
@@ -68,6 +73,7 @@ static void write_result(const lac_scene_contact *contact, const char *path)
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_measures_json(&json, contact);
+    cli_surface_json(&json, contact->solved ? &contact->surface : NULL);
     cli_json_number(&json, "mean_pressure_Pa", contact->mean_pressure);
     if (contact->solved) {
         cli_json_integer(&json, "iterations", report->iterations);

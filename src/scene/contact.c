@@ -21,8 +21,8 @@ static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
                     def->approach, highest - mean);
 }
 
-// Presses the surface; heights and gap are allocated here.
-static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *err)
+// Presses the surface; heights and gap are allocated here. With `all` the surface is measured too.
+static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     size_t cells = lac_grid_cells(&out->grid);
@@ -33,7 +33,9 @@ static lac_status press(const lac_case *c, lac_scene_contact *out, lac_error *er
     if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
         return lac_fail_memory(err);
     }
-    status = lac_surface_generate(&c->surface, &out->grid, out->heights, err);
+    status = all ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
+                                                 &out->surface, err)
+                 : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.surface");
     }
@@ -83,7 +85,7 @@ static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *ou
 {
     lac_status status = LAC_OK;
     if (c->surface.about != NULL) {
-        LAC_TRY(press(c, out, err));
+        LAC_TRY(press(c, all, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else if (c->domain.about != NULL) {
         LAC_TRY(

@@ -128,6 +128,9 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
     if (contact->report != NULL) {
         LAC_TRY(put_report(&file, contact->grid, contact->report, err));
     }
+    if (contact->surface != NULL) {
+        LAC_TRY(lac_nc_surface(&file, contact->surface, err));
+    }
     LAC_TRY(lac_nc_fractal(&file, contact, err));
     LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
     LAC_TRY(lac_nc_close(&file, err));
