@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "cli/command.h"
+#include "cli/fractal.h"
 #include "cli/libraries.h"
 #include "cli/measures.h"
 #include "cli/output.h"
@@ -23,12 +24,17 @@ static lac_status write_file(const cli_request *request, const lac_case *c,
     }
     lac_provenance provenance =
         cli_provenance(request, c, case_text, cli_libraries(libraries, sizeof libraries));
+    const lac_scene_fractal *f = &contact->fractal;
     const lac_contact_view view = {.grid = &contact->grid,
                                    .heights = contact->heights,
                                    .gap = contact->gap,
                                    .pressure = contact->pressure,
                                    .report = contact->solved ? &contact->report : NULL,
                                    .boxes = contact->counted ? &contact->boxes : NULL,
+                                   .clusters = f->clustered ? &f->clusters : NULL,
+                                   .scaling = f->scaled ? &f->scaling : NULL,
+                                   .sizes = f->sizes,
+                                   .size = f->size,
                                    .surface = contact->solved ? &contact->surface : NULL};
     cli_signals_hold();
     lac_status status =
@@ -49,14 +55,7 @@ static void print_result(const lac_case *c, const lac_scene_contact *contact, co
     }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
-    if (contact->scaled) {
-        cli_row("Delta_S", "%.3f +/- %.3f (cells of 2 to %zu times this size)",
-                contact->scaling.dimension, contact->scaling.error,
-                (size_t)1 << (contact->scaling.n - 1));
-    } else if (contact->solved) {
-        cli_row("Delta_S", "none: needs sides of more than 256 cells that halve three times, and "
-                           "areas that fall with the cell");
-    }
+    cli_fractal_print(contact);
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
                 report->products);
@@ -87,8 +86,7 @@ static void write_result(const lac_scene_contact *contact, const char *path)
                     contact->solved ? report->complementarity_error : NAN);
     cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
     cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
-    cli_json_number(&json, "delta_s", contact->scaled ? contact->scaling.dimension : NAN);
-    cli_json_number(&json, "delta_s_error", contact->scaled ? contact->scaling.error : NAN);
+    cli_fractal_json(&json, contact);
     cli_json_number(&json, "cpu_time_s", cli_cpu_time());
     cli_json_text(&json, "output", path);
     cli_json_close(&json, '}');
@@ -98,17 +96,23 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
 {
     lac_case *c = NULL;
     lac_scene_contact contact = {0};
+    lac_scene_measure_def measure;
     char *path = NULL;
     lac_status status;
+    LAC_TRY(cli_fractal_read(request, &measure, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &c, NULL, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-contact.nc", &path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(cli_blame(c, lac_scene_contact_solve(c, true, &contact, err), err));
+    LAC_TRY(cli_blame(c, lac_scene_contact_measure(&measure, &contact, err), err));
     LAC_TRY(write_file(request, c, &contact, path, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         write_result(&contact, path);
     } else {
         print_result(c, &contact, path);
+        if (cli_given(request, CLI_OPT_VERBOSE)) {
+            cli_fractal_tables(&contact);
+        }
     }
 out:
     lac_scene_contact_clear(&contact);
