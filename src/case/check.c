@@ -211,6 +211,9 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_material(reader, c);
     check_transfer(reader, c, material_read);
     check_load(reader, c);
+    if (c->history.count > 0 && clean(reader, "load")) {
+        lac_check_history(reader, c, normal_stress(reader, c));
+    }
     check_initial(reader, c);
     check_solver(reader, c);
 }

@@ -86,6 +86,9 @@ static void read_load(lac_reader *reader, lac_case *c)
     if (pore != NULL) {
         lac_read_slots(reader, pore, LAC_KIND_PORE, &c->pore);
     }
+    if (lac_node_child(node, "history") != NULL) {
+        lac_read_history(reader, lac_node_child(node, "history"), c);
+    }
 }
 
 // The parameters of a law that may vary from cell to cell.
