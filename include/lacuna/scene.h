@@ -5,6 +5,7 @@
 #include "lacuna/case.h"
 #include "lacuna/fractal.h"
 #include "lacuna/store.h"
+#include "lacuna/tangential.h"
 
 /// The contact part of a scene: surface -> contact -> fractal measures.
 typedef struct lac_scene_contact {
@@ -21,6 +22,37 @@ typedef struct lac_scene_contact {
     lac_scaling scaling;
     lac_domain *domain;
 } lac_scene_contact;
+
+/// What a case's load.history came to.
+typedef struct lac_history_result {
+    size_t steps, planned; ///< solved, of the whole history
+} lac_history_result;
+
+/// Where the steps of a history go, as they are solved. Members may be NULL.
+typedef struct lac_history_sink {
+    void *context;
+    /// @return LAC_OK; else the history ends with this status
+    lac_status (*step)(void *context, const lac_history_record *record, lac_error *err);
+    /// Cell by cell, after each step or after the last one, as load.history.fields says.
+    lac_status (*maps)(void *context, const lac_history_maps *maps, lac_error *err);
+    /// Asked before each step: whether to end here.
+    bool (*interrupted)(void *context);
+} lac_history_sink;
+
+/// Number of steps of a case's history, all increments counted.
+size_t lac_scene_history_steps(const lac_case *c);
+
+/// Goes through the history of a case: presses anew where the pressure changes, from the pressures
+/// before, and shears; docs/theory/tangential.md.
+/// A cycle is closed by a step after which pressure, shear loads and shifts are again those of an
+/// earlier step (or of the start) within 1e-6 of their largest values so far, having left them in
+/// between.
+/// @param contact  of the case, solved with `all`; its pressures are where the history starts
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
+///         The steps up to there have gone to the sink.
+lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
+                                 const lac_history_sink *sink, lac_history_result *result,
+                                 lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {

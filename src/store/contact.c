@@ -151,8 +151,7 @@ out:
     return status;
 }
 
-lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_contact_view *contact, lac_error *err)
+lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, lac_error *err)
 {
     const lac_map maps[] = {
         {{.name = "heights",
@@ -174,6 +173,21 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
           .type = NC_DOUBLE},
          contact->pressure},
     };
+    lac_status status = LAC_OK;
+    LAC_TRY(put_maps(file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
+    if (contact->report != NULL) {
+        LAC_TRY(put_report(file, contact->grid, contact->report, err));
+    }
+    if (contact->boxes != NULL) {
+        LAC_TRY(put_boxes(file, contact->boxes, err));
+    }
+out:
+    return status;
+}
+
+lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_contact_view *contact, lac_error *err)
+{
     lac_nc file = {0};
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_create(&file, path, force, err));
@@ -181,13 +195,7 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
                               "Contact of a rough rock joint under normal load: maps over the "
                               "interface, and the box counts of the contact domain.",
                               err));
-    LAC_TRY(put_maps(&file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
-    if (contact->report != NULL) {
-        LAC_TRY(put_report(&file, contact->grid, contact->report, err));
-    }
-    if (contact->boxes != NULL) {
-        LAC_TRY(put_boxes(&file, contact->boxes, err));
-    }
+    LAC_TRY(lac_nc_contact(&file, contact, err));
     LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));
