@@ -113,14 +113,14 @@ typedef struct lac_case {
     lac_slot normal;
     lac_slot_list shear, pore;
     lac_history_def history;
-    lac_slot friction;
+    lac_slot friction; ///< `about` is NULL where a static case names none
     lac_spread_list friction_spread;
     lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
     lac_spread_list initial_spread; ///< keys slip_rate and state
     lac_slot transfer;
     bool dated;
     double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
-    lac_run_def run;
+    lac_run_def run;   ///< `end` is NaN where a static case names none
     int fft_planning;  ///< 0: estimate, reproducible to the bit
     char *output_file; ///< NULL: named after the case
     unsigned fields;   ///< LAC_FIELD_* of store.h
@@ -135,19 +135,33 @@ typedef struct lac_override {
     const char *value; ///< YAML
 } lac_override;
 
+/// What a case is read for. What it holds must be right for any purpose; what it must hold differs.
+typedef enum lac_case_purpose {
+    LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
+    LAC_FOR_CONTACT, ///< statics: none of those
+    LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
+} lac_case_purpose;
+
+/// How a case is to be read.
+typedef struct lac_case_request {
+    lac_case_purpose purpose;
+    const lac_override *overrides; ///< [count] applied in order
+    size_t count;
+} lac_case_request;
+
 /// Reads a case file, applies the overrides, checks everything.
-/// @param path       the file; "-" is not special
-/// @param overrides  [count] applied in order
-/// @param out        the case; NULL where it has errors
-/// @param report     all errors and warnings; the caller clears it, whatever the status
+/// @param path     the file; "-" is not special
+/// @param request  NULL: for a run, nothing overridden
+/// @param out      the case; NULL where it has errors
+/// @param report   all errors and warnings; the caller clears it, whatever the status
 /// @return LAC_OK; LAC_EINPUT (see report); LAC_EIO (cannot be read); LAC_ENOMEM
-lac_status lac_case_read(const char *path, const lac_override *overrides, size_t count,
-                         lac_case **out, lac_case_report *report, lac_error *err);
+lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
+                         lac_case_report *report, lac_error *err);
 
 /// As lac_case_read, from memory (the fuzzer's way in).
 /// @param name  stands for the path in messages and for relative paths
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
-                              const lac_override *overrides, size_t count, lac_case **out,
+                              const lac_case_request *request, lac_case **out,
                               lac_case_report *report, lac_error *err);
 
 /// Frees a case; NULL is fine.

@@ -123,7 +123,7 @@ static void find_friction(lac_reader *reader, lac_case *c)
         return;
     }
     if (c->friction.about == NULL) {
-        if (!present(reader, "friction")) {
+        if (!present(reader, "friction") && !lac_needs_run(reader)) {
             lac_blame_key(reader, "load.history.friction",
                           "is missing: Coulomb's coefficient, which no friction law gives either");
         }

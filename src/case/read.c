@@ -125,7 +125,8 @@ lac_status lac_case_build(const lac_units *units, const lac_case_source *from, l
 {
     *out = NULL;
     *report = (lac_case_report){0};
-    lac_reader reader = {.name = from->name, .units = units, .report = report};
+    lac_reader reader = {
+        .name = from->name, .purpose = from->purpose, .units = units, .report = report};
     lac_case *c = NULL;
     lac_node *root = parse_file(&reader, from->text, from->size);
     for (size_t i = 0; root != NULL && i < from->count; i++) {
@@ -154,15 +155,17 @@ lac_status lac_case_build(const lac_units *units, const lac_case_source *from, l
 }
 
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
-                              const lac_override *overrides, size_t count, lac_case **out,
+                              const lac_case_request *request, lac_case **out,
                               lac_case_report *report, lac_error *err)
 {
+    static const lac_case_request plain = {0};
+    const lac_case_request *how = request != NULL ? request : &plain;
     lac_units *units = NULL;
     *out = NULL;
     *report = (lac_case_report){0};
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
-        lac_case_source from = {name, text, size, overrides, count};
+        lac_case_source from = {name, text, size, how->overrides, how->count, how->purpose};
         status = lac_case_build(units, &from, out, report, err);
     }
     lac_units_free(units);
@@ -196,8 +199,8 @@ static lac_status read_file(const char *path, char **text, size_t *size, lac_err
     return status;
 }
 
-lac_status lac_case_read(const char *path, const lac_override *overrides, size_t count,
-                         lac_case **out, lac_case_report *report, lac_error *err)
+lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
+                         lac_case_report *report, lac_error *err)
 {
     char *text = NULL;
     size_t size = 0;
@@ -205,7 +208,7 @@ lac_status lac_case_read(const char *path, const lac_override *overrides, size_t
     *report = (lac_case_report){0};
     lac_status status = read_file(path, &text, &size, err);
     if (status == LAC_OK) {
-        status = lac_case_read_text(path, text, size, overrides, count, out, report, err);
+        status = lac_case_read_text(path, text, size, request, out, report, err);
     }
     free(text);
     return status;

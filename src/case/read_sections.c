@@ -30,6 +30,14 @@ static bool section_lacks(const lac_reader *reader, const char *key)
            !lac_key_misspelt(reader->root, &table, key);
 }
 
+bool lac_needs_run(const lac_reader *reader)
+{
+    // A history and no time: nothing that a run could follow.
+    bool names_statics = lac_node_at(reader->root, "load.history") != NULL &&
+                         lac_node_child(reader->root, "time") == NULL;
+    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !names_statics);
+}
+
 static void read_version(lac_reader *reader)
 {
     const lac_node *node = lac_node_child(reader->root, "lacuna");
@@ -107,7 +115,7 @@ static void read_friction(lac_reader *reader, lac_case *c)
 {
     const char *keys[32];
     const lac_node *node = lac_node_child(reader->root, "friction");
-    if (section_lacks(reader, "friction")) {
+    if (section_lacks(reader, "friction") && lac_needs_run(reader)) {
         lac_blame_missing(reader, reader->root, "friction",
                           "is missing: a friction law such as {aging: {...}}");
     }
@@ -145,7 +153,7 @@ static void read_start(lac_reader *reader, const lac_node *node, lac_case *c)
 static void read_time(lac_reader *reader, lac_case *c)
 {
     const lac_node *node = read_section(reader, reader->root, "time", LAC_SECTION_TIME, c);
-    if (section_lacks(reader, "time")) {
+    if (section_lacks(reader, "time") && lac_needs_run(reader)) {
         lac_blame_key(reader, "time.end", "is missing: must be a time such as \"1 day\"");
     }
     if (node == NULL) {

@@ -15,6 +15,7 @@ enum {
 /// What every part of the reader needs.
 typedef struct lac_reader {
     const char *name; ///< of the file, in messages
+    lac_case_purpose purpose;
     const lac_units *units;
     lac_case_report *report;
     const lac_node *root;

@@ -47,6 +47,9 @@ void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c);
 /// @param pressure  that it starts from [Pa]; NaN where the case is wrong about it
 void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 
+/// Whether the case must hold what only a run needs: friction, a shear load, an end.
+bool lac_needs_run(const lac_reader *reader);
+
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);
 
@@ -61,6 +64,7 @@ typedef struct lac_case_source {
     size_t size;
     const lac_override *overrides; ///< [count]
     size_t count;
+    lac_case_purpose purpose;
 } lac_case_source;
 
 /// lac_case_read_text with a units database that is there already.

@@ -235,6 +235,11 @@ static void put_cadence(writer *w, const char *key, const lac_cadence *cadence)
 static void put_initial(writer *w, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
+    bool given = initial->state != LAC_STATE_STEADY || !isnan(initial->slip_rate) ||
+                 c->initial_spread.count > 0;
+    if (c->friction.about == NULL && !given) {
+        return; // a static case
+    }
     put(w, "initial:\n");
     put_section(w, 1, LAC_SECTION_INITIAL, c);
     if (initial->state == LAC_STATE_STEADY) {
@@ -268,8 +273,20 @@ static void put_start(writer *w, const lac_case *c)
     put(w, "  start: \"%s.%sZ\"\n", text, fraction + strlen(fraction) - 15);
 }
 
+static void put_friction(writer *w, const lac_case *c)
+{
+    if (c->friction.about != NULL) {
+        put(w, "friction:\n  ");
+        put_model(w, 1, &c->friction);
+        put_spreads(w, &c->friction_spread);
+    }
+}
+
 static void put_time(writer *w, const lac_case *c)
 {
+    if (isnan(c->run.end)) {
+        return; // a static case
+    }
     put(w, "time:\n");
     put_start(w, c);
     put_section(w, 1, LAC_SECTION_TIME, c);
@@ -363,9 +380,7 @@ char *lac_case_text(const lac_case *c)
     put_slots(&w, 1, "shear", &c->shear);
     put_slots(&w, 1, "pore_pressure", &c->pore);
     put_history(&w, c);
-    put(&w, "friction:\n  ");
-    put_model(&w, 1, &c->friction);
-    put_spreads(&w, &c->friction_spread);
+    put_friction(&w, c);
     put_initial(&w, c);
     put_slot(&w, 0, "transfer", &c->transfer);
     put_time(&w, c);

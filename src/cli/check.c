@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
 #include <stdlib.h>
 
 #include "cli/command.h"
@@ -11,11 +12,22 @@
 // A scene of up to this many grid cells is built whole: quick, and the surest check.
 static const double small_grid = 4096;
 
+static lac_status try_contact(const lac_case *c, lac_error *err)
+{
+    lac_scene_contact contact = {0};
+    lac_status status = lac_scene_contact_solve(c, false, &contact, err);
+    lac_scene_contact_clear(&contact);
+    return status;
+}
+
 static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac_error *err)
 {
     lac_scene *scene = NULL;
     if (estimate->grid_cells > small_grid) {
         return LAC_OK;
+    }
+    if (c->friction.about == NULL || isnan(c->run.end)) {
+        return try_contact(c, err);
     }
     lac_status status = lac_scene_create(c, &scene, err);
     if (status == LAC_OK) {
@@ -71,7 +83,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     cli_estimate estimate;
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
-    lac_status status = cli_case_read(request, &c, &report, err);
+    lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
         status = examine(c, &scene, &estimate, err);
     }

@@ -168,7 +168,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
 {
     contact_job job = {.request = request};
     lac_status status;
-    LAC_TRY(cli_case_read(request, &job.source, NULL, err));
+    LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(

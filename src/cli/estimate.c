@@ -109,6 +109,10 @@ static double finest_stiffness(const lac_case *c, const lac_grid *grid)
 static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimate *e)
 {
     const lac_friction_params *law = c->friction.params;
+    e->stable = true;
+    if (law == NULL) {
+        return; // statics: nothing is integrated
+    }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
     if (k_crit > 0 && !(e->contact_cells <= 1)) {

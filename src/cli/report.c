@@ -41,13 +41,13 @@ void cli_report_json(cli_json *json, const char *key, const lac_case_report *rep
     cli_json_close(json, ']');
 }
 
-lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_report *report,
-                         lac_error *err)
+lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
+                         lac_case_report *report, lac_error *err)
 {
     lac_case_report own = {0};
     lac_case_report *all = report != NULL ? report : &own;
-    lac_status status =
-        lac_case_read(request->argument[0], request->overrides, request->set_count, c, all, err);
+    const lac_case_request how = {purpose, request->overrides, request->set_count};
+    lac_status status = lac_case_read(request->argument[0], &how, c, all, err);
     cli_report_print(all, request);
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line

@@ -12,10 +12,11 @@ void cli_report_print(const lac_case_report *report, const cli_request *request)
 void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings);
 
 /// Reads the request's case and prints what is wrong with it.
+/// @param purpose  what the command does with it
 /// @param report  kept for the caller, who clears it; NULL where only errors are to be printed
 /// @return what lac_case_read returns
-lac_status cli_case_read(const cli_request *request, lac_case **c, lac_case_report *report,
-                         lac_error *err);
+lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
+                         lac_case_report *report, lac_error *err);
 
 /// Puts the case's name before the message of what went wrong with its scene.
 /// @param c  NULL: the case could not be read, and the message says so already

@@ -79,7 +79,7 @@ static lac_status shorten(const char *text, lac_case *c, lac_error *err)
 static lac_status prepare(run_job *job, lac_error *err)
 {
     lac_status status;
-    LAC_TRY(cli_case_read(job->request, &job->source, NULL, err));
+    LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
     if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
                  job->source->path);

@@ -23,7 +23,8 @@ static lac_case *read_or_fail(const char *path, const lac_override *overrides, s
     lac_case *c = NULL;
     lac_case_report report;
     lac_error err = {""};
-    if (lac_case_read(path, overrides, count, &c, &report, &err) != LAC_OK) {
+    const lac_case_request how = {.overrides = overrides, .count = count};
+    if (lac_case_read(path, &how, &c, &report, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     lac_case_report_clear(&report);
@@ -245,7 +246,7 @@ static void reads_back(const char *path)
     lac_case_report report;
     lac_error err = {""};
     assert_non_null(text);
-    if (lac_case_read_text(path, text, strlen(text), NULL, 0, &again, &report, &err) != LAC_OK) {
+    if (lac_case_read_text(path, text, strlen(text), NULL, &again, &report, &err) != LAC_OK) {
         fail_msg("the text of %s: %s\n%s", path, err.message, text);
     }
     char *second = lac_case_text(again);
@@ -342,9 +343,8 @@ static void wrong_overrides_are_blamed(void **state)
         lac_case *c = NULL;
         lac_case_report report;
         char line[2000];
-        assert_int_equal(
-            lac_case_read(VALID "/full.yaml", &wrong[i].override, 1, &c, &report, NULL),
-            LAC_EINPUT);
+        const lac_case_request how = {.overrides = &wrong[i].override, .count = 1};
+        assert_int_equal(lac_case_read(VALID "/full.yaml", &how, &c, &report, NULL), LAC_EINPUT);
         assert_true(report.count >= 1);
         assert_string_equal(lac_case_issue_format(&report.issue[0], line, sizeof line),
                             wrong[i].line);

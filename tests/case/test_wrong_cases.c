@@ -63,7 +63,7 @@ static void check_one(const char *name)
     lac_error err = {""};
     (void)snprintf(path, sizeof path, "%s/%s", WRONG, name);
     (void)snprintf(text_path, sizeof text_path, "%.*s.txt", (int)(strlen(path) - 5), path);
-    lac_status status = lac_case_read(path, NULL, 0, &c, &report, &err);
+    lac_status status = lac_case_read(path, NULL, &c, &report, &err);
     if (status != LAC_EINPUT || c != NULL || err.message[0] == '\0') {
         fail_msg("%s: status %d, \"%s\"", name, status, err.message);
     }
@@ -97,8 +97,7 @@ static void expect_text(const char *text, size_t size, const char *message)
     lac_case *c = NULL;
     lac_case_report report;
     char line[2000];
-    assert_int_equal(lac_case_read_text("x.yaml", text, size, NULL, 0, &c, &report, NULL),
-                     LAC_EINPUT);
+    assert_int_equal(lac_case_read_text("x.yaml", text, size, NULL, &c, &report, NULL), LAC_EINPUT);
     assert_null(c);
     assert_int_equal(report.count, 1);
     assert_int_equal(report.errors, 1);
@@ -143,7 +142,7 @@ static void what_cannot_be_read_is_an_io_error(void **state)
         lac_case *c = NULL;
         lac_case_report report;
         lac_error err = {""};
-        assert_int_equal(lac_case_read(paths[i], NULL, 0, &c, &report, &err), LAC_EIO);
+        assert_int_equal(lac_case_read(paths[i], NULL, &c, &report, &err), LAC_EIO);
         assert_null(c);
         assert_int_equal(report.count, 0);
         assert_non_null(strstr(err.message, "cannot be "));

@@ -33,13 +33,14 @@ static void check_report(const lac_case_report *report)
 }
 
 // The text of a case reads back to a case with the same text.
-static void check_text(const lac_units *units, const lac_case *c)
+static void check_text(const lac_units *units, const lac_case *c, lac_case_purpose purpose)
 {
     char *text = lac_case_text(c);
     lac_case *again = NULL;
     lac_case_report report;
     require(text != NULL);
-    lac_case_source from = {.name = "folder/fuzz.yaml", .text = text, .size = strlen(text)};
+    lac_case_source from = {
+        .name = "folder/fuzz.yaml", .text = text, .size = strlen(text), .purpose = purpose};
     require(lac_case_build(units, &from, &again, &report, NULL) == LAC_OK);
     char *second = lac_case_text(again);
     require(second != NULL && strcmp(text, second) == 0);
@@ -58,7 +59,7 @@ static void read_bytes(const lac_units *units, const lac_case_source *from)
     check_report(&report);
     if (status == LAC_OK) {
         require(report.errors == 0);
-        check_text(units, c);
+        check_text(units, c, from->purpose);
     } else {
         require(status == LAC_EINPUT && c == NULL && report.errors > 0 && err.message[0] != '\0');
     }
@@ -88,6 +89,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                             .size = set != NULL ? (size_t)(set - text) : size,
                             .overrides = &override,
                             .count = set != NULL ? 1 : 0};
+    read_bytes(units, &from);
+    from.purpose = LAC_FOR_CONTACT;
     read_bytes(units, &from);
     free(text);
     return 0;

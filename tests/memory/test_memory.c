@@ -72,7 +72,8 @@ static lac_status whole_run(const char *path, lac_error *err)
     lac_scene *scene = NULL;
     lac_case_report report = {0};
     const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.aging.f0", "0.6"}};
-    LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, overrides, 2, &c, &report, err));
+    const lac_case_request how = {.overrides = overrides, .count = 2};
+    LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
     char *resolved = lac_case_text(c);
     if (resolved == NULL) {
         status = lac_fail_memory(err);
