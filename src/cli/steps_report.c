@@ -115,6 +115,18 @@ static void choose_unit(column *c, const cli_steps *steps)
     }
 }
 
+// Two columns that belong together are read in one unit.
+static void share_unit(column *a, column *b)
+{
+    const column *larger = a->largest >= b->largest ? a : b;
+    const double scale = larger->scale;
+    const char *prefix = larger->prefix;
+    a->scale = scale;
+    b->scale = scale;
+    a->prefix = prefix;
+    b->prefix = prefix;
+}
+
 // An axis that is not loaded and hardly moves takes no room.
 static void hide_idle_axis(column *columns)
 {
@@ -194,6 +206,9 @@ void cli_steps_print(const cli_steps *steps)
         columns[i] = all_columns[i];
         choose_unit(&columns[i], steps);
     }
+    share_unit(&columns[Q_X], &columns[Q_Y]);
+    share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);
+    share_unit(&columns[HIGHEST_X], &columns[HIGHEST_Y]);
     hide_idle_axis(columns);
     cli_row("friction", "%.4g, %s", steps->friction, steps->method);
     cli_row("steps", "%zu of %zu (%s)", steps->result.steps, steps->result.planned, steps->status);
