@@ -44,9 +44,9 @@ size_t lac_scene_history_steps(const lac_case *c);
 
 /// Goes through the history of a case: presses anew where the pressure changes, from the pressures
 /// before, and shears; docs/theory/tangential.md.
-/// A cycle is closed by a step after which pressure, shear loads and shifts are again those of an
-/// earlier step (or of the start) within 1e-6 of their largest values so far, having left them in
-/// between.
+/// A step ends a cycle when it comes back to the controls of an earlier one (the latest; or of the
+/// start): the pressure and, of each axis, the load or shift that is controlled, within 1e-6 of the
+/// largest so far, other controls having been in between.
 /// @param contact  of the case, solved with `all`; its pressures are where the history starts
 /// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
 ///         The steps up to there have gone to the sink.

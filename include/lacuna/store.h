@@ -71,9 +71,10 @@ typedef struct lac_history_record {
     lac_tangential_report shear;
     double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
     double dissipated;  ///< frictional work since the start [J]
-    size_t cycle_start; ///< the step to whose state this one comes back, 0 the start; SIZE_MAX:
+    size_t cycle_start; ///< the step to whose controls this one comes back, 0 the start; SIZE_MAX:
                         ///< to none
     double cycle_dissipation;                     ///< frictional work since then [J]; NaN: to none
+    double cycle_shift;                           ///< shift that is left over [m]; NaN: to none
     int64_t contact_iterations, contact_products; ///< of the normal contact; 0: pressure held
 } lac_history_record;
 

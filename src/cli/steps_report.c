@@ -178,15 +178,26 @@ static void print_step(const cli_steps *steps, size_t at, const column *columns)
     putchar('\n');
 }
 
-// A history of thousands of increments may close as many cycles.
-static void print_cycles(const cli_steps *steps)
+static double longest_shift(const cli_steps *steps)
+{
+    double longest = 0;
+    for (size_t i = 0; i < steps->result.steps; i++) {
+        const double *shift = steps->record[i].shear.shift;
+        longest = fmax(longest, hypot(shift[0], shift[1]));
+    }
+    return longest;
+}
+
+// The closed ones; a history of thousands of increments may close as many.
+static void print_cycles(const cli_steps *steps, const column *work_column)
 {
     enum { MOST = 20 };
+    const double closed = 0.01 * longest_shift(steps);
     size_t printed = 0;
     for (size_t i = 0; i < steps->result.steps; i++) {
         const lac_history_record *record = &steps->record[i];
-        char label[48], text[64];
-        if (record->cycle_start == SIZE_MAX) {
+        char label[48];
+        if (record->cycle_start == SIZE_MAX || record->cycle_shift > closed) {
             continue;
         }
         if (printed++ == MOST) {
@@ -194,8 +205,8 @@ static void print_cycles(const cli_steps *steps)
             return;
         }
         (void)snprintf(label, sizeof label, "cycle %zu to %zu", record->cycle_start, i + 1);
-        cli_row(label, "%s of frictional work",
-                cli_quantity(record->cycle_dissipation, "J", text, sizeof text));
+        cli_row(label, "%.5g %sJ of frictional work",
+                record->cycle_dissipation / work_column->scale, work_column->prefix);
     }
 }
 
@@ -217,7 +228,7 @@ void cli_steps_print(const cli_steps *steps)
         print_step(steps, i, columns);
     }
     putchar('\n');
-    print_cycles(steps);
+    print_cycles(steps, &columns[WORK]);
 }
 
 static void write_step(cli_json *json, const lac_history_record *r, const lac_grid *grid)
@@ -240,6 +251,7 @@ static void write_step(cli_json *json, const lac_history_record *r, const lac_gr
         cli_json_integer(json, "cycle_start", (int64_t)r->cycle_start);
     }
     cli_json_number(json, "cycle_dissipation_J", r->cycle_dissipation);
+    cli_json_number(json, "cycle_shift_m", r->cycle_shift);
     cli_json_number(json, "highest_ratio", highest(r, grid));
     cli_json_number(json, "highest_x_m", r->highest[0]);
     cli_json_number(json, "highest_y_m", r->highest[1]);

@@ -7,11 +7,9 @@
 
 #include "scene/internal.h"
 
-enum { MEMBERS = 5 }; // of a state: pressure, two tractions, two shifts
-
-// A state of the joint as far as it tells a closed cycle.
+// What a step came to, as far as a cycle goes.
 typedef struct history_state {
-    double value[MEMBERS], dissipated;
+    double pressure, traction[2], shift[2], dissipated;
 } history_state;
 
 typedef struct history {
@@ -24,7 +22,8 @@ typedef struct history {
     lac_tangential_target target;  // of the last step
     lac_tangential_report reached; // by it
     history_state *state;          // [planned + 1] the start and what each step came to
-    double largest[MEMBERS];       // magnitudes on the way
+    double highest_held;           // largest f P on the way [Pa]
+    double longest_shift;          // [m]
     lac_history_result *result;
 } history;
 
@@ -93,23 +92,30 @@ static double find_end(const history *h, const lac_history_step *step, lac_tange
     return pressure;
 }
 
-static bool same_state(const history *h, const history_state *a, const history_state *b)
+// Whether pressure and controlled quantities of the step that was solved are those of another.
+static bool same_controls(const history *h, const history_state *a, const history_state *now)
 {
     const double tolerance = 1e-6;
-    for (int i = 0; i < MEMBERS; i++) {
-        if (!(fabs(a->value[i] - b->value[i]) <= tolerance * h->largest[i])) {
+    if (!(fabs(a->pressure - now->pressure) <= tolerance * now->pressure)) {
+        return false;
+    }
+    for (int i = 0; i < 2; i++) {
+        bool load = h->target.control[i] == LAC_SHEAR_LOAD;
+        double away = load ? a->traction[i] - now->traction[i] : a->shift[i] - now->shift[i];
+        double scale = load ? h->highest_held : h->longest_shift;
+        if (!(fabs(away) <= tolerance * scale)) {
             return false;
         }
     }
     return true;
 }
 
-// The latest step before `now` with the same state and another one in between.
+// The latest step before `now` under the same controls, others having been in between.
 static size_t cycle_start(const history *h, size_t now)
 {
     bool left = false;
     for (size_t i = now; i-- > 0;) {
-        bool same = same_state(h, &h->state[i], &h->state[now]);
+        bool same = same_controls(h, &h->state[i], &h->state[now]);
         if (same && left) {
             return i;
         }
@@ -121,14 +127,25 @@ static size_t cycle_start(const history *h, size_t now)
 static void note_state(history *h, size_t at, double dissipated)
 {
     const lac_tangential_report *r = &h->reached;
-    h->state[at] = (history_state){
-        {h->mean, r->traction[0], r->traction[1], r->shift[0], r->shift[1]}, dissipated};
-    // Loads are told apart on the scale of what friction holds, not of an axis hardly loaded.
-    const double held = h->source->history.friction * h->mean;
-    const double shift = hypot(r->shift[0], r->shift[1]);
-    const double scale[MEMBERS] = {h->mean, held, held, shift, shift};
-    for (int i = 0; i < MEMBERS; i++) {
-        h->largest[i] = fmax(h->largest[i], scale[i]);
+    h->state[at] = (history_state){.pressure = h->mean,
+                                   .traction = {r->traction[0], r->traction[1]},
+                                   .shift = {r->shift[0], r->shift[1]},
+                                   .dissipated = dissipated};
+    h->highest_held = fmax(h->highest_held, h->source->history.friction * h->mean);
+    h->longest_shift = fmax(h->longest_shift, hypot(r->shift[0], r->shift[1]));
+}
+
+static void find_cycle(const history *h, size_t now, lac_history_record *record)
+{
+    const size_t start = cycle_start(h, now);
+    record->cycle_start = start;
+    record->cycle_dissipation = NAN;
+    record->cycle_shift = NAN;
+    if (start != SIZE_MAX) {
+        const history_state *a = &h->state[start];
+        const history_state *b = &h->state[now];
+        record->cycle_dissipation = b->dissipated - a->dissipated;
+        record->cycle_shift = hypot(b->shift[0] - a->shift[0], b->shift[1] - a->shift[1]);
     }
 }
 
@@ -160,11 +177,7 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
     record->pressure = h->mean;
     record->shear = h->reached;
     record->dissipated = h->state[now].dissipated;
-    record->cycle_start = cycle_start(h, now);
-    record->cycle_dissipation = NAN;
-    if (record->cycle_start != SIZE_MAX) {
-        record->cycle_dissipation = record->dissipated - h->state[record->cycle_start].dissipated;
-    }
+    find_cycle(h, now, record);
     find_highest(h, record);
     lac_status status = LAC_OK;
     if (h->sink->step != NULL) {
@@ -194,8 +207,9 @@ static lac_status solve_step(history *h, double mean, const lac_tangential_targe
 }
 
 // One entry of the case in its equal increments.
-static lac_status follow_entry(history *h, const lac_history_step *step, lac_error *err)
+static lac_status follow_entry(history *h, size_t entry, lac_error *err)
 {
+    const lac_history_step *step = &h->source->history.step[entry];
     lac_tangential_target end;
     lac_tangential_target begin;
     const double start = h->mean;
@@ -217,8 +231,8 @@ static lac_status follow_entry(history *h, const lac_history_step *step, lac_err
         lac_status status =
             solve_step(h, pressure + left * (start - pressure), &target, &record, err);
         if (status != LAC_OK) {
-            return lac_fail_within(err, status, "increment %lld of %lld", (long long)k,
-                                   (long long)step->count);
+            return lac_fail_within(err, status, "load.history.steps.%zu (increment %lld of %lld)",
+                                   entry, (long long)k, (long long)step->count);
         }
         status = finish_step(h, &record, err);
         if (status != LAC_OK) {
@@ -252,14 +266,11 @@ static lac_status begin(history *h, lac_error *err)
 
 static lac_status follow(history *h, lac_error *err)
 {
-    const lac_history_def *def = &h->source->history;
-    for (size_t i = 0; i < def->count; i++) {
-        lac_status status = follow_entry(h, &def->step[i], err);
-        if (status != LAC_OK) {
-            return lac_fail_within(err, status, "load.history.steps.%zu", i);
-        }
+    lac_status status = LAC_OK;
+    for (size_t i = 0; status == LAC_OK && i < h->source->history.count; i++) {
+        status = follow_entry(h, i, err);
     }
-    return LAC_OK;
+    return status;
 }
 
 lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,

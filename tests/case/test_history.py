@@ -76,8 +76,11 @@ class Table(History):
             self.assertAlmostEqual(step["q_y_N"], 0, delta=1e-12)
             self.assertEqual(step["stick_cells"] + step["slip_cells"], 6869)
             self.assertEqual(step["contact_iterations"], 0)
+        self.assertEqual([s["cycle_start"] for s in steps], [None] * 5 + [4, 3, 2, None])
         # At 0.6 the joint is back where it was: memory is erased, a cycle closed, and only there.
-        self.assertEqual([s["cycle_start"] for s in steps], [None] * 7 + [2, None])
+        self.assertLess(steps[7]["cycle_shift_m"], 1e-6 * self.SHIFTS[1])
+        self.assertAlmostEqual(
+            steps[5]["cycle_shift_m"] / (self.SHIFTS[3] - self.SHIFTS[5]), 1, delta=1e-6)
         work = steps[7]["cumulative_dissipation_J"] - steps[1]["cumulative_dissipation_J"]
         self.assertAlmostEqual(steps[7]["cycle_dissipation_J"] / work, 1, delta=1e-12)
         self.check_cf("complete")

@@ -171,7 +171,7 @@ static void traction_follows_the_direction_of_slip(void **state)
     step_is(&w, 2, -500, 0, 1e-3, 6e-3, sliding_force * 2e-3);
 }
 
-static void closed_cycles_are_told_with_their_work(void **state)
+static void cycles_are_told_with_their_work(void **state)
 {
     (void)state;
     witness w;
@@ -179,17 +179,26 @@ static void closed_cycles_are_told_with_their_work(void **state)
                "{shift_x: 1e-3}, {pressure: 2000}, {pressure: 1000}, {shift_x: 0.5e-3}, "
                "{shift_x: 0, shear_y: 0}",
                10, &w);
-    // 3 and 4 slide the other way through the same shifts: not the same state.
-    static const size_t starts[] = {SIZE_MAX, SIZE_MAX, SIZE_MAX, SIZE_MAX, 1,
-                                    1,        SIZE_MAX, SIZE_MAX, SIZE_MAX, 2};
+    static const size_t starts[] = {SIZE_MAX, 0, SIZE_MAX, 2, 1, 1, SIZE_MAX, 6, SIZE_MAX, 4};
     for (size_t i = 0; i < 10; i++) {
         if (w.record[i].cycle_start != starts[i]) {
-            fail_msg("step %zu closes with %zu", i + 1, w.record[i].cycle_start);
+            fail_msg("step %zu comes back to %zu", i + 1, w.record[i].cycle_start);
         }
         assert_true(isnan(w.record[i].cycle_dissipation) == (starts[i] == SIZE_MAX));
     }
     is(w.record[4].cycle_dissipation, sliding_force * 4e-3, 1.0);
     is(w.record[5].cycle_dissipation, sliding_force * 4e-3, 1.0);
+    is(w.record[4].cycle_shift, 0, 1e-3);
+}
+
+static void shift_left_over_by_a_load_cycle(void **state)
+{
+    (void)state;
+    witness w;
+    follow_all("{shift_x: 1e-3}, {shear_x: 0}", 2, &w);
+    assert_int_equal(w.record[1].cycle_start, 0);
+    is(w.record[1].cycle_shift, 1e-3, 1e-3);
+    is(w.record[1].cycle_dissipation, sliding_force * 1e-3, 1.0);
 }
 
 static void unloading_comes_back_to_the_start(void **state)
@@ -218,7 +227,7 @@ static void what_was_reached_is_kept_when_it_ends_early(void **state)
     w = (witness){.fail_after = 2};
     assert_int_equal(follow("", steps, &w, &err), LAC_EIO);
     assert_true(w.steps == 2 && w.maps == 1);
-    assert_string_equal(err.message, "load.history.steps.0: no room");
+    assert_string_equal(err.message, "no room");
 }
 
 int main(void)
@@ -228,7 +237,8 @@ int main(void)
         cmocka_unit_test(increments_divide_loads_and_shifts_equally),
         cmocka_unit_test(what_a_step_does_not_name_stays),
         cmocka_unit_test(traction_follows_the_direction_of_slip),
-        cmocka_unit_test(closed_cycles_are_told_with_their_work),
+        cmocka_unit_test(cycles_are_told_with_their_work),
+        cmocka_unit_test(shift_left_over_by_a_load_cycle),
         cmocka_unit_test(unloading_comes_back_to_the_start),
         cmocka_unit_test(what_was_reached_is_kept_when_it_ends_early),
     };
