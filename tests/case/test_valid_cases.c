@@ -23,7 +23,7 @@ static lac_case *read_or_fail(const char *path, const lac_override *overrides, s
     lac_case *c = NULL;
     lac_case_report report;
     lac_error err = {""};
-    const lac_case_request how = {.overrides = overrides, .count = count};
+    const lac_case_request how = {.purpose = LAC_FOR_CHECK, .overrides = overrides, .count = count};
     if (lac_case_read(path, &how, &c, &report, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
@@ -245,8 +245,9 @@ static void reads_back(const char *path)
     lac_case *again = NULL;
     lac_case_report report;
     lac_error err = {""};
+    const lac_case_request how = {.purpose = LAC_FOR_CHECK};
     assert_non_null(text);
-    if (lac_case_read_text(path, text, strlen(text), NULL, &again, &report, &err) != LAC_OK) {
+    if (lac_case_read_text(path, text, strlen(text), &how, &again, &report, &err) != LAC_OK) {
         fail_msg("the text of %s: %s\n%s", path, err.message, text);
     }
     char *second = lac_case_text(again);
