@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lacuna/tangential.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "contact/tangential_solve.h"
+#include "contact/tangential_state.h"
 
 #define PI 3.1415926535897932384626433832795
-
-struct lac_tangential {
-    lac_tangential_def def;
-    lac_shear_space *space;
-    double softness; // displacements in the solver's unit to metres [m/Pa]
-    double *tau;     // [2 * cells] tractions [Pa]
-    double *u;       // [2 * cells] displacements, in the solver's unit
-    double *slip;    // [2 * cells] [m]
-    uint8_t *state;  // [cells]
-    double shift[2]; // [m]
-    bool used[2];    // axes that have ever been loaded, or are coupled to one that has
-};
 
 // One step on the contact cells, in tractions of order one.
 typedef struct step {
@@ -62,6 +52,12 @@ lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err)
     if (def->max_iterations < 1) {
         return lac_fail(err, LAC_EINPUT, "at least one iteration must be allowed");
     }
+    double softness = lac_tangential_softness(def);
+    if (!(softness > 0.0 && isfinite(softness))) {
+        return lac_fail(err, LAC_EINPUT,
+                        "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx,
+                        grid->dy, def->e_star);
+    }
     return LAC_OK;
 }
 
@@ -87,15 +83,18 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     t->def = *def;
     t->softness = lac_tangential_softness(def);
     t->used[0] = t->used[1] = def->poisson > 0.0;
+    const bool direct = def->method == LAC_SHEAR_DIRECT;
     t->tau = calloc(2 * cells, sizeof *t->tau);
-    t->u = calloc(2 * cells, sizeof *t->u);
+    t->u = calloc(direct ? 2 * cells : 1, sizeof *t->u);
     t->slip = calloc(2 * cells, sizeof *t->slip);
     t->state = calloc(cells, sizeof *t->state);
     if (t->tau == NULL || t->u == NULL || t->slip == NULL || t->state == NULL) {
         status = lac_fail_memory(err);
         goto out;
     }
-    LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
+    if (direct) {
+        LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
+    }
     *out = t;
     return LAC_OK;
 out:
@@ -113,55 +112,66 @@ void lac_tangential_free(lac_tangential *t)
     free(t->u);
     free(t->slip);
     free(t->state);
+    free(t->superposed.pressure);
+    free(t->superposed.reduced);
+    free(t->superposed.gap);
     free(t);
 }
 
-// Sum and largest of the pressures, and how many press
-static lac_status check_pressure(const lac_grid *grid, const double *pressure, size_t *n,
-                                 double *mean, double *most, lac_error *err)
+lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const double *pressure,
+                                         lac_pressed *pressed, lac_error *err)
 {
+    const lac_grid *grid = &def->grid;
     const size_t cells = lac_grid_cells(grid);
-    *n = 0;
-    *mean = *most = 0.0;
+    *pressed = (lac_pressed){0};
     for (size_t i = 0; i < cells; i++) {
         if (!(pressure[i] >= 0.0 && isfinite(pressure[i]))) {
             return lac_fail(err, LAC_EINPUT,
                             "the pressure of cell (%zu, %zu) must be finite and >= 0, not %g",
                             i % grid->nx, i / grid->nx, pressure[i]);
         }
-        *n += pressure[i] > 0.0 ? 1 : 0;
-        *mean += pressure[i] / (double)cells;
-        *most = fmax(*most, pressure[i]);
+        pressed->n += pressure[i] > 0.0 ? 1 : 0;
+        pressed->mean += pressure[i] / (double)cells;
+        pressed->most = fmax(pressed->most, pressure[i]);
     }
-    if (*n == 0) {
+    if (pressed->n == 0) {
         return lac_fail(err, LAC_EINPUT, "no cell is in contact: there is nothing to shear");
+    }
+    double strength = def->friction * pressed->most;
+    if (!(strength >= DBL_MIN && strength <= 1e-4 * DBL_MAX / (double)cells)) {
+        return lac_fail(err, LAC_EINPUT, "a friction of %g times %g Pa is beyond numbers",
+                        def->friction, pressed->most);
     }
     return LAC_OK;
 }
 
-static lac_status check_target(const lac_tangential_def *def, const lac_tangential_target *target,
-                               double mean_pressure, lac_error *err)
+static lac_status check_target(const lac_tangential_target *target, lac_error *err)
 {
-    double load = 0.0;
     for (int axis = 0; axis < 2; axis++) {
         if (!isfinite(target->value[axis])) {
             return lac_fail(err, LAC_EINPUT, "the shear %s along %c must be finite, not %g",
                             target->control[axis] == LAC_SHEAR_LOAD ? "load" : "shift",
                             axis == 0 ? 'x' : 'y', target->value[axis]);
         }
+    }
+    return LAC_OK;
+}
+
+// Friction must hold the load: at |Q| = f P already all slide, any shift does.
+static lac_status check_strength(const lac_tangential_def *def, const lac_tangential_target *target,
+                                 double mean_pressure, lac_error *err)
+{
+    double load = 0.0;
+    for (int axis = 0; axis < 2; axis++) {
         if (target->control[axis] == LAC_SHEAR_LOAD) {
             load = hypot(load, target->value[axis]);
         }
     }
     double strength = def->friction * mean_pressure;
-    if (!isfinite(strength)) {
-        return lac_fail(err, LAC_EINPUT, "a friction of %g times %g Pa is beyond numbers",
-                        def->friction, mean_pressure);
-    }
     if (load > 0.0 && !(load < strength * (1.0 - 1e-12))) {
         return lac_fail(err, LAC_EINPUT,
-                        "a shear load of %.10g Pa is not below the friction f p = %g x %g = %.10g "
-                        "Pa: all cells slide, and only a given shift says how far",
+                        "a shear load of %.10g Pa is not below the friction f p = %g x %.10g = "
+                        "%.10g Pa: all cells slide, and only a given shift says how far",
                         load, def->friction, mean_pressure, strength);
     }
     return LAC_OK;
@@ -216,7 +226,8 @@ static void fill_step(const lac_tangential *t, const double *pressure, double mo
     s->p.limited = s->limited;
 }
 
-static void fill_target(lac_tangential *t, const lac_tangential_target *target, step *s)
+static lac_status fill_target(lac_tangential *t, const lac_tangential_target *target, step *s,
+                              lac_error *err)
 {
     const double cells = (double)lac_grid_cells(&t->def.grid);
     s->p.space = t->space;
@@ -228,8 +239,13 @@ static void fill_target(lac_tangential *t, const lac_tangential_target *target, 
         s->p.load[axis] = held ? target->value[axis] / s->unit * cells : 0.0;
         s->p.shift[axis] =
             held ? 0.0 : (target->value[axis] - t->shift[axis]) / t->softness / s->unit;
+        if (!isfinite(s->p.shift[axis] * s->p.shift[axis])) {
+            return lac_fail(err, LAC_EINPUT, "a shift of %g m is beyond numbers",
+                            target->value[axis]);
+        }
         t->space->used[axis] = t->used[axis] || target->value[axis] != 0.0;
     }
+    return LAC_OK;
 }
 
 static void take_displacements(lac_tangential *t, double unit)
@@ -261,8 +277,8 @@ static lac_cell_state slip_of(const lac_tangential *t, const step *s, size_t k, 
     return p->limited[k] && along > p->tolerance * p->scale ? LAC_CELL_SLIP : LAC_CELL_STICK;
 }
 
-static void count_cell(lac_cell_state state, double ratio, size_t cell,
-                       lac_tangential_report *report)
+void lac_tangential_count(lac_tangential_report *report, lac_cell_state state, double ratio,
+                          size_t cell)
 {
     report->contact_cells++;
     report->slip_cells += state == LAC_CELL_SLIP ? 1 : 0;
@@ -280,8 +296,6 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *r
     const lac_shear_problem *p = &s->p;
     const double area = lac_grid_cell_area(&t->def.grid);
     size_t k = 0;
-    report->highest_ratio = -1.0;
-    report->highest_cell = SIZE_MAX;
     for (size_t i = 0; i < cells; i++) {
         if (k == p->n || s->cell[k] != i) {
             t->state[i] = LAC_CELL_OPEN;
@@ -300,10 +314,9 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *r
             report->traction[axis] += tau / (double)cells;
             report->dissipation += area * tau * moved;
         }
-        count_cell(state, hypot(p->tau[k], p->tau[p->n + k]) / p->limit[k], i, report);
+        lac_tangential_count(report, state, hypot(p->tau[k], p->tau[p->n + k]) / p->limit[k], i);
         k++;
     }
-    report->highest_ratio = fmax(report->highest_ratio, 0.0);
 }
 
 static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_target *target,
@@ -321,27 +334,20 @@ static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_ta
     }
 }
 
-lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
-                               const lac_tangential_target *target, lac_tangential_report *report,
-                               lac_error *err)
+static lac_status direct_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
+                              const lac_tangential_target *target, lac_tangential_report *report,
+                              lac_error *err)
 {
     lac_status status;
     step s = {0};
-    lac_tangential_report own;
-    lac_tangential_report *r = report != NULL ? report : &own;
-    size_t n;
-    double mean;
-    double most;
-    *r = (lac_tangential_report){0};
-    LAC_TRY(check_pressure(&t->def.grid, pressure, &n, &mean, &most, err));
-    LAC_TRY(check_target(&t->def, target, mean, err));
-    LAC_TRY(allocate_step(&s, n, err));
-    fill_step(t, pressure, most, &s);
-    fill_target(t, target, &s);
+    LAC_TRY(check_strength(&t->def, target, pressed->mean, err));
+    LAC_TRY(allocate_step(&s, pressed->n, err));
+    fill_step(t, pressure, pressed->most, &s);
+    LAC_TRY(fill_target(t, target, &s, err));
     LAC_TRY(lac_shear_solve(&s.p, err));
-    r->residual = s.p.residual;
-    r->iterations = s.p.iterations;
-    r->products = s.p.products;
+    report->residual = s.p.residual;
+    report->iterations = s.p.iterations;
+    report->products = s.p.products;
     if (!(s.p.residual <= t->def.tolerance)) {
         status = lac_fail(err, LAC_ENUMERIC,
                           "no convergence of the shear tractions to %g after %lld iterations: "
@@ -350,10 +356,32 @@ lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
         goto out;
     }
     take_displacements(t, s.unit);
-    keep_step(t, &s, r);
-    keep_shift(t, &s, target, r);
+    keep_step(t, &s, report);
+    keep_shift(t, &s, target, report);
 out:
     free_step(&s);
+    return status;
+}
+
+lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
+                               const lac_tangential_target *target, lac_tangential_report *report,
+                               lac_error *err)
+{
+    lac_status status;
+    lac_pressed pressed;
+    lac_tangential_report r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
+    LAC_TRY(lac_tangential_check_pressure(&t->def, pressure, &pressed, err));
+    LAC_TRY(check_target(target, err));
+    if (t->def.method == LAC_SHEAR_DIRECT) {
+        LAC_TRY(direct_step(t, pressure, &pressed, target, &r, err));
+    } else {
+        LAC_TRY(lac_superposed_step(t, pressure, &pressed, target, &r, err));
+    }
+out:
+    r.highest_ratio = fmax(r.highest_ratio, 0.0);
+    if (report != NULL) {
+        *report = r;
+    }
     return status;
 }
 

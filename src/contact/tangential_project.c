@@ -65,12 +65,28 @@ static void newton(const lac_shear_problem *p, const state *s, double damping, d
     d[1] = (xy * s->f[0] - xx * s->f[1]) / det;
 }
 
+// Without limits: F is linear
+static void spread(const lac_shear_problem *p, const double *y, double lambda[2])
+{
+    for (size_t axis = 0; axis < 2; axis++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < p->n; i++) {
+            sum += y[axis * p->n + i];
+        }
+        lambda[axis] = p->held[axis] ? (p->load[axis] - sum) / (double)p->n : lambda[axis];
+    }
+}
+
 static void find_lambda(const lac_shear_problem *p, const double *y, double lambda[2])
 {
     enum { MOST = 200 };
     double strength = 0.0;
     for (size_t i = 0; i < p->n; i++) {
         strength += p->limit[i];
+    }
+    if (!isfinite(strength)) {
+        spread(p, y, lambda);
+        return;
     }
     const double enough = 4.0 * DBL_EPSILON * strength;
     double damping = 0.01 * (double)p->n / strength;

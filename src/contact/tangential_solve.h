@@ -5,7 +5,6 @@
 #include <stdint.h>
 
 #include "contact/tangential_space.h"
-#include "lacuna/tangential.h"
 
 /// One step of a sheared contact, on its contact cells only: minimise tau.C tau/2 - tau.(u0 + d)
 /// over |tau_i| <= limit_i, d the shift of this step, given or such that the sum of tau is given.
@@ -14,7 +13,7 @@ typedef struct lac_shear_problem {
     lac_shear_space *space;
     size_t n;             ///< contact cells
     const uint32_t *cell; ///< [n] index in the grid
-    const double *limit;  ///< [n] f p > 0
+    const double *limit;  ///< [n] f p > 0; all INFINITY: nothing ever slips
     const double *before; ///< [2n] u0, displacements before the step
     bool held[2];         ///< whether the load is given along an axis
     double load[2];       ///< where it is: sum of the tractions
@@ -46,12 +45,5 @@ void lac_shear_gather(const lac_shear_problem *p, double *x);
 
 /// u = C tau on the contact cells; all cells stay in space->fft[axis]->real.
 void lac_shear_displace(const lac_shear_problem *p, const double *tau, double *u);
-
-/// What both solvers of sheared contacts demand of a def.
-/// @return LAC_OK; LAC_EINPUT
-lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err);
-
-/// Displacements in the unit of lac_shear_space to metres [m/Pa].
-double lac_tangential_softness(const lac_tangential_def *def);
 
 #endif
