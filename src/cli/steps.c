@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/steps.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "cli/progress.h"
@@ -34,11 +35,36 @@ static bool on_interrupted(void *context)
     return cli_signals_stop();
 }
 
+// What the history is summed up in, as attributes of the file.
+static lac_status put_summary(const steps_job *job, lac_error *err)
+{
+    const lac_history_result *r = &job->steps->result;
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"first_slip_q_over_fp", r->loaded ? r->first_slip.factor : NAN},
+        {"first_slip_x_m", r->loaded ? r->first_place[0] : NAN},
+        {"first_slip_y_m", r->loaded ? r->first_place[1] : NAN},
+        {"superposed_error_traction_rms", r->compared ? r->superposed.traction : NAN},
+        {"superposed_error_stick_area", r->compared ? r->superposed.stick_area : NAN},
+        {"superposed_error_shift", r->compared ? r->superposed.shift : NAN},
+    };
+    lac_status status = LAC_OK;
+    for (size_t i = 0; status == LAC_OK && i < sizeof numbers / sizeof numbers[0]; i++) {
+        status = lac_history_store_number(job->store, numbers[i].name, numbers[i].value, err);
+    }
+    return status;
+}
+
 static lac_status close_store(steps_job *job, lac_status status, const char *path, lac_error *err)
 {
     lac_error late = {""};
     const lac_history_result *result = &job->steps->result;
-    lac_status finished = lac_history_store_finish(job->store, job->steps->status, &late);
+    lac_status summed = put_summary(job, &late);
+    const char *word = summed == LAC_OK ? job->steps->status : "failed";
+    lac_status closed = lac_history_store_finish(job->store, word, summed == LAC_OK ? &late : NULL);
+    lac_status finished = summed != LAC_OK ? summed : closed;
     if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
         job->steps->status = "failed"; // the file is not whole
         *err = late;

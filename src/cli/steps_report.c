@@ -210,6 +210,28 @@ static void print_cycles(const cli_steps *steps, const column *work_column)
     }
 }
 
+static void print_first_slip(const cli_steps *steps)
+{
+    const lac_history_result *result = &steps->result;
+    char x[32], y[32];
+    if (result->loaded) {
+        cli_row("first slip", "at %.4g f P if nothing slipped before, at x = %s, y = %s",
+                result->first_slip.factor, cli_quantity(result->first_place[0], "m", x, sizeof x),
+                cli_quantity(result->first_place[1], "m", y, sizeof y));
+    }
+}
+
+static void print_superposed(const cli_steps *steps)
+{
+    const lac_superposed_error *error = &steps->result.superposed;
+    if (steps->result.compared) {
+        cli_row("superposed error", "tractions %.2g %% rms, sticking area %+.2g %% of the contact,",
+                100 * error->traction, 100 * error->stick_area);
+        cli_row("", "shift %+.2g %% (last load, %zu x %zu cells)", 100 * error->shift, error->nx,
+                error->ny);
+    }
+}
+
 void cli_steps_print(const cli_steps *steps)
 {
     column columns[COLUMNS];
@@ -223,6 +245,8 @@ void cli_steps_print(const cli_steps *steps)
     hide_idle_axis(columns);
     cli_row("friction", "%.4g, %s", steps->friction, steps->method);
     cli_row("steps", "%zu of %zu (%s)", steps->result.steps, steps->result.planned, steps->status);
+    print_first_slip(steps);
+    print_superposed(steps);
     print_header(columns);
     for (size_t i = 0; i < steps->result.steps; i++) {
         print_step(steps, i, columns);
@@ -262,12 +286,49 @@ static void write_step(cli_json *json, const lac_history_record *r, const lac_gr
     cli_json_close(json, '}');
 }
 
+static void write_first_slip(cli_json *json, const cli_steps *steps)
+{
+    const lac_first_slip *first = &steps->result.first_slip;
+    if (!steps->result.loaded) {
+        cli_json_null(json, "first_slip");
+        return;
+    }
+    cli_json_open(json, "first_slip", '{');
+    cli_json_number(json, "q_over_fp", first->factor);
+    cli_json_number(json, "q_N", first->load * lac_grid_area(&steps->grid));
+    cli_json_number(json, "x_m", steps->result.first_place[0]);
+    cli_json_number(json, "y_m", steps->result.first_place[1]);
+    cli_json_number(json, "shift_m", first->shift[0]);
+    cli_json_number(json, "shift_y_m", first->shift[1]);
+    cli_json_close(json, '}');
+}
+
+static void write_superposed(cli_json *json, const cli_steps *steps)
+{
+    const lac_superposed_error *error = &steps->result.superposed;
+    if (!steps->result.compared) {
+        cli_json_null(json, "superposed_error");
+        return;
+    }
+    cli_json_open(json, "superposed_error", '{');
+    cli_json_number(json, "traction_rms", error->traction);
+    cli_json_number(json, "stick_area", error->stick_area);
+    cli_json_number(json, "shift", error->shift);
+    cli_json_open(json, "grid", '[');
+    cli_json_integer(json, NULL, (int64_t)error->nx);
+    cli_json_integer(json, NULL, (int64_t)error->ny);
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
 void cli_steps_json(cli_json *json, const cli_steps *steps)
 {
     cli_json_text(json, "status", steps->status);
     cli_json_text(json, "history_method", steps->method);
     cli_json_number(json, "friction_coefficient", steps->friction);
     cli_json_integer(json, "planned_steps", (int64_t)steps->result.planned);
+    write_first_slip(json, steps);
+    write_superposed(json, steps);
     cli_json_open(json, "steps", '[');
     for (size_t i = 0; i < steps->result.steps; i++) {
         write_step(json, &steps->record[i], &steps->grid);

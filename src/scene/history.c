@@ -24,6 +24,7 @@ typedef struct history {
     history_state *state;          // [planned + 1] the start and what each step came to
     double highest_held;           // largest f P on the way [Pa]
     double longest_shift;          // [m]
+    bool sought_first_slip;
     lac_history_result *result;
 } history;
 
@@ -149,13 +150,12 @@ static void find_cycle(const history *h, size_t now, lac_history_record *record)
     }
 }
 
-static void find_highest(const history *h, lac_history_record *record)
+// The centre of a cell; NaN where there is none.
+static void find_place(const lac_grid *grid, size_t cell, double place[2])
 {
-    const lac_grid *grid = &h->contact->grid;
-    size_t cell = h->reached.highest_cell;
     bool found = cell < lac_grid_cells(grid);
-    record->highest[0] = found ? ((double)(cell % grid->nx) + 0.5) * grid->dx : NAN;
-    record->highest[1] = found ? ((double)(cell / grid->nx) + 0.5) * grid->dy : NAN;
+    place[0] = found ? ((double)(cell % grid->nx) + 0.5) * grid->dx : NAN;
+    place[1] = found ? ((double)(cell / grid->nx) + 0.5) * grid->dy : NAN;
 }
 
 static lac_status give_maps(const history *h, lac_error *err)
@@ -178,13 +178,48 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
     record->shear = h->reached;
     record->dissipated = h->state[now].dissipated;
     find_cycle(h, now, record);
-    find_highest(h, record);
+    find_place(&h->contact->grid, h->reached.highest_cell, record->highest);
     lac_status status = LAC_OK;
     if (h->sink->step != NULL) {
         status = h->sink->step(h->sink->context, record, err);
     }
     bool all = h->source->history.fields == LAC_HISTORY_ALL;
     return status == LAC_OK && all ? give_maps(h, err) : status;
+}
+
+static lac_tangential_def shear_def(const history *h)
+{
+    const lac_material_def *material = &h->source->material;
+    lac_tangential_def def = lac_tangential_default();
+    def.grid = h->contact->grid;
+    def.e_star = material->shear_modulus / (1.0 - material->poisson);
+    def.poisson = material->poisson;
+    def.friction = h->source->history.friction;
+    if (h->source->history.method == LAC_HISTORY_SUPERPOSED) {
+        def.method = LAC_SHEAR_SUPERPOSED;
+        def.heights = h->contact->heights;
+    }
+    return def;
+}
+
+// Where a joint that sticks everywhere would slip first, once there is a shear load. What cannot be
+// solved is left out: the steps stand without it.
+static lac_status find_first_slip(history *h, lac_error *err)
+{
+    const double *direction = h->reached.traction;
+    const double loaded = 1e-9 * h->highest_held;
+    if (h->sought_first_slip || !(hypot(direction[0], direction[1]) > loaded)) {
+        return LAC_OK;
+    }
+    h->sought_first_slip = true;
+    const lac_tangential_def def = shear_def(h);
+    lac_first_slip *first = &h->result->first_slip;
+    lac_status status = lac_tangential_first_slip(&def, h->pressure, direction, NULL, first, err);
+    if (status == LAC_OK) {
+        h->result->loaded = true;
+        find_place(&def.grid, first->cell, h->result->first_place);
+    }
+    return status == LAC_ENOMEM ? status : LAC_OK;
 }
 
 static lac_status solve_step(history *h, double mean, const lac_tangential_target *target,
@@ -235,6 +270,9 @@ static lac_status follow_entry(history *h, size_t entry, lac_error *err)
                                    entry, (long long)k, (long long)step->count);
         }
         status = finish_step(h, &record, err);
+        if (status == LAC_OK) {
+            status = find_first_slip(h, err);
+        }
         if (status != LAC_OK) {
             return status;
         }
@@ -245,7 +283,7 @@ static lac_status follow_entry(history *h, size_t entry, lac_error *err)
 static lac_status begin(history *h, lac_error *err)
 {
     const lac_scene_contact *contact = h->contact;
-    const lac_material_def *material = &h->source->material;
+    const lac_tangential_def def = shear_def(h);
     size_t cells = lac_grid_cells(&contact->grid);
     h->pressure = malloc(cells * sizeof *h->pressure);
     h->next = malloc(cells * sizeof *h->next);
@@ -256,12 +294,22 @@ static lac_status begin(history *h, lac_error *err)
     memcpy(h->pressure, contact->pressure, cells * sizeof *h->pressure);
     h->mean = contact->mean_pressure;
     note_state(h, 0, 0.0);
-    lac_tangential_def def = lac_tangential_default();
-    def.grid = contact->grid;
-    def.e_star = material->shear_modulus / (1.0 - material->poisson);
-    def.poisson = material->poisson;
-    def.friction = h->source->history.friction;
     return lac_tangential_create(&def, &h->shear, err);
+}
+
+// What superposition costs in accuracy, on a grid that solves quickly, at the last load; likewise.
+static lac_status compare_superposed(history *h, lac_error *err)
+{
+    enum { LARGEST_SIDE = 128 };
+    const double *load = h->reached.traction;
+    if (h->source->history.method != LAC_HISTORY_SUPERPOSED || !h->sought_first_slip) {
+        return LAC_OK;
+    }
+    const lac_tangential_def def = shear_def(h);
+    lac_status status =
+        lac_superposed_measure(&def, h->mean, load, LARGEST_SIDE, &h->result->superposed, err);
+    h->result->compared = status == LAC_OK;
+    return status == LAC_ENOMEM ? status : LAC_OK;
 }
 
 static lac_status follow(history *h, lac_error *err)
@@ -270,7 +318,7 @@ static lac_status follow(history *h, lac_error *err)
     for (size_t i = 0; status == LAC_OK && i < h->source->history.count; i++) {
         status = follow_entry(h, i, err);
     }
-    return status;
+    return status == LAC_OK ? compare_superposed(h, err) : status;
 }
 
 lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,

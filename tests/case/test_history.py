@@ -6,6 +6,7 @@ usage: test_history.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
 import json
+import math
 import os
 import pty
 import select
@@ -25,7 +26,7 @@ from test_cli import Case
 A08 = """\
 lacuna: 1
 title: the benchmark, sheared
-interface: {{size: 1, levels: {levels}, surface: {{benchmark: {{name: A08}}}}}}
+interface: {{size: {size}, levels: {levels}, surface: {{benchmark: {{name: A08}}}}}}
 material: {{shear_modulus: {modulus}, poisson: {poisson}}}
 load:
   normal: {{pressure: 4.9e-3}}
@@ -33,8 +34,8 @@ load:
 """
 
 
-def a08(steps, levels=6, poisson=0.0, keys=""):
-    return A08.format(levels=levels, poisson=poisson, modulus=1 - poisson, keys=keys, steps=steps)
+def a08(steps, levels=6, poisson=0.0, keys="", size=1):
+    return A08.format(size=size, levels=levels, poisson=poisson, modulus=1 - poisson, keys=keys, steps=steps)
 
 
 def ratios(values):
@@ -103,9 +104,9 @@ class Fields(History):
              "{shift_x: 2e-4, shear_y: 0}, {pressure: 6e-3}")
 
     def test_maps_agree_with_the_series(self):
-        steps = self.follow(a08(self.STEPS, poisson=0.2))["steps"]
+        steps = self.follow(a08(self.STEPS, poisson=0.2, size=2))["steps"]
         self.check_cf("complete")
-        f, area = 0.5, 1 / 64 ** 2
+        f, area = 0.5, (2 / 64) ** 2
         with self.data() as data:
             data.set_auto_mask(False)
             self.assertEqual(data["step"][:].tolist(), [1, 2, 3, 4, 5])
@@ -214,6 +215,62 @@ class Control(History):
         self.assertAlmostEqual(steps[0]["shift_m"], 0, delta=1e-12)
         self.assertEqual(steps[1]["slip_cells"], 64 ** 2)
         self.assertAlmostEqual(steps[1]["q_N"] / (0.5 * 9.8e-3), 1, delta=1e-9)
+
+
+class FirstSlip(History):
+    def test_nothing_slips_before_it(self):
+        first = self.follow(a08(ratios([0.3])))["first_slip"]
+        self.assertAlmostEqual(first["q_N"] / (0.5 * 4.9e-3), first["q_over_fp"], delta=1e-12)
+        loads = [0.9 * first["q_over_fp"], 0.999 * first["q_over_fp"], 1.01 * first["q_over_fp"]]
+        below, near, above = self.follow(a08(ratios(loads)))["steps"]
+        for step, part in ((below, 0.9), (near, 0.999)):
+            self.assertEqual(step["slip_cells"], 0)
+            self.assertEqual(step["dissipation_J"], 0)
+            self.assertAlmostEqual(step["highest_ratio"], part, delta=1e-6)
+            self.assertEqual((step["highest_x_m"], step["highest_y_m"]),
+                             (first["x_m"], first["y_m"]))
+            self.assertAlmostEqual(step["shift_m"] / (part * first["shift_m"]), 1, delta=1e-6)
+        self.assertGreater(above["slip_cells"], 0)
+
+
+class Superposed(History):
+    LOADS = [0.3, 0.7]
+
+    def both(self, poisson):
+        """Results and, of the last step, tractions and states of either method."""
+        done, fields = [], []
+        for method in ("direct", "superposed"):
+            done.append(self.follow(
+                a08(ratios(self.LOADS), poisson=poisson, keys=f"method: {method}, ")))
+            with self.data() as data:
+                self.assertEqual(data.history_method, method)
+                fields.append((numpy.array([data["traction_x"][-1], data["traction_y"][-1]]),
+                               numpy.count_nonzero(data["state"][-1] == 1)))
+        return done, fields
+
+    def test_exact_without_coupling(self):
+        (direct, superposed), _ = self.both(0.0)
+        for a, b in zip(direct["steps"], superposed["steps"]):
+            self.assertAlmostEqual(b["shift_m"] / a["shift_m"], 1, delta=1e-5)
+        self.assertLess(superposed["superposed_error"]["traction_rms"], 1e-4)
+        self.assertLess(abs(superposed["superposed_error"]["shift"]), 1e-5)
+        self.assertIsNone(direct["superposed_error"])
+
+    def test_its_error_is_what_comparing_shows(self):
+        (direct, superposed), ((exact, sticks), (near, near_sticks)) = self.both(0.2)
+        error = superposed["superposed_error"]
+        self.assertEqual(error["grid"], [64, 64])  # small enough to be measured as it is
+        off = math.sqrt(((near - exact) ** 2).sum() / (exact ** 2).sum())
+        self.assertAlmostEqual(error["traction_rms"] / off, 1, delta=1e-3)
+        self.assertGreater(off, 0.01)
+        shifts = [d["steps"][-1]["shift_m"] for d in (direct, superposed)]
+        self.assertAlmostEqual(error["shift"], shifts[1] / shifts[0] - 1, delta=1e-5)
+        part = (near_sticks - sticks) / direct["n_cells"]
+        self.assertAlmostEqual(error["stick_area"], part, delta=2 / direct["n_cells"])
+        with self.data() as data:
+            self.assertEqual(data.superposed_error_traction_rms, error["traction_rms"])
+            self.assertEqual(data.first_slip_x_m, superposed["first_slip"]["x_m"])
+        self.check_cf("complete")
 
 
 class Program(History):
