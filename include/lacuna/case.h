@@ -24,12 +24,21 @@ const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_
 
 typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
 
+typedef enum lac_boundary { LAC_PERIODIC = 0, LAC_FREE } lac_boundary;
+
+/// Which grid an interface is: 2^levels cells a side, or cells_x by cells_y.
 typedef struct lac_interface_def {
-    double size;    ///< side [m]
-    int64_t levels; ///< 2^levels cells a side
-    int shape;      ///< lac_shape
-    int boundary;   ///< 0: periodic (free boundaries come with the free contact solver)
+    double size;              ///< length along x [m]
+    double width;             ///< length along y [m]; NaN: that of square cells
+    int64_t levels;           ///< INT64_MIN where cells_x is given
+    int64_t cells_x, cells_y; ///< INT64_MIN where absent; cells_y is then cells_x
+    int shape;                ///< lac_shape
+    int boundary;             ///< lac_boundary
 } lac_interface_def;
+
+/// The grid of an interface. Cells are square unless a width says otherwise; on a line they are a
+/// metre wide.
+lac_grid lac_interface_grid(const lac_interface_def *def);
 
 typedef struct lac_material_def {
     double shear_modulus; ///< [Pa]; NaN: no material

@@ -16,13 +16,16 @@ typedef struct lac_load_state {
     double pore, pore_rate;     ///< pore pressure [Pa], [Pa/s]
 } lac_load_state;
 
-/// Normal load: the total mean pressure on the interface, constant in time.
+/// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
+/// near the faces are.
 typedef struct lac_normal_load {
     lac_descriptor about;
     bool needs_density;
     /// @param density  of the rock [kg/m3]; NaN where the case names none
-    /// @return mean normal stress over the nominal area [Pa]
+    /// @return mean normal stress over the nominal area [Pa]; NaN where an approach is given
     double (*pressure)(const void *params, double density);
+    /// The approach as in lac_contact_def [m]. NULL: the pressure is given
+    double (*approach)(const void *params);
 } lac_normal_load;
 
 /// A shear load or a pore-pressure load: adds its part to the sum.

@@ -10,8 +10,7 @@ static bool present(const lac_reader *reader, const char *key)
     return lac_node_at(reader->root, key) != NULL;
 }
 
-// Whether nothing is wrong below a key: what depends on it can be checked.
-static bool clean(const lac_reader *reader, const char *key)
+bool lac_clean(const lac_reader *reader, const char *key)
 {
     size_t n = strlen(key);
     for (size_t i = 0; i < reader->report->count; i++) {
@@ -23,39 +22,9 @@ static bool clean(const lac_reader *reader, const char *key)
     return true;
 }
 
-static void check_interface(lac_reader *reader, lac_case *c)
-{
-    bool surface = present(reader, "interface.surface");
-    bool domain = present(reader, "interface.domain");
-    if (surface && domain) {
-        lac_blame_key(reader, "interface.domain",
-                      "is given beside interface.surface; exactly one is allowed");
-    }
-    if (!clean(reader, "interface")) {
-        return;
-    }
-    if (c->interface.levels > 0) {
-        if (!surface && !domain) {
-            lac_blame_key(reader, "interface.surface",
-                          "is missing: levels > 0 needs a surface or a domain");
-        }
-        if (isnan(c->interface.size)) {
-            lac_blame_key(reader, "interface.size", "is missing: must be a length such as \"1 m\"");
-        }
-        return;
-    }
-    if (surface || domain) {
-        lac_blame_key(reader, surface ? "interface.surface" : "interface.domain",
-                      "needs interface.levels > 0: a single block has no cells");
-    }
-    if (isnan(c->interface.size)) {
-        c->interface.size = 1.0;
-    }
-}
-
 static void check_material(lac_reader *reader, const lac_case *c)
 {
-    if (!clean(reader, "material")) {
+    if (!lac_clean(reader, "material")) {
         return;
     }
     bool modulus = present(reader, "material.shear_modulus");
@@ -101,11 +70,31 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
     }
 }
 
+// An approach takes the place of a normal stress: the load follows from pressing the surface.
+static void check_approach(lac_reader *reader, const lac_case *c)
+{
+    const lac_normal_load *normal = (const void *)c->normal.about;
+    if (normal == NULL || normal->approach == NULL) {
+        return;
+    }
+    if (lac_needs_run(reader)) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "is for statics (lacuna contact); a run needs a load: pressure, depth or "
+                      "slope");
+    } else if (!present(reader, "interface.surface")) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "needs interface.surface: only heights tell the load that follows");
+    } else if (c->interface.boundary == LAC_PERIODIC && !(normal->approach(c->normal.params) > 0)) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "must be > 0 m between periodic faces: without a gap any load would do");
+    }
+}
+
 // The mean normal stress; NaN where the case is wrong about it.
 static double normal_stress(const lac_reader *reader, const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.about;
-    if (normal == NULL || !clean(reader, "material")) {
+    if (normal == NULL || !lac_clean(reader, "material")) {
         return NAN;
     }
     return normal->pressure(c->normal.params, c->material.density);
@@ -129,7 +118,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                       lac_units_format(pressure, "Pa", low, sizeof low));
     }
     double shear = sum.ratio * pressure + sum.stress + sum.spring_stress;
-    bool wanted = lac_needs_run(reader) && !fixed_by_initial && clean(reader, "initial");
+    bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
     if (wanted && !(shear > 0.0)) {
         lac_blame_key(reader, "load.shear",
                       "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
@@ -141,7 +130,7 @@ static void check_load(lac_reader *reader, const lac_case *c)
 {
     bool fixed_by_initial =
         present(reader, "initial.slip_rate") && present(reader, "initial.state");
-    for (size_t i = 0; fixed_by_initial && i < c->shear.count && clean(reader, "load"); i++) {
+    for (size_t i = 0; fixed_by_initial && i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
         const lac_load_kind *kind = (const void *)c->shear.item[i].about;
         if (kind->fixes_shear) {
@@ -153,7 +142,7 @@ static void check_load(lac_reader *reader, const lac_case *c)
         }
     }
     double pressure = normal_stress(reader, c);
-    if (isfinite(pressure) && clean(reader, "load")) {
+    if (isfinite(pressure) && lac_clean(reader, "load")) {
         check_forces(reader, c, pressure, fixed_by_initial);
     } else if (c->normal.about != NULL && isinf(pressure)) {
         lac_blame_key(reader, "load.normal", "is too large to compute with");
@@ -167,12 +156,12 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     if (present(reader, "initial.spread.slip_rate") && !present(reader, "initial.slip_rate")) {
         lac_blame_key(reader, "initial.spread.slip_rate", "needs initial.slip_rate");
     }
-    if (present(reader, "initial.spread.state") && clean(reader, "initial.state") &&
+    if (present(reader, "initial.spread.state") && lac_clean(reader, "initial.state") &&
         initial->state != LAC_STATE_TIME && initial->state != LAC_STATE_RATIO) {
         lac_blame_key(reader, "initial.spread.state",
                       "needs initial.state as a time or {ratio_to_steady: x}");
     }
-    if (c->friction.about == NULL || !clean(reader, "initial")) {
+    if (c->friction.about == NULL || !lac_clean(reader, "initial")) {
         return;
     }
     const lac_friction_params *law = c->friction.params;
@@ -195,7 +184,7 @@ static void check_solver(lac_reader *reader, const lac_case *c)
     } orders[] = {
         [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
     int64_t order = c->run.max_order;
-    if (!clean(reader, "solver") || order == 0) {
+    if (!lac_clean(reader, "solver") || order == 0) {
         return;
     }
     if (order < orders[c->run.method].lowest || order > orders[c->run.method].highest) {
@@ -207,12 +196,13 @@ static void check_solver(lac_reader *reader, const lac_case *c)
 
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
-    bool material_read = clean(reader, "material");
-    check_interface(reader, c);
+    bool material_read = lac_clean(reader, "material");
+    lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
+    check_approach(reader, c);
     check_load(reader, c);
-    if (c->history.count > 0 && clean(reader, "load")) {
+    if (c->history.count > 0 && lac_clean(reader, "load")) {
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);

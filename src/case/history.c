@@ -101,6 +101,10 @@ static bool present(const lac_reader *reader, const char *key)
 // What is pressed and sheared.
 static void check_joint(lac_reader *reader, const lac_case *c)
 {
+    if (present(reader, "load.normal.approach")) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "is no load, from which load.history could start: pressure, depth or slope");
+    }
     if (!present(reader, "interface.surface") && !present(reader, "interface.domain")) {
         lac_blame_key(reader, "load.history",
                       "needs interface.surface or interface.domain: a single block has no cells "

@@ -32,10 +32,11 @@ static bool section_lacks(const lac_reader *reader, const char *key)
 
 bool lac_needs_run(const lac_reader *reader)
 {
-    // A history and no time: nothing that a run could follow.
-    bool names_statics = lac_node_at(reader->root, "load.history") != NULL &&
-                         lac_node_child(reader->root, "time") == NULL;
-    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !names_statics);
+    // What names a case as static: an approach for a load, or a history and no time to run through.
+    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL ||
+                     (lac_node_at(reader->root, "load.history") != NULL &&
+                      lac_node_child(reader->root, "time") == NULL);
+    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
 }
 
 static void read_version(lac_reader *reader)
@@ -58,13 +59,8 @@ static void read_interface(lac_reader *reader, lac_case *c)
     if (node == NULL) {
         return;
     }
-    const lac_node *boundary = lac_node_child(node, "boundary");
     const lac_node *surface = lac_node_child(node, "surface");
     const lac_node *domain = lac_node_child(node, "domain");
-    if (boundary != NULL &&
-        (boundary->kind != LAC_NODE_SCALAR || strcmp(boundary->text, "periodic") != 0)) {
-        lac_blame(reader, boundary, "must be periodic, the boundary that this version solves");
-    }
     if (surface != NULL) {
         lac_read_slot(reader, surface, LAC_KIND_SURFACE, NULL, &c->surface);
     }

@@ -11,6 +11,7 @@
 #define TEXT .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
 
 static const char *const shapes[] = {"plane", "line", NULL};
+static const char *const boundaries[] = {"periodic", "free", NULL};
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
 static const char *const history_methods[] = {"direct", "superposed", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
@@ -37,15 +38,42 @@ static const lac_param interface_rows[] = {
      .max = 1e9,
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
      .offset = FIELD(interface.size),
-     .doc = "side of the square interface; may be absent (1 m) only where levels is 0"},
+     .doc = "length along x, the direction of slip; may be absent (1 m) only for a single block"},
+    {.key = "width",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(interface.width),
+     .doc = "length along y; that of square cells if absent"},
     {.key = "levels",
      .unit = "1",
-     .fallback = 0,
+     .fallback = NAN,
      .min = 0,
      .max = 12,
      .type = LAC_INTEGER,
+     .flags = LAC_OPTIONAL,
      .offset = FIELD(interface.levels),
-     .doc = "2^levels cells a side; 0: a single block"},
+     .doc = "2^levels cells a side; a single block if 0, or if it and cells_x are absent"},
+    {.key = "cells_x",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 1,
+     .max = 16777216,
+     .type = LAC_INTEGER,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(interface.cells_x),
+     .doc = "cells along x, instead of levels; products of 2, 3 and 5 are fast"},
+    {.key = "cells_y",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 1,
+     .max = 16777216,
+     .type = LAC_INTEGER,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(interface.cells_y),
+     .doc = "cells along y, with cells_x; as many as along x if absent, one on a line"},
     {.key = "shape",
      .unit = "1",
      .fallback = LAC_PLANE,
@@ -53,12 +81,18 @@ static const lac_param interface_rows[] = {
      .choices = shapes,
      .offset = FIELD(interface.shape),
      .doc = "of the interface"},
-    {.key = "boundary", .doc = "periodic, which is what this version solves", OWN},
+    {.key = "boundary",
+     .unit = "1",
+     .fallback = LAC_PERIODIC,
+     .type = LAC_CHOICE,
+     .choices = boundaries,
+     .offset = FIELD(interface.boundary),
+     .doc = "periodic, or free: the faces end at the border, the rock goes on"},
     {.key = "surface", .doc = "{MODEL: {...}}: heights to press", OWN},
     {.key = "domain", .doc = "{MODEL: {...}}: contact cells, instead of a surface", OWN},
 };
 
-static const char *const interface_own[] = {"boundary", "surface", "domain", NULL};
+static const char *const interface_own[] = {"surface", "domain", NULL};
 
 static const lac_param material_rows[] = {
     {.key = "shear_modulus",

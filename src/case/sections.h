@@ -50,6 +50,12 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 /// Whether the case must hold what only a run needs: friction, a shear load, an end.
 bool lac_needs_run(const lac_reader *reader);
 
+/// Whether nothing is wrong below a key: what depends on it can be checked.
+bool lac_clean(const lac_reader *reader, const char *key);
+
+/// What is wrong with the interface as a whole; fills in what is absent.
+void lac_check_interface(lac_reader *reader, lac_interface_def *def);
+
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);
 

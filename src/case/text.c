@@ -370,7 +370,6 @@ char *lac_case_text(const lac_case *c)
     put_section(&w, 0, LAC_SECTION_CASE, c);
     put(&w, "interface:\n");
     put_section(&w, 1, LAC_SECTION_INTERFACE, c);
-    put(&w, "  boundary: periodic\n");
     put_slot(&w, 1, "surface", &c->surface);
     put_slot(&w, 1, "domain", &c->domain);
     put(&w, "material:\n");

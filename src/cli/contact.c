@@ -107,7 +107,8 @@ static void print_result(const contact_job *job)
                 contact->scaling.dimension, contact->scaling.error,
                 (size_t)1 << (contact->scaling.n - 1));
     } else if (contact->solved) {
-        cli_row("Delta_S", "none: needs 512 cells a side and areas that fall with the cell");
+        cli_row("Delta_S", "none: needs sides of more than 256 cells that halve three times, and "
+                           "areas that fall with the cell");
     }
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,

@@ -24,36 +24,32 @@ enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
 // Grids above this are not synthesised only to be estimated.
 static const double largest_surface = 1 << 22;
 
-static lac_grid grid_of(const lac_case *c)
-{
-    size_t n = (size_t)1 << c->interface.levels;
-    double side = c->interface.size / (double)n;
-    return (lac_grid){.nx = n,
-                      .ny = c->interface.shape == LAC_LINE ? 1 : n,
-                      .dx = side,
-                      .dy = side,
-                      .periodic = true};
-}
-
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     return normal->pressure(c->normal.params, c->material.density);
 }
 
-// Mean square gradient by differences to the next cell, periodic.
-static double rms_slope(const lac_grid *grid, const double *h)
+// Mean square slope to the next cell along one direction, round the edges where periodic.
+static double mean_square_slope(const lac_grid *grid, const double *h, bool along_x)
 {
-    double sum = 0;
-    for (size_t j = 0; j < grid->ny; j++) {
-        for (size_t i = 0; i < grid->nx; i++) {
-            double here = h[j * grid->nx + i];
-            double right = (h[j * grid->nx + (i + 1) % grid->nx] - here) / grid->dx;
-            double up = (h[(j + 1) % grid->ny * grid->nx + i] - here) / grid->dy;
-            sum += right * right + up * up;
+    size_t n = along_x ? grid->nx : grid->ny, rows = lac_grid_cells(grid) / n;
+    size_t step = along_x ? 1 : grid->nx, next_row = along_x ? grid->nx : 1;
+    size_t pairs = grid->periodic ? n : n - 1;
+    double sum = 0, side = along_x ? grid->dx : grid->dy;
+    for (size_t j = 0; j < rows; j++) {
+        for (size_t i = 0; i < pairs; i++) {
+            const double *row = h + j * next_row;
+            double slope = (row[(i + 1) % n * step] - row[i * step]) / side;
+            sum += slope * slope;
         }
     }
-    return sqrt(sum / (double)lac_grid_cells(grid));
+    return pairs > 0 ? sum / ((double)pairs * (double)rows) : 0;
+}
+
+static double rms_slope(const lac_grid *grid, const double *h)
+{
+    return sqrt(mean_square_slope(grid, h, true) + mean_square_slope(grid, h, false));
 }
 
 // A/A_nom = kappa p/(E* h') at light load, kappa = 2.2 by simulation: Hyun et al. (2004), doi
@@ -76,8 +72,10 @@ static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_
         return lac_fail_memory(err);
     }
     lac_status status = lac_surface_generate(&c->surface, grid, heights, err);
-    if (status == LAC_OK) {
-        e->contact_cells = fmax(1, e->grid_cells * contact_fraction(c, rms_slope(grid, heights)));
+    double fraction =
+        status == LAC_OK ? contact_fraction(c, rms_slope(grid, heights)) : (double)NAN;
+    if (isfinite(fraction)) {
+        e->contact_cells = fmax(1, e->grid_cells * fraction);
     }
     free(heights);
     return status;
@@ -109,9 +107,10 @@ static double finest_stiffness(const lac_case *c, const lac_grid *grid)
 static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimate *e)
 {
     const lac_friction_params *law = c->friction.params;
+    e->integrated = law != NULL;
     e->stable = true;
-    if (law == NULL) {
-        return; // statics: nothing is integrated
+    if (!e->integrated) {
+        return;
     }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
@@ -123,7 +122,7 @@ static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimat
 
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 {
-    lac_grid grid = grid_of(c);
+    lac_grid grid = lac_interface_grid(&c->interface);
     lac_status status = LAC_OK;
     *e = (cli_estimate){
         .grid_cells = (double)lac_grid_cells(&grid), .contact_cells = NAN, .stiffness_ratio = NAN};
@@ -136,23 +135,32 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
         e->exact = true;
     }
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
-    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, contact_cell_bytes * cells);
     judge_stability(c, &grid, e);
-    e->steps = e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
+    double integration = e->integrated ? contact_cell_bytes * cells : 0;
+    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, integration);
+    e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
     e->cpu_time = grid_cell_seconds * e->grid_cells + cell_step_seconds * cells * e->steps;
     return status;
 }
 
 void cli_estimate_print(const cli_estimate *e)
 {
-    puts("\n# What it will cost with bdf, roughly");
+    puts(e->integrated ? "\n# What it will cost with bdf, roughly"
+                       : "\n# What it will cost, roughly");
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
-        printf("#   contact         %s%.3g cells, %.3g unknowns\n", e->exact ? "" : "about ",
-               e->contact_cells, 2 * e->contact_cells);
+        char unknowns[40] = "";
+        if (e->integrated) {
+            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns", 2 * e->contact_cells);
+        }
+        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
+               unknowns);
     }
     printf("#   memory          %.2g MB\n", e->memory / 1e6);
     printf("#   time            about %.1g s on one core\n", e->cpu_time);
+    if (!e->integrated) {
+        return;
+    }
     if (isnan(e->stiffness_ratio)) {
         printf("#   steps           hundreds (%s)\n",
                e->contact_cells <= 1 ? "one block" : "b <= a: no cell can fail on its own");
@@ -181,7 +189,11 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "memory_bytes", round(e->memory));
     cli_json_number(json, "cpu_time_s", e->cpu_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
-    cli_json_number(json, "steps", e->steps);
+    if (e->integrated) {
+        cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
+    } else {
+        cli_json_null(json, "steps_class");
+    }
+    cli_json_number(json, "steps", e->integrated ? e->steps : NAN);
     cli_json_close(json, '}');
 }

@@ -37,12 +37,22 @@ static const char *weakness(const lac_box_count *boxes)
     return boxes->dense ? " (more than 30 % of the area: not a fractal set)" : "";
 }
 
+static void print_grid(const lac_grid *grid)
+{
+    char side[32], width[40] = "";
+    if (grid->ny > 1 && fabs(grid->dy / grid->dx - 1) > 1e-9) {
+        (void)snprintf(width, sizeof width, " x ");
+        (void)cli_quantity(grid->dy, "m", width + 3, sizeof width - 3);
+    }
+    cli_row("grid", "%zu x %zu cells of %s%s%s", grid->nx, grid->ny,
+            cli_quantity(grid->dx, "m", side, sizeof side), width,
+            grid->periodic ? "" : ", free at its border");
+}
+
 void cli_measures_print(const lac_scene_contact *contact)
 {
     const lac_grid *grid = &contact->grid;
-    char side[32];
-    cli_row("grid", "%zu x %zu cells of %s", grid->nx, grid->ny,
-            cli_quantity(grid->dx, "m", side, sizeof side));
+    print_grid(grid);
     cli_row("contact cells", "%zu (%.3g %% of the area)", contact->domain->n,
             100 * fraction(contact));
     cli_row_quantity("mean real pressure", mean_real_pressure(contact->domain), "Pa");
@@ -65,6 +75,8 @@ void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
     cli_json_integer(json, NULL, (int64_t)contact->grid.ny);
     cli_json_close(json, ']');
     cli_json_number(json, "cell_size_m", contact->grid.dx);
+    cli_json_number(json, "cell_width_m", contact->grid.dy);
+    cli_json_text(json, "boundary", contact->grid.periodic ? "periodic" : "free");
     cli_json_number(json, "contact_fraction", fraction(contact));
     cli_json_number(json, "max_pressure_Pa", max_pressure(contact->domain));
     cli_json_number(json, "mean_real_pressure_Pa", mean_real_pressure(contact->domain));

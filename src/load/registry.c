@@ -7,6 +7,7 @@ static const lac_normal_load *const normal[] = {
     &lac_normal_pressure,
     &lac_normal_depth,
     &lac_normal_slope,
+    &lac_normal_approach,
 };
 
 static const lac_load_kind *const shear[] = {

@@ -5,23 +5,26 @@
 #include "lacuna/surface.h"
 #include "scene/internal.h"
 
-static lac_grid grid_of(const lac_interface_def *def)
+// The faces do not touch: by how much.
+static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 {
-    size_t side = (size_t)1 << def->levels;
-    double r = def->size / (double)side;
-    lac_grid grid = {.nx = side, .ny = side, .dx = r, .dy = r, .periodic = true};
-    if (def->shape == LAC_LINE) {
-        grid.ny = 1;
-        grid.dy = 1.0; // forces on a line are per metre of width
+    size_t cells = lac_grid_cells(&def->grid);
+    double mean = 0.0;
+    double highest = -INFINITY;
+    for (size_t i = 0; i < cells; i++) {
+        mean += def->heights[i] / (double)cells;
+        highest = fmax(highest, def->heights[i]);
     }
-    return grid;
+    return lac_fail(err, LAC_EINPUT,
+                    "the faces do not touch: at an approach of %g m the highest peak, %g m above "
+                    "the mean of the heights, is short of it",
+                    def->approach, highest - mean);
 }
 
 // Presses the surface; heights and gap are allocated here. With `all` also at coarser resolutions.
 static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
-    // Four resolutions from 64 cells a side are the least that a scaling is fitted to.
-    const size_t least_side = 512;
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     size_t cells = lac_grid_cells(&out->grid);
     lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
@@ -39,13 +42,25 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     def.grid = out->grid;
     def.heights = out->heights;
     def.e_star = out->e_star;
+    def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
     def.mean_pressure = out->mean_pressure;
+    def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;
     status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
+    if (status == LAC_OK && out->report.n_cells == 0) {
+        status = fail_apart(&def, err);
+    }
     out->solved = status == LAC_OK;
-    if (status == LAC_OK && all && out->grid.nx >= least_side && out->grid.ny >= least_side) {
+    if (normal->approach != NULL) {
+        out->mean_pressure = out->report.mean_pressure;
+    }
+    if (status == LAC_OK && all) {
+        // The same load at every resolution, also where it followed from an approach.
+        def.control = LAC_CONTROL_LOAD;
+        def.mean_pressure = out->mean_pressure;
         lac_scaling_def scaling = lac_scaling_default();
         lac_status scaled = lac_scaling_measure(&def, &scaling, &out->scaling, err);
-        // A contact whose coarser resolutions follow no power law is a contact all the same.
+        // A contact that cannot be halved often enough, or whose coarser resolutions follow no
+        // power law, is a contact all the same.
         status = scaled == LAC_ENOMEM ? scaled : LAC_OK;
         out->scaled = scaled == LAC_OK;
     }
@@ -97,17 +112,26 @@ out:
     return status;
 }
 
+// Of a plane; the length of a line or a row. [cells]
+static size_t shorter_side(const lac_grid *grid)
+{
+    if (grid->nx == 1 || grid->ny == 1) {
+        return lac_grid_cells(grid);
+    }
+    return grid->nx < grid->ny ? grid->nx : grid->ny;
+}
+
 lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (lac_scene_contact){.grid = grid_of(&c->interface), .e_star = NAN};
+    *out = (lac_scene_contact){.grid = lac_interface_grid(&c->interface), .e_star = NAN};
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     out->mean_pressure = normal->pressure(c->normal.params, c->material.density);
     LAC_TRY(make_domain(c, all, out, err));
 
     // Three box sides at least; a smaller grid has no dimension to speak of.
-    if (out->grid.nx >= 64 && out->domain->n > 1) {
+    if (shorter_side(&out->grid) >= 64 && out->domain->n > 1) {
         lac_box_def boxes = lac_box_default();
         LAC_TRY(lac_box_dimension(out->domain, &boxes, &out->boxes, err));
         out->counted = true;

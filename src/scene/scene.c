@@ -121,6 +121,9 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = NULL;
+    if (c->friction.about == NULL) {
+        return lac_fail(err, LAC_EINPUT, "friction: is missing: a static case cannot be run");
+    }
     lac_scene *scene = calloc(1, sizeof *scene);
     if (scene == NULL) {
         return lac_fail_memory(err);

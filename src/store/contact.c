@@ -74,6 +74,7 @@ static lac_status put_report(const lac_nc *file, const lac_grid *grid,
         {"complementarity_error", report->complementarity_error},
         {"penetration_m", report->penetration},
         {"load_error", report->load_error},
+        {"mean_pressure_Pa", report->mean_pressure},
         {"max_pressure_Pa", report->max_pressure},
         {"approach_m", report->approach},
     };
@@ -174,6 +175,8 @@ lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, l
          contact->pressure},
     };
     lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "boundary", contact->grid->periodic ? "periodic" : "free",
+                        err));
     LAC_TRY(put_maps(file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
     if (contact->report != NULL) {
         LAC_TRY(put_report(file, contact->grid, contact->report, err));

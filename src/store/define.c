@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The header of a run's file: dimensions, variables, and the values that do not change.
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/date.h"
@@ -40,8 +41,12 @@ static const lac_nc_var level_var = {.name = "level",
                                      .type = NC_INT};
 static const lac_nc_var level_size = {.name = "block_size",
                                       .unit = "m",
-                                      .long_name = "side of a block of this level",
+                                      .long_name = "side of a block of this level along x",
                                       .type = NC_DOUBLE};
+static const lac_nc_var level_width = {.name = "block_width",
+                                       .unit = "m",
+                                       .long_name = "side of a block of this level along y",
+                                       .type = NC_DOUBLE};
 static const lac_nc_var level_total = {.name = "n_tot",
                                        .unit = "1",
                                        .long_name = "blocks of this level that hold a contact cell",
@@ -113,6 +118,8 @@ static lac_status put_grid(const lac_store *s, const lac_grid *grid, lac_error *
     LAC_TRY(lac_nc_integer(&s->file, NC_GLOBAL, "grid_ny", (long long)grid->ny, err));
     LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "grid_dx_m", grid->dx, err));
     LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "grid_dy_m", grid->dy, err));
+    LAC_TRY(
+        lac_nc_text(&s->file, NC_GLOBAL, "boundary", grid->periodic ? "periodic" : "free", err));
 out:
     return status;
 }
@@ -125,17 +132,22 @@ static lac_status put_levels(const lac_store *s, const lac_hierarchy *h, const l
     int dim = 0;
     int label = 0;
     int size = 0;
+    int width = 0;
     int total = 0;
     LAC_TRY(lac_nc_dim(&s->file, "level", levels, &dim, err));
     LAC_TRY(lac_nc_define(&s->file, &level_var, 1, &dim, NULL, 0, &label, err));
     LAC_TRY(lac_nc_define(&s->file, &level_size, 1, &dim, NULL, 0, &size, err));
+    LAC_TRY(lac_nc_define(&s->file, &level_width, 1, &dim, NULL, 0, &width, err));
     LAC_TRY(lac_nc_define(&s->file, &level_total, 1, &dim, NULL, 0, &total, err));
-    double side = grid->dx;
-    for (size_t l = 0; l < levels; l++, side *= 2) {
+    for (size_t l = 0; l < levels; l++) {
+        // Blocks of a line or a single row are as wide as the row.
+        const double side = ldexp(grid->dx, (int)l);
+        const double across = grid->ny > 1 ? ldexp(grid->dy, (int)l) : grid->dy;
         const long long name = (long long)l;
         const long long blocks = (long long)lac_hierarchy_blocks(h, l);
         int code = nc_put_var1_longlong(s->file.id, label, &l, &name);
         code = code == NC_NOERR ? nc_put_var1_double(s->file.id, size, &l, &side) : code;
+        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, width, &l, &across) : code;
         code = code == NC_NOERR ? nc_put_var1_longlong(s->file.id, total, &l, &blocks) : code;
         LAC_TRY(lac_nc_check(s->file.path, code, err, "write the levels", ""));
     }

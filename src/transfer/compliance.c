@@ -13,8 +13,9 @@ struct lac_compliance {
     size_t n;
     size_t *at; // [n] index of each contact cell in the transform's grid
     lac_fft *fft;
-    double *stiffness;               // [ny * nkx] S/N of each mode [Pa/m], 0 for the mean
-    double *compliance;              // [ny * nkx] 1/(S N) of each mode [m/Pa], 0 for the mean
+    double *stiffness; // [ny * nkx] S/N of each mode [Pa/m], 0 for the mean
+    double
+        *compliance; // [ny * nkx] 1/(S N) of each mode [m/Pa], 0 for the mean; free: see fill_free
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
 };
 
@@ -36,19 +37,84 @@ static void fill_modes(lac_compliance *c, const lac_grid *grid, double g, double
     }
 }
 
+// sqrt(q) atan(sqrt(q) s), which goes on smoothly to q < 0
+static double arc(double q, double s)
+{
+    double root = sqrt(fabs(q));
+    return q < 0 ? -root * atanh(root * s) : root * atan(root * s);
+}
+
+// The integral of r/(x^2 + y^2/(1 - nu)) from the origin to a corner (x, y), odd in both; x, y not
+// 0; docs/theory/transfer.md, equation 12b.
+static double to_corner(double nu, double x, double y)
+{
+    double ax = fabs(x), ay = fabs(y), r = hypot(x, y);
+    double sum = (1 - nu) * ax * (asinh(ay / ax) + arc(nu / (1 - nu), ay / r)) +
+                 ay * (asinh(ax / ay) + arc(-nu, ax / r));
+    return (x < 0) == (y < 0) ? sum : -sum;
+}
+
+static void corners(double nu, size_t n, double dx, double y, double *corner)
+{
+    for (size_t i = 0; i < n; i++) {
+        corner[i] = to_corner(nu, ((double)i - 0.5) * dx, y);
+    }
+}
+
+// Slip at every distance from a cell under unit traction, the grid in the corner of the transform;
+// distances beyond half the transform are negative ones.
+static void fill_slips(lac_compliance *c, const lac_grid *grid, double g, double nu, double *low)
+{
+    const double pi = 3.14159265358979323846;
+    size_t mx = c->fft->nx, my = c->fft->ny, n = mx / 2 + 2;
+    double *high = low + n;
+    corners(nu, n, grid->dx, -0.5 * grid->dy, low);
+    for (size_t j = 0; j <= my / 2; j++) {
+        double *row = c->fft->real + j * mx;
+        corners(nu, n, grid->dx, ((double)j + 0.5) * grid->dy, high);
+        for (size_t i = 0; i <= mx / 2; i++) {
+            row[i] = ((high[i + 1] - high[i]) - (low[i + 1] - low[i])) / (pi * g);
+            row[(mx - i) % mx] = row[i];
+        }
+        memmove(c->fft->real + (my - j) % my * mx, row, mx * sizeof *row);
+        memcpy(low, high, n * sizeof *low);
+    }
+}
+
+// Free boundaries: uniform traction on each cell of an interface that is alone.
+static lac_status fill_free(lac_compliance *c, const lac_grid *grid, double g, double nu,
+                            lac_error *err)
+{
+    const lac_fft *fft = c->fft;
+    double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
+    if (low == NULL) {
+        return lac_fail_memory(err);
+    }
+    fill_slips(c, grid, g, nu, low);
+    free(low);
+    lac_fft_forward(c->fft);
+    double cells = (double)fft->nx * (double)fft->ny;
+    for (size_t i = 0; i < fft->ny * fft->nkx; i++) {
+        c->compliance[i] = creal(fft->spectrum[i]) / cells;
+    }
+    return LAC_OK;
+}
+
 lac_status lac_compliance_create(const lac_domain *domain, double shear_modulus, double poisson,
                                  lac_compliance **out, lac_error *err)
 {
     *out = NULL;
     const lac_grid *grid = &domain->grid;
-    size_t n = domain->n, pad = grid->periodic ? 1 : 2;
+    size_t n = domain->n;
+    size_t mx = grid->periodic || grid->nx == 1 ? 1 : 2;
+    size_t my = grid->periodic || grid->ny == 1 ? 1 : 2;
     lac_status status = LAC_OK;
     lac_compliance *c = calloc(1, sizeof *c);
     if (c == NULL) {
         return lac_fail_memory(err);
     }
     c->n = n;
-    LAC_TRY(lac_fft_create(pad * grid->nx, grid->ny > 1 ? pad * grid->ny : 1, &c->fft, err));
+    LAC_TRY(lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
     c->at = malloc(n * sizeof *c->at);
     size_t modes = c->fft->ny * c->fft->nkx;
     c->stiffness = malloc(modes * sizeof *c->stiffness);
@@ -67,6 +133,9 @@ lac_status lac_compliance_create(const lac_domain *domain, double shear_modulus,
         c->at[i] = y * c->fft->nx + x;
     }
     fill_modes(c, grid, shear_modulus, poisson);
+    if (!grid->periodic) {
+        LAC_TRY(fill_free(c, grid, shear_modulus, poisson, err));
+    }
     *out = c;
     c = NULL;
 out:

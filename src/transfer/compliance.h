@@ -8,8 +8,8 @@
 /// slip, along x, gaps free of traction; docs/theory/transfer.md, equations 9 to 12.
 typedef struct lac_compliance lac_compliance;
 
-/// Prepares the compliance of a domain. An interface that does not repeat is padded to twice its
-/// sides, which keeps its images away.
+/// Prepares the compliance of a domain. One that does not repeat is alone on the half-spaces, a row
+/// of cells too: a strip, where a periodic row is in plane strain.
 /// @param shear_modulus  G [Pa], > 0
 /// @param poisson        nu [1], < 1; 0 is antiplane
 /// @return LAC_OK; LAC_ENOMEM

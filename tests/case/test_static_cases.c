@@ -148,6 +148,11 @@ static void a_history_makes_a_case_static(void **state)
                 "x.yaml:4: load.history.friction: is missing: Coulomb's coefficient, which no "
                 "friction law gives either");
     }
+    refused(
+        JOINT "load: {normal: {approach: 1}, history: {friction: 0.5, steps: [{ratio_x: 0.3}]}}\n",
+        LAC_FOR_CONTACT,
+        "x.yaml:4: load.normal.approach: \"1\" is no load, from which load.history could start: "
+        "pressure, depth or slope");
     refused(JOINT HISTORY("friction: 0.5, "), LAC_FOR_RUN,
             "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
     (void)snprintf(text, sizeof text, "%stime: {end: 1}\n", JOINT HISTORY("friction: 0.5, "));

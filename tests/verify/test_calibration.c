@@ -9,6 +9,7 @@
 // cmocka needs the headers above first
 #include <cmocka.h>
 
+#include "support/free_slip.h"
 #include "support/trees.h"
 #include "transfer/calibrate.h"
 #include "transfer/compliance.h"
@@ -111,8 +112,19 @@ static void full_contact_has_a_closed_form(void **state)
     check_full((lac_grid){256, 1, 1, 1, true}, 8, 0.25);
 }
 
-// C_ij = 1/N sum over modes of cos(k . (x_i - x_j))/S, bordered by the zero net force; column j
-// of K is the solution for the j-th unit slip.
+// Periodic: C_ij = 1/N sum over modes of cos(k . (x_i - x_j))/S.
+static double wave_slip(const lac_grid *grid, double g, double nu, double di, double dj)
+{
+    double sum = 0;
+    for (size_t mode = 1; mode < lac_grid_cells(grid); mode++) {
+        size_t p = mode % grid->nx, q = mode / grid->nx;
+        double phase = (double)p * di / (double)grid->nx + (double)q * dj / (double)grid->ny;
+        sum += cos(tau * phase) / mode_stiffness(grid, g, nu, p, q) / (double)lac_grid_cells(grid);
+    }
+    return sum;
+}
+
+// C bordered by the zero net force; column j of K is the solution for the j-th unit slip.
 static void dense_elastic(const lac_domain *domain, double g, double nu, double *dense)
 {
     const lac_grid *grid = &domain->grid;
@@ -127,13 +139,9 @@ static void dense_elastic(const lac_domain *domain, double g, double nu, double 
                 (double)(domain->index[i] % grid->nx) - (double)(domain->index[j] % grid->nx);
             double dj =
                 (double)(domain->index[i] / grid->nx) - (double)(domain->index[j] / grid->nx);
-            for (size_t mode = 1; mode < lac_grid_cells(grid); mode++) {
-                size_t p = mode % grid->nx, q = mode / grid->nx;
-                double phase =
-                    (double)p * di / (double)grid->nx + (double)q * dj / (double)grid->ny;
-                c[i * m + j] += cos(tau * phase) / mode_stiffness(grid, g, nu, p, q) /
-                                (double)lac_grid_cells(grid);
-            }
+            c[i * m + j] = grid->periodic
+                               ? wave_slip(grid, g, nu, di, dj)
+                               : free_slip(g, nu, grid->dx, grid->dy, di * grid->dx, dj * grid->dy);
         }
     }
     for (size_t j = 0; j < n; j++) {
@@ -172,7 +180,8 @@ static void check_dense(lac_grid grid, uint64_t seed)
     }
     assert_int_equal(lac_compliance_invert(c, slip, 1e-15, traction, &energy, NULL), LAC_OK);
     assert_true(relative_error(n, traction, expected) < 1e-6);
-    assert_true(fabs(energy / exact_energy - 1) < 1e-12);
+    // free: as good as the quadrature of the reference
+    assert_true(fabs(energy / exact_energy - 1) < (grid.periodic ? 1e-12 : 1e-6));
     lac_compliance_free(c);
 
     lac_calibration found[33];
@@ -208,6 +217,37 @@ static void small_domains_agree_with_dense_matrices(void **state)
     check_dense((lac_grid){16, 16, 1, 1, true}, 1);
     check_dense((lac_grid){16, 12, 2, 0.7, true}, 2);
     check_dense((lac_grid){64, 1, 1, 1, true}, 3);
+}
+
+static void free_grids_agree_with_dense_matrices(void **state)
+{
+    (void)state;
+    check_dense((lac_grid){16, 16, 1, 1, false}, 1);
+    check_dense((lac_grid){16, 12, 2, 0.7, false}, 2);
+    check_dense((lac_grid){15, 20, 1, 1, false}, 3);
+    check_dense((lac_grid){64, 1, 1, 3, false}, 4); // a strip
+    check_dense((lac_grid){1, 40, 2, 1, false}, 5);
+}
+
+// The dense reference itself: cells under a smooth traction add up to what plane waves give.
+static void free_cells_add_up_to_plane_waves(void **state)
+{
+    (void)state;
+    const double s = 3, g = 2;
+    for (int k = 0; k < 12; k++) {
+        double nu = k < 4 ? 0 : k < 8 ? 0.25 : 0.45;
+        int ax = k % 4 == 1 ? 4 : k % 4 == 2 ? 0 : k % 4 * 2;
+        int ay = k % 4 == 1 ? 0 : k % 4 == 2 ? 5 : k % 4;
+        double sum = 0;
+        for (int i = -18; i <= 18; i++) {
+            for (int j = -18; j <= 18; j++) {
+                double traction = exp(-0.5 * (i * i + j * j) / (s * s));
+                sum += traction * free_slip(g, nu, 1, 1, ax - i, ay - j);
+            }
+        }
+        double exact = gaussian_slip(g, nu, s, hypot(ax, ay), atan2(ay, ax));
+        assert_true(fabs(sum / exact - 1) < 0.006); // cells of s/3: (1/s)^2/24
+    }
 }
 
 // Figures of an earlier, independent prototype (antiplane, contact 0.2), mean of some masks.
@@ -269,7 +309,8 @@ static void stiffness_scales_with_modulus_and_size(void **state)
     lac_domain_free(b);
 }
 
-// A small patch in a wide gap does not see its images: repeating or not, it is as stiff.
+// A small patch in a wide gap does not see its images: repeating or not, it is as stiff, but for
+// what waves cut off at the cell differ from uniform tractions on cells.
 static void isolated_patches_do_not_feel_the_boundary(void **state)
 {
     (void)state;
@@ -286,7 +327,7 @@ static void isolated_patches_do_not_feel_the_boundary(void **state)
     calibrate(alone, 1, 0.25, 1, b);
     for (size_t l = 0; l < 3; l++) {
         print_message("level %zu: periodic %.4f, alone %.4f\n", l, a[l].stiffness, b[l].stiffness);
-        assert_true(fabs(a[l].stiffness / b[l].stiffness - 1) < 0.01);
+        assert_true(fabs(a[l].stiffness / b[l].stiffness - 1) < 0.05);
     }
     assert_true(a[3].stiffness == 0 && b[5].stiffness == 0); // one block: nothing to tie
     lac_domain_free(periodic);
@@ -311,6 +352,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(full_contact_has_a_closed_form),
         cmocka_unit_test(small_domains_agree_with_dense_matrices),
+        cmocka_unit_test(free_grids_agree_with_dense_matrices),
+        cmocka_unit_test(free_cells_add_up_to_plane_waves),
         cmocka_unit_test(random_masks_agree_with_an_earlier_prototype),
         cmocka_unit_test(standard_error_is_honest),
         cmocka_unit_test(stiffness_scales_with_modulus_and_size),
