@@ -184,7 +184,8 @@ static const lac_param step_rows[] = {
      .min = -1,
      .max = 1,
      .offset = STEP(ratio[0]),
-     .doc = "shear load along x as part of f P, what friction holds",
+     .doc = "shear load along x as part of f P, what friction holds; of ratio, shear and shift "
+            "at most one along each axis",
      KEPT},
     {.key = "ratio_y",
      .unit = "1",
@@ -457,9 +458,8 @@ static const struct {
                               compare_rows, COUNT(compare_rows)},
                              compare_own},
     [LAC_SECTION_STEP] = {{"load.history.steps",
-                           "a list; of each axis at most one of ratio, shear and shift; what a "
-                           "step does not name stays as it was",
-                           step_rows, COUNT(step_rows)},
+                           "a list; what a step does not name stays as it was", step_rows,
+                           COUNT(step_rows)},
                           NULL},
 };
 
