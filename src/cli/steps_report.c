@@ -131,7 +131,7 @@ static void share_unit(column *a, column *b)
 static void hide_idle_axis(column *columns)
 {
     const double idle_load = 1e-6, idle_shift = 0.01;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 1; i >= 0; i--) {
         int other = 1 - i;
         if (columns[Q_X + i].largest <= idle_load * columns[Q_X + other].largest &&
             columns[SHIFT_X + i].largest <= idle_shift * columns[SHIFT_X + other].largest &&
