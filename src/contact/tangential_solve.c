@@ -288,9 +288,13 @@ static void advance(iteration *it)
         }
         evaluate(it);
         it->G_old = 0.0;
-        it->rho = plain ? fmax(0.5 * it->rho, 0.5 / p->space->most) : it->rho;
-        it->failures++;
-        it->plain = it->failures < 6 ? (int64_t)1 << (it->failures - 1) : 32;
+        if (plain) {
+            it->rho = fmax(0.25 * it->rho, 0.5 / p->space->most);
+            it->plain++;
+        } else {
+            it->plain = it->failures < 5 ? (int64_t)1 << it->failures : 32;
+            it->failures++;
+        }
     }
     examine(it);
 }

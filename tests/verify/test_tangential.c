@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <omp.h>
 
 #include "lacuna/tangential.h"
 #include "support/sheared.h"
@@ -68,6 +69,58 @@ static void rough_joint(void **state)
     release(&s);
 }
 
+// Tractions along x after a load, from the virgin state; the caller frees them
+static double *tractions_at(sheared *s, double qx, double *shift)
+{
+    const size_t cells = s->n * s->n;
+    double *tau = malloc(cells * sizeof *tau);
+    assert_non_null(tau);
+    start_again(s);
+    *shift = shear(s, qx, 0.0).shift[0];
+    memcpy(tau, lac_tangential_traction(s->t, 0), cells * sizeof *tau);
+    return tau;
+}
+
+static double largest_difference(const sheared *s, const double *a, const double *b,
+                                 const double *c, double factor)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < s->n * s->n; i++) {
+        most = fmax(most, fabs(a[i] - (b[i] + factor * c[i])));
+    }
+    return most / s->contact.max_pressure;
+}
+
+// With nu = 0, one direction and constant pressure, going back from Q to R superposes twice the
+// virgin response to (Q - R)/2 (Masing 1926): in shift and in every cell. Back at Q nothing is left
+// of the way there.
+static void masing(void **state)
+{
+    (void)state;
+    const double q = 0.6 * 0.5 * 4.9e-3;
+    const double r = -0.2 * 0.5 * 4.9e-3;
+    sheared s = rough_of(256, true, 0.0, 0.5);
+    double shift_q;
+    double shift_half;
+    double *up = tractions_at(&s, q, &shift_q);
+    double *half = tractions_at(&s, 0.5 * (q - r), &shift_half);
+    start_again(&s);
+    (void)shear(&s, q, 0.0);
+    double shift = shear(&s, r, 0.0).shift[0];
+    double off = largest_difference(&s, lac_tangential_traction(s.t, 0), up, half, -2.0);
+    double back = shear(&s, q, 0.0).shift[0];
+    double left = largest_difference(&s, lac_tangential_traction(s.t, 0), up, half, 0.0);
+    print_message("Masing: shift %.1e, tractions %.1e; memory erased: %.1e, %.1e\n",
+                  shift / (shift_q - 2.0 * shift_half) - 1.0, off, back / shift_q - 1.0, left);
+    assert_true(fabs(shift / (shift_q - 2.0 * shift_half) - 1.0) < 1e-8);
+    assert_true(off < 1e-7);
+    assert_true(fabs(back / shift_q - 1.0) < 1e-8);
+    assert_true(left < 1e-7);
+    free(up);
+    free(half);
+    release(&s);
+}
+
 static void cycles(void **state)
 {
     (void)state;
@@ -105,13 +158,28 @@ static void given_shift(void **state)
     release(&s);
 }
 
+static void any_number_of_threads(void **state)
+{
+    (void)state;
+    sheared s = rough_of(128, false, 0.3, 0.5);
+    double *tau[2];
+    for (int k = 0; k < 2; k++) {
+        omp_set_num_threads(1 + 3 * k);
+        double shift;
+        tau[k] = tractions_at(&s, 0.7 * 0.5 * 4.9e-3, &shift);
+    }
+    assert_memory_equal(tau[0], tau[1], 128 * 128 * sizeof(double));
+    free(tau[0]);
+    free(tau[1]);
+    release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mindlin),
-        cmocka_unit_test(rough_joint),
-        cmocka_unit_test(cycles),
-        cmocka_unit_test(given_shift),
+        cmocka_unit_test(mindlin),     cmocka_unit_test(rough_joint),
+        cmocka_unit_test(cycles),      cmocka_unit_test(masing),
+        cmocka_unit_test(given_shift), cmocka_unit_test(any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
