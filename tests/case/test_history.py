@@ -96,7 +96,7 @@ class Energy(History):
         put_in = sum((b["q_N"] + a["q_N"]) / 2 * (b["shift_m"] - a["shift_m"])
                      for a, b in zip(done, done[1:]))
         self.assertGreater(put_in, 0)
-        self.assertAlmostEqual(done[-1]["cycle_dissipation_J"] / put_in, 1, delta=0.05)
+        self.assertAlmostEqual(done[-1]["cycle_dissipation_J"] / put_in, 1, delta=2e-3)
 
 
 class Fields(History):
