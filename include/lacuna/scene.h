@@ -10,11 +10,12 @@
 /// The contact part of a scene: surface -> contact -> fractal measures.
 typedef struct lac_scene_contact {
     lac_grid grid;
-    double mean_pressure;  ///< total, over the nominal area [Pa]
-    double e_star;         ///< [Pa]; NaN where no surface is pressed
-    double *heights, *gap; ///< [ny * nx] [m]; NULL where there is no surface
-    double *pressure;      ///< [ny * nx] [Pa]
-    bool solved;           ///< a surface was pressed: `report` holds
+    double mean_pressure;       ///< total, over the nominal area [Pa]
+    double e_star;              ///< [Pa]; NaN where no surface is pressed
+    double *heights, *gap;      ///< [ny * nx] [m]; NULL where there is no surface
+    double *pressure;           ///< [ny * nx] [Pa]
+    lac_surface_report surface; ///< what the heights look like, where they are kept
+    bool solved;                ///< a surface was pressed: `report` holds
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;

@@ -4,6 +4,7 @@
 
 #include "lacuna/fractal.h"
 #include "lacuna/run.h"
+#include "lacuna/surface.h"
 #include "lacuna/tangential.h"
 
 /// Per-cell fields that a run may keep.
@@ -54,10 +55,11 @@ void lac_store_free(lac_store *store);
 /// A solved contact, as it is written.
 typedef struct lac_contact_view {
     const lac_grid *grid;
-    const double *heights, *gap;      ///< [ny * nx] [m]; NULL: a domain without surface
-    const double *pressure;           ///< [ny * nx] [Pa]
-    const lac_contact_report *report; ///< NULL: not solved
-    const lac_box_count *boxes;       ///< NULL: not counted
+    const double *heights, *gap;       ///< [ny * nx] [m]; NULL: a domain without surface
+    const double *pressure;            ///< [ny * nx] [Pa]
+    const lac_contact_report *report;  ///< NULL: not solved
+    const lac_box_count *boxes;        ///< NULL: not counted
+    const lac_surface_report *surface; ///< NULL: not measured
 } lac_contact_view;
 
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.

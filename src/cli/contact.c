@@ -12,6 +12,7 @@
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/steps.h"
+#include "cli/surface.h"
 #include "cli/words.h"
 
 // Everything that the command holds.
@@ -82,7 +83,8 @@ static lac_status write_file(contact_job *job, lac_error *err)
                                    .gap = contact->gap,
                                    .pressure = contact->pressure,
                                    .report = contact->solved ? &contact->report : NULL,
-                                   .boxes = contact->counted ? &contact->boxes : NULL};
+                                   .boxes = contact->counted ? &contact->boxes : NULL,
+                                   .surface = contact->solved ? &contact->surface : NULL};
     if (job->source->history.count > 0) {
         return follow_history(job, &provenance, &view, err);
     }
@@ -99,6 +101,9 @@ static void print_result(const contact_job *job)
     char cpu[32];
     if (c->title != NULL) {
         puts(c->title);
+    }
+    if (contact->solved) {
+        cli_surface_print(&contact->surface);
     }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
@@ -131,6 +136,7 @@ static void write_result(const contact_job *job)
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_measures_json(&json, contact);
+    cli_surface_json(&json, contact->solved ? &contact->surface : NULL);
     cli_json_number(&json, "mean_pressure_Pa", contact->mean_pressure);
     if (contact->solved) {
         cli_json_integer(&json, "iterations", report->iterations);

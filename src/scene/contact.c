@@ -33,7 +33,9 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
         return lac_fail_memory(err);
     }
-    status = lac_surface_generate(&c->surface, &out->grid, out->heights, err);
+    status = all ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
+                                                 &out->surface, err)
+                 : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.surface");
     }

@@ -181,6 +181,9 @@ lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, l
     if (contact->report != NULL) {
         LAC_TRY(put_report(file, contact->grid, contact->report, err));
     }
+    if (contact->surface != NULL) {
+        LAC_TRY(lac_nc_surface(file, contact->surface, err));
+    }
     if (contact->boxes != NULL) {
         LAC_TRY(put_boxes(file, contact->boxes, err));
     }
