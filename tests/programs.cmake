@@ -51,3 +51,29 @@ target_link_options(unit_test_memory PRIVATE
                     -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc)
 add_test(NAME unit.test_memory COMMAND unit_test_memory)
 set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})
+
+# Cases for `lacuna contact`: each checks, is pressed, and its file meets CF.
+file(GLOB contact_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/contact/*.yaml)
+foreach(bundled ${contact_cases})
+  get_filename_component(name ${bundled} NAME_WE)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-contact.nc)
+  add_test(NAME case.contact.${name}.check COMMAND lacuna_program check -q ${bundled})
+  add_test(NAME case.contact.${name}.run
+           COMMAND lacuna_program contact ${bundled} -o ${output} --force
+                   --set interface.levels=9)
+  add_test(NAME case.contact.${name}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                   --status complete ${output})
+  set_tests_properties(case.contact.${name}.check case.contact.${name}.run
+                       case.contact.${name}.cf PROPERTIES LABELS case
+                       ENVIRONMENT ${case_environment})
+  set_tests_properties(case.contact.${name}.run PROPERTIES FIXTURES_SETUP contact_${name})
+  set_tests_properties(case.contact.${name}.cf PROPERTIES FIXTURES_REQUIRED contact_${name})
+endforeach()
+
+# The fractal measures as the program gives them, and the tools that read them.
+add_test(NAME case.test_fractal
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_fractal.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

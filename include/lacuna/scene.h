@@ -7,6 +7,27 @@
 #include "lacuna/store.h"
 #include "lacuna/tangential.h"
 
+enum { LAC_SCENE_SIZES = 32 };
+
+/// What is measured of a contact beyond what a run needs.
+typedef struct lac_scene_fractal {
+    bool clustered; ///< `clusters` holds
+    lac_cluster_summary clusters;
+    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling`, `sizes` hold
+    lac_scaling scaling;
+    lac_error why;                           ///< why not `scaled`
+    size_t sizes;                            ///< specimens
+    lac_size_strength size[LAC_SCENE_SIZES]; ///< [sizes] relative to the interface itself
+} lac_scene_fractal;
+
+/// How it is measured.
+typedef struct lac_scene_measure_def {
+    lac_scaling_def scaling; ///< `finest` is filled in
+    lac_box_def boxes;
+    size_t sizes;                 ///< specimens, at most LAC_SCENE_SIZES
+    double size[LAC_SCENE_SIZES]; ///< [sizes] their sides [m]
+} lac_scene_measure_def;
+
 /// The contact part of a scene: surface -> contact -> fractal measures.
 typedef struct lac_scene_contact {
     lac_grid grid;
@@ -19,8 +40,7 @@ typedef struct lac_scene_contact {
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;
-    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling` holds
-    lac_scaling scaling;
+    lac_scene_fractal fractal; ///< filled by lac_scene_contact_measure
     lac_domain *domain;
 } lac_scene_contact;
 
@@ -73,11 +93,23 @@ typedef struct lac_scene {
 } lac_scene;
 
 /// Solves the contact of a case.
-/// @param all  keep heights, gap and pressure, and measure the area scaling where the grid has
-///             four resolutions (for `contact`); else only what a run needs
+/// @param all  keep heights, gap and pressure (for `contact`); else only what a run needs
 /// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
 lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err);
+
+/// Area scaling from 64 cells a side where the grid has four resolutions, the finest left out;
+/// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
+lac_scene_measure_def lac_scene_measure_default(void);
+
+/// Measures the contact that was solved with `all`: clusters, area scaling, size effect; counts the
+/// boxes again where `def` asks for other ones.
+/// A contact whose area has no scaling (grid too small, no surface, coarse grids not solved) is
+/// measured all the same: `fractal.why` says why it has none.
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT (sizes of boxes or specimens)
+/// @cost   the contact once more at 2, 4, 8 ... times its cell: about half of what it took
+lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene_contact *contact,
+                                     lac_error *err);
 void lac_scene_contact_clear(lac_scene_contact *contact);
 
 /// Builds the whole scene of a case. The case must outlive it.

@@ -55,11 +55,15 @@ void lac_store_free(lac_store *store);
 /// A solved contact, as it is written.
 typedef struct lac_contact_view {
     const lac_grid *grid;
-    const double *heights, *gap;       ///< [ny * nx] [m]; NULL: a domain without surface
-    const double *pressure;            ///< [ny * nx] [Pa]
-    const lac_contact_report *report;  ///< NULL: not solved
-    const lac_box_count *boxes;        ///< NULL: not counted
-    const lac_surface_report *surface; ///< NULL: not measured
+    const double *heights, *gap;         ///< [ny * nx] [m]; NULL: a domain without surface
+    const double *pressure;              ///< [ny * nx] [Pa]
+    const lac_contact_report *report;    ///< NULL: not solved
+    const lac_box_count *boxes;          ///< NULL: not counted
+    const lac_cluster_summary *clusters; ///< NULL: not looked for
+    const lac_scaling *scaling;          ///< NULL: not measured
+    size_t sizes;                        ///< specimens of the size effect
+    const lac_size_strength *size;       ///< [sizes]
+    const lac_surface_report *surface;   ///< NULL: not measured
 } lac_contact_view;
 
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "cli/command.h"
+#include "cli/fractal.h"
 #include "cli/libraries.h"
 #include "cli/measures.h"
 #include "cli/output.h"
@@ -78,12 +79,17 @@ static lac_status write_file(contact_job *job, lac_error *err)
     }
     const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
                                                      cli_libraries(libraries, sizeof libraries));
+    const lac_scene_fractal *f = &contact->fractal;
     const lac_contact_view view = {.grid = &contact->grid,
                                    .heights = contact->heights,
                                    .gap = contact->gap,
                                    .pressure = contact->pressure,
                                    .report = contact->solved ? &contact->report : NULL,
                                    .boxes = contact->counted ? &contact->boxes : NULL,
+                                   .clusters = f->clustered ? &f->clusters : NULL,
+                                   .scaling = f->scaled ? &f->scaling : NULL,
+                                   .sizes = f->sizes,
+                                   .size = f->size,
                                    .surface = contact->solved ? &contact->surface : NULL};
     if (job->source->history.count > 0) {
         return follow_history(job, &provenance, &view, err);
@@ -107,14 +113,7 @@ static void print_result(const contact_job *job)
     }
     cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
     cli_measures_print(contact);
-    if (contact->scaled) {
-        cli_row("Delta_S", "%.3f +/- %.3f (cells of 2 to %zu times this size)",
-                contact->scaling.dimension, contact->scaling.error,
-                (size_t)1 << (contact->scaling.n - 1));
-    } else if (contact->solved) {
-        cli_row("Delta_S", "none: needs sides of more than 256 cells that halve three times, and "
-                           "areas that fall with the cell");
-    }
+    cli_fractal_print(contact);
     if (contact->solved) {
         cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
                 report->products);
@@ -149,8 +148,7 @@ static void write_result(const contact_job *job)
                     contact->solved ? report->complementarity_error : NAN);
     cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
     cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
-    cli_json_number(&json, "delta_s", contact->scaled ? contact->scaling.dimension : NAN);
-    cli_json_number(&json, "delta_s_error", contact->scaled ? contact->scaling.error : NAN);
+    cli_fractal_json(&json, contact);
     if (job->steps.record != NULL) {
         cli_steps_json(&json, &job->steps);
     }
@@ -168,18 +166,24 @@ static void show_result(const contact_job *job, lac_status status)
         }
     } else if (whole) {
         print_result(job);
+        if (cli_given(job->request, CLI_OPT_VERBOSE)) {
+            cli_fractal_tables(&job->contact);
+        }
     }
 }
 
 lac_status cli_contact(const cli_request *request, lac_error *err)
 {
     contact_job job = {.request = request};
+    lac_scene_measure_def measure;
     lac_status status;
+    LAC_TRY(cli_fractal_read(request, &measure, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     LAC_TRY(
         cli_blame(job.source, lac_scene_contact_solve(job.source, true, &job.contact, err), err));
+    LAC_TRY(cli_blame(job.source, lac_scene_contact_measure(&measure, &job.contact, err), err));
     status = write_file(&job, err);
     show_result(&job, status);
 out:

@@ -64,6 +64,30 @@ out:
     return status;
 }
 
+// What `lacuna contact` does.
+static lac_status whole_contact(const lac_case *c, const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_scene_contact contact = {0};
+    lac_scene_measure_def how = lac_scene_measure_default();
+    how.scaling.coarsest = 8;
+    how.boxes.largest = 16;
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
+    const lac_provenance provenance = {.title = c->title, .seed = 1};
+    const lac_contact_view view = {.grid = &contact.grid,
+                                   .heights = contact.heights,
+                                   .pressure = contact.pressure,
+                                   .boxes = &contact.boxes,
+                                   .clusters = &contact.fractal.clusters,
+                                   .scaling = &contact.fractal.scaling};
+    assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
+    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+out:
+    lac_scene_contact_clear(&contact);
+    return status;
+}
+
 // Case to netCDF file.
 static lac_status whole_run(const char *path, lac_error *err)
 {
@@ -82,6 +106,7 @@ static lac_status whole_run(const char *path, lac_error *err)
     free(resolved);
     LAC_TRY(lac_scene_create(c, &scene, err));
     LAC_TRY(store_run(c, scene, path, err));
+    LAC_TRY(whole_contact(c, path, err));
 out:
     lac_scene_free(scene);
     lac_case_free(c);

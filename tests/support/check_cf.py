@@ -27,8 +27,9 @@ RUN_GLOBALS = ["case"]
 ENDED_GLOBALS = ["wall_time_s", "failed"]
 STATUS = {"running", "complete", "failed", "interrupted"}
 STANDARD_NAMES = {"time": "s", "cell_area": "m2"}  # the names in use, with their canonical units
-MAY_BE_MISSING = {"step_size", "order", "cycle_start", "cycle_dissipation", "cycle_shift",
-                  "highest_ratio", "highest_x", "highest_y"}
+MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local_dimension",
+                  "cycle_start", "cycle_dissipation", "cycle_shift", "highest_ratio", "highest_x",
+                  "highest_y"}
 CELL_METHOD = re.compile(
     r"^(?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum)"
     r"(?: (?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum))*$")
