@@ -38,6 +38,7 @@ HEADERS = {
     "grid": "base",
     "version": "base",
     "problem": "model",
+    "tangential": "contact",
     "lacuna": "cli",
 }
 
