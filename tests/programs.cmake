@@ -2,7 +2,8 @@
 # Tests that call programs: the command line, the bundled cases and what they write.
 include(cli.cmake)
 
-# Every bundled case checks, runs, and writes a file that meets CF and opens in xarray.
+# Every bundled case checks, runs (one without time: is pressed and sheared), and writes a file that
+# meets CF and opens in xarray.
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
 file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml)
@@ -10,14 +11,35 @@ foreach(bundled ${bundled_cases})
   get_filename_component(name ${bundled} NAME_WE)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.nc)
   add_test(NAME case.${name}.check COMMAND lacuna_program check -q ${bundled})
+  file(STRINGS ${bundled} timed REGEX "^time:")
+  set(command run)
+  if(NOT timed)
+    set(command contact)
+  endif()
   add_test(NAME case.${name}.run
-           COMMAND lacuna_program run ${bundled} -o ${output} --force --no-progress)
+           COMMAND lacuna_program ${command} ${bundled} -o ${output} --force --no-progress)
   add_test(NAME case.${name}.cf
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py ${output})
   set_tests_properties(case.${name}.check case.${name}.run case.${name}.cf PROPERTIES
                        LABELS case ENVIRONMENT ${case_environment})
   set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
   set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
+endforeach()
+
+# Histories of load, and the commands of the tutorials with what they print.
+add_test(NAME case.test_history
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_history.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_history PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
+foreach(page ${tutorials})
+  get_filename_component(name ${page} NAME_WE)
+  add_test(NAME case.${name}
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
+                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR} ${page})
+  set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
+                       ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
 
 # The library's allocations fail one after the other.

@@ -5,6 +5,7 @@
 #include "lacuna/case.h"
 #include "lacuna/fractal.h"
 #include "lacuna/store.h"
+#include "lacuna/tangential.h"
 
 enum { LAC_SCENE_SIZES = 32 };
 
@@ -42,6 +43,42 @@ typedef struct lac_scene_contact {
     lac_scene_fractal fractal; ///< filled by lac_scene_contact_measure
     lac_domain *domain;
 } lac_scene_contact;
+
+/// What a case's load.history came to.
+typedef struct lac_history_result {
+    size_t steps, planned;           ///< solved, of the whole history
+    bool loaded;                     ///< a shear load was reached and `first_slip` solved
+    lac_first_slip first_slip;       ///< of the joint without any slip, under the first shear load
+    double first_place[2];           ///< centre of its cell [m]
+    bool compared;                   ///< superposed, to its end, and `superposed` solved
+    lac_superposed_error superposed; ///< measured at the last load
+} lac_history_result;
+
+/// Where the steps of a history go, as they are solved. Members may be NULL.
+typedef struct lac_history_sink {
+    void *context;
+    /// @return LAC_OK; else the history ends with this status
+    lac_status (*step)(void *context, const lac_history_record *record, lac_error *err);
+    /// Cell by cell, after each step or after the last one, as load.history.fields says.
+    lac_status (*maps)(void *context, const lac_history_maps *maps, lac_error *err);
+    /// Asked before each step: whether to end here.
+    bool (*interrupted)(void *context);
+} lac_history_sink;
+
+/// Number of steps of a case's history, all increments counted.
+size_t lac_scene_history_steps(const lac_case *c);
+
+/// Goes through the history of a case: presses anew where the pressure changes, from the pressures
+/// before, and shears; docs/theory/tangential.md.
+/// A step ends a cycle when it comes back to the controls of an earlier one (the latest; or of the
+/// start): the pressure and, of each axis, the load or shift that is controlled, within 1e-6 of the
+/// largest so far, other controls having been in between.
+/// @param contact  of the case, solved with `all`; its pressures are where the history starts
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
+///         The steps up to there have gone to the sink.
+lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
+                                 const lac_history_sink *sink, lac_history_result *result,
+                                 lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {

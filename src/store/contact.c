@@ -92,8 +92,7 @@ out:
     return status;
 }
 
-lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_contact_view *contact, lac_error *err)
+lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, lac_error *err)
 {
     const lac_map maps[] = {
         {{.name = "heights",
@@ -115,6 +114,24 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
           .type = NC_DOUBLE},
          contact->pressure},
     };
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "boundary", contact->grid->periodic ? "periodic" : "free",
+                        err));
+    LAC_TRY(put_maps(file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
+    if (contact->report != NULL) {
+        LAC_TRY(put_report(file, contact->grid, contact->report, err));
+    }
+    if (contact->surface != NULL) {
+        LAC_TRY(lac_nc_surface(file, contact->surface, err));
+    }
+    LAC_TRY(lac_nc_fractal(file, contact, err));
+out:
+    return status;
+}
+
+lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_contact_view *contact, lac_error *err)
+{
     lac_nc file = {0};
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_create(&file, path, force, err));
@@ -122,16 +139,7 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
                               "Contact of a rough rock joint under normal load: maps over the "
                               "interface, and the fractal measures of the contact domain.",
                               err));
-    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "boundary", contact->grid->periodic ? "periodic" : "free",
-                        err));
-    LAC_TRY(put_maps(&file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
-    if (contact->report != NULL) {
-        LAC_TRY(put_report(&file, contact->grid, contact->report, err));
-    }
-    if (contact->surface != NULL) {
-        LAC_TRY(lac_nc_surface(&file, contact->surface, err));
-    }
-    LAC_TRY(lac_nc_fractal(&file, contact, err));
+    LAC_TRY(lac_nc_contact(&file, contact, err));
     LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));

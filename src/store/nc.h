@@ -98,4 +98,7 @@ lac_status lac_nc_surface(const lac_nc *file, const lac_surface_report *surface,
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err);
 
+/// Everything that is known of a solved contact: axes, maps, attributes, box counts.
+lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, lac_error *err);
+
 #endif

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 // cmocka needs the headers above first
@@ -12,6 +13,14 @@
 #include <math.h>
 
 #include "lacuna/scene.h"
+
+#define HISTORY(keys) \
+    "load: {normal: {pressure: 1e5}, history: {" keys "steps: [{ratio_x: 0.3}]}}\n"
+
+#define JOINT                                                                        \
+    "lacuna: 1\n"                                                                    \
+    "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n" \
+    "material: {shear_modulus: 1e9}\n"
 
 #define CONTACT                                                                      \
     "lacuna: 1\n"                                                                    \
@@ -117,6 +126,40 @@ static void text_of_a_static_case_reads_back(void **state)
     lac_case_free(again);
 }
 
+// A history is statics: a case that has one and no time is checked as such, and a run refuses it.
+static void a_history_makes_a_case_static(void **state)
+{
+    (void)state;
+    static const char law[] = "friction: {aging: {f0: 0.7, a: 0.01, b: 0.015, dc: 1e-4}}\n";
+    char first[500];
+    char text[1000];
+    static const lac_case_purpose purposes[] = {LAC_FOR_CHECK, LAC_FOR_CONTACT};
+    for (size_t i = 0; i < 2; i++) {
+        lac_case *c = read_for(JOINT HISTORY("friction: 0.5, "), purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        assert_true(c->history.friction == 0.5 && isnan(c->run.end));
+        lac_case_free(c);
+        (void)snprintf(text, sizeof text, "%s%s", JOINT HISTORY(""), law);
+        c = read_for(text, purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        assert_true(c->history.friction == 0.7);
+        lac_case_free(c);
+        refused(JOINT HISTORY(""), purposes[i],
+                "x.yaml:4: load.history.friction: is missing: Coulomb's coefficient, which no "
+                "friction law gives either");
+    }
+    refused(
+        JOINT "load: {normal: {approach: 1}, history: {friction: 0.5, steps: [{ratio_x: 0.3}]}}\n",
+        LAC_FOR_CONTACT,
+        "x.yaml:4: load.normal.approach: \"1\" is no load, from which load.history could start: "
+        "pressure, depth or slope");
+    refused(JOINT HISTORY("friction: 0.5, "), LAC_FOR_RUN,
+            "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
+    (void)snprintf(text, sizeof text, "%stime: {end: 1}\n", JOINT HISTORY("friction: 0.5, "));
+    refused(text, LAC_FOR_CHECK,
+            "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
+}
+
 // An approach names a case as static, to `check` too; a run has no use for it.
 static void an_approach_is_static(void **state)
 {
@@ -185,6 +228,7 @@ int main(void)
         cmocka_unit_test(a_static_case_makes_no_scene),
         cmocka_unit_test(interfaces_are_grids),
         cmocka_unit_test(text_of_a_static_case_reads_back),
+        cmocka_unit_test(a_history_makes_a_case_static),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

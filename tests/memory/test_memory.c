@@ -147,7 +147,71 @@ out:
     return status;
 }
 
-static void every_allocation_fails(lac_status (*whole)(const char *, lac_error *), bool for_good)
+static const char sheared[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load:\n"
+    "  normal: {pressure: 1e6}\n"
+    "  history: {friction: 0.5, steps: [{ratio_x: 0.5}, {pressure: 8e5}, {shift_y: 1e-4}]}\n";
+
+static lac_status put_step(void *context, const lac_history_record *record, lac_error *err)
+{
+    return lac_history_store_step(context, record, err);
+}
+
+static lac_status put_maps(void *context, const lac_history_maps *maps, lac_error *err)
+{
+    return lac_history_store_maps(context, maps, err);
+}
+
+static lac_status store_history(const lac_case *c, const lac_scene_contact *contact,
+                                const char *path, lac_error *err)
+{
+    lac_history_store *store = NULL;
+    lac_history_result result;
+    lac_status status = LAC_OK;
+    const lac_history_store_def def = {.path = path,
+                                       .force = true,
+                                       .provenance = {.title = "sheared", .seed = 1},
+                                       .contact = {.grid = &contact->grid,
+                                                   .heights = contact->heights,
+                                                   .gap = contact->gap,
+                                                   .pressure = contact->pressure,
+                                                   .report = &contact->report},
+                                       .friction = c->history.friction,
+                                       .method = "direct",
+                                       .keep = LAC_KEEP_ALL,
+                                       .pressed = true};
+    LAC_TRY(lac_history_store_create(&def, &store, err));
+    const lac_history_sink sink = {.context = store, .step = put_step, .maps = put_maps};
+    LAC_TRY(lac_scene_history_run(c, contact, &sink, &result, err));
+    LAC_TRY(lac_history_store_finish(store, "complete", err));
+out:
+    lac_history_store_free(store);
+    return status;
+}
+
+// Case to netCDF file, through a history of loads.
+static lac_status whole_history(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
+    LAC_TRY(lac_case_read_text("case.yaml", sheared, sizeof sheared - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(store_history(c, &contact, path, err));
+out:
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
+                                   bool for_good)
 {
     char path[] = "/tmp/lacuna-memory-XXXXXX";
     int fd = mkstemp(path);
@@ -176,6 +240,7 @@ static void one_fails(void **state)
     (void)state;
     every_allocation_fails(whole_run, false);
     every_allocation_fails(whole_shear, false);
+    every_allocation_fails(whole_history, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -183,6 +248,7 @@ static void all_fail_from_one_on(void **state)
     (void)state;
     every_allocation_fails(whole_run, true);
     every_allocation_fails(whole_shear, true);
+    every_allocation_fails(whole_history, true);
 }
 
 int main(void)
