@@ -2,7 +2,7 @@
 # The libraries Lacuna stands on, gathered in one interface target.
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes arkode nvecserial)
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(LACUNA_LIBS REQUIRED IMPORTED_TARGET gsl fftw3 netcdf yaml-0.1)
+pkg_check_modules(LACUNA_LIBS REQUIRED IMPORTED_TARGET gsl fftw3 fftw3f netcdf yaml-0.1)
 find_library(UDUNITS2_LIBRARY udunits2 REQUIRED)
 find_path(UDUNITS2_INCLUDE udunits2.h PATH_SUFFIXES udunits2 REQUIRED)
 find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)

@@ -2,7 +2,8 @@
 # Tests that call programs: the command line, the bundled cases and what they write.
 include(cli.cmake)
 
-# Every bundled case checks, runs, and writes a file that meets CF and opens in xarray.
+# Every bundled case checks, runs (one without time: is pressed and sheared), and writes a file that
+# meets CF and opens in xarray.
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
 file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml)
@@ -10,14 +11,35 @@ foreach(bundled ${bundled_cases})
   get_filename_component(name ${bundled} NAME_WE)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.nc)
   add_test(NAME case.${name}.check COMMAND lacuna_program check -q ${bundled})
+  file(STRINGS ${bundled} timed REGEX "^time:")
+  set(command run)
+  if(NOT timed)
+    set(command contact)
+  endif()
   add_test(NAME case.${name}.run
-           COMMAND lacuna_program run ${bundled} -o ${output} --force --no-progress)
+           COMMAND lacuna_program ${command} ${bundled} -o ${output} --force --no-progress)
   add_test(NAME case.${name}.cf
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py ${output})
   set_tests_properties(case.${name}.check case.${name}.run case.${name}.cf PROPERTIES
                        LABELS case ENVIRONMENT ${case_environment})
   set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
   set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
+endforeach()
+
+# Histories of load, and the commands of the tutorials with what they print.
+add_test(NAME case.test_history
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_history.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_history PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
+foreach(page ${tutorials})
+  get_filename_component(name ${page} NAME_WE)
+  add_test(NAME case.${name}
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
+                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR} ${page})
+  set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
+                       ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
 
 # The library's allocations fail one after the other.
@@ -29,3 +51,29 @@ target_link_options(unit_test_memory PRIVATE
                     -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc)
 add_test(NAME unit.test_memory COMMAND unit_test_memory)
 set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})
+
+# Cases for `lacuna contact`: each checks, is pressed, and its file meets CF.
+file(GLOB contact_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/contact/*.yaml)
+foreach(bundled ${contact_cases})
+  get_filename_component(name ${bundled} NAME_WE)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-contact.nc)
+  add_test(NAME case.contact.${name}.check COMMAND lacuna_program check -q ${bundled})
+  add_test(NAME case.contact.${name}.run
+           COMMAND lacuna_program contact ${bundled} -o ${output} --force
+                   --set interface.levels=9)
+  add_test(NAME case.contact.${name}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                   --status complete ${output})
+  set_tests_properties(case.contact.${name}.check case.contact.${name}.run
+                       case.contact.${name}.cf PROPERTIES LABELS case
+                       ENVIRONMENT ${case_environment})
+  set_tests_properties(case.contact.${name}.run PROPERTIES FIXTURES_SETUP contact_${name})
+  set_tests_properties(case.contact.${name}.cf PROPERTIES FIXTURES_REQUIRED contact_${name})
+endforeach()
+
+# The fractal measures as the program gives them, and the tools that read them.
+add_test(NAME case.test_fractal
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_fractal.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

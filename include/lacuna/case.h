@@ -99,6 +99,37 @@ typedef struct lac_rg_def {
     double beta[LAC_MOST_BETAS];
 } lac_rg_def;
 
+/// How a history is solved; `superposed` is Ciavarella and Jaeger's superposition of normal loads.
+typedef enum lac_history_method {
+    LAC_HISTORY_DIRECT = 0,
+    LAC_HISTORY_SUPERPOSED
+} lac_history_method;
+
+/// Steps of a history whose fields are kept.
+typedef enum lac_history_fields {
+    LAC_HISTORY_ALL = 0,
+    LAC_HISTORY_LAST,
+    LAC_HISTORY_NONE
+} lac_history_fields;
+
+/// One entry of a history; NaN: stays as it was. Of each axis (0: x, 1: y) at most one is given.
+typedef struct lac_history_step {
+    double pressure; ///< mean over the nominal area [Pa]
+    double ratio[2]; ///< shear load over f P [1]
+    double shear[2]; ///< mean traction over the nominal area [Pa]
+    double shift[2]; ///< of one body against the other [m]
+    int64_t count;   ///< equal increments to get there
+} lac_history_step;
+
+/// A static history of normal and shear load.
+typedef struct lac_history_def {
+    int method;      ///< lac_history_method
+    int fields;      ///< lac_history_fields
+    double friction; ///< Coulomb's coefficient f [1]
+    size_t count;    ///< 0: no history
+    lac_history_step *step;
+} lac_history_def;
+
 /// A case: text turned into one def per stage. Everything is SI and checked.
 typedef struct lac_case {
     char *path;
@@ -108,6 +139,7 @@ typedef struct lac_case {
     lac_material_def material;
     lac_slot normal;
     lac_slot_list shear, pore;
+    lac_history_def history;
     lac_slot friction; ///< `about` is NULL where a static case names none
     lac_spread_list friction_spread;
     lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread

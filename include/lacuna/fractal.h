@@ -21,6 +21,7 @@ typedef struct lac_box_count {
     double slope[LAC_BOX_SIZES];   ///< local slope between side i and i + 1
     size_t fit_first, fit_last;    ///< range of the fit (indices)
     double dimension, error;       ///< D_box and its standard error: stated as D +- 2 errors
+    double regression_error;       ///< its standard error, from the regression alone
     bool few_cells;                ///< fewer than 500 cells: a weak estimate
     bool dense;                    ///< more than 30 % of the area: not a fractal set
 } lac_box_count;
@@ -57,6 +58,24 @@ void lac_clusters_free(lac_clusters *clusters);
 /// Linear extent of one cluster: the longer of its two extents [m].
 double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, size_t cluster);
 
+enum { LAC_CLUSTER_OCTAVES = 32 };
+
+/// What the clusters of a domain are like.
+typedef struct lac_cluster_summary {
+    size_t n, cells;       ///< clusters, and cells in all of them
+    size_t largest;        ///< cells of the largest
+    double largest_extent; ///< longer extent of the largest [m]
+    double widest;         ///< longest extent of any [m]
+    double mean;           ///< cells of a cluster, each cluster counted once
+    double weighted;       ///< cells of the cluster that a contact cell belongs to, mean over cells
+    size_t octaves;        ///< sizes from 2^i to 2^(i+1) - 1 cells, i < octaves
+    size_t count[LAC_CLUSTER_OCTAVES];    ///< clusters of each octave
+    size_t cells_of[LAC_CLUSTER_OCTAVES]; ///< cells in them
+} lac_cluster_summary;
+
+/// Sums up clusters; docs/theory/fractal.md.
+lac_cluster_summary lac_clusters_summarise(const lac_clusters *clusters, const lac_grid *grid);
+
 enum { LAC_SCALING_POINTS = 24 };
 
 /// How a finer grid becomes a coarser one; the two give different slopes of the surface.
@@ -70,8 +89,9 @@ typedef struct lac_resolution {
     double cell;     ///< r, side of a cell [m]
     double area;     ///< A_r, real area of contact [m2]
     double pressure; ///< p_r, mean over A_r [Pa]
-    double slope;    ///< h'_r, rms slope between neighbouring cells along x and y [1]; not fitted
+    double slope;    ///< h'_r, rms slope between neighbouring cells along x and y [1]; 0: not known
     size_t cells;    ///< cells in contact; not fitted
+    double boundary; ///< length of the cells' sides that part contact from none [m]; not fitted
     double local;    ///< Delta_S between this resolution and the next finer one; NaN at the finest
 } lac_resolution;
 
@@ -84,9 +104,14 @@ typedef struct lac_scaling {
     double dimension;                      ///< Delta_S
     double regression_error;               ///< its standard error, from the regression alone
     double error;                          ///< its standard error, with the spread over sub-ranges
-    double load;                           ///< P, mean of p_r A_r [N]
-    double load_error;                     ///< largest |p_r A_r - P| / P [1]
-    double fractal_area;     ///< A* = A_r r^(Delta_S - 2), mean over the fit [m^Delta_S]
+    bool few_cells;      ///< fewer than 100 cells touch at the coarsest resolution: a weak estimate
+    double load;         ///< P, mean of p_r A_r [N]
+    double load_error;   ///< largest |p_r A_r - P| / P [1]
+    double smooth;       ///< Delta_S of the areas less what their boundary cells add; NaN where
+                         ///< nothing is left of one
+    double from_slopes;  ///< 2 - d ln h'_r / d ln(1/r): Delta_S if A_r h'_r did not depend on r;
+                         ///< NaN where a slope is not known
+    double fractal_area; ///< A* = A_r r^(Delta_S - 2), mean over the fit [m^Delta_S]
     double fractal_pressure; ///< p* = P / A* [N m^-Delta_S]
 } lac_scaling;
 
@@ -98,11 +123,18 @@ typedef struct lac_scaling {
 /// @return LAC_OK; LAC_EINPUT (too few, not finer from one to the next, areas or pressures not > 0)
 lac_status lac_scaling_fit(lac_scaling *scaling, size_t left_out, lac_error *err);
 
+/// Contact area without what whole cells add along its boundary: A - (pi - 1 + ln 2)/24 r boundary.
+/// Good where patches span several cells; of single cells it takes half.
+/// @source Yastrebov, Anciaux & Molinari (2017), doi 10.1016/j.jmps.2017.07.016
+double lac_smooth_area(const lac_resolution *at);
+
 /// Which resolutions of one interface are solved.
 typedef struct lac_scaling_def {
     size_t coarsest;           ///< cells along the shorter side of the coarsest grid, at most
     size_t left_out;           ///< finest resolutions solved but left out of the fit
     lac_coarsening coarsening; ///< how the coarser grids are made
+    const double *finest;      ///< [ny * nx] pressures at the finest resolution, where they are
+                               ///< known [Pa]; NULL: solved for
 } lac_scaling_def;
 
 /// From 64 cells by point sampling, the finest resolution left out of the fit.
@@ -110,7 +142,8 @@ lac_scaling_def lac_scaling_default(void);
 
 /// Solves the contact of one interface at its own resolution and at 2, 4, 8 ... times its cell and
 /// fits the areas. Each resolution is solved on its own, from a flat start.
-/// @param contact  the finest resolution; its sides divide by two as often as it is coarsened
+/// @param contact  the finest resolution, under load control; its sides divide by two as often as
+///                 it is coarsened; `start` is not used
 /// @return LAC_OK; what lac_contact_solve or lac_scaling_fit return; LAC_ENOMEM
 lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling_def *def,
                                lac_scaling *scaling, lac_error *err);
@@ -131,7 +164,7 @@ typedef struct lac_size_strength {
 } lac_size_strength;
 
 /// The size effect: q_crit ~ p_0 ~ p* b^-(2 - Delta_S).
-/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 4.
+/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 6.
 /// @param n     specimens
 /// @param size  [n] their sides [m]
 /// @param rows  [n] overwritten
@@ -139,5 +172,17 @@ typedef struct lac_size_strength {
 /// @source Borri-Brunetto, Carpinteri and Chiaia (2004), eq. 2 and 3
 lac_status lac_size_effect(const lac_size_def *def, size_t n, const double *size,
                            lac_size_strength *rows, lac_error *err);
+
+/// A published exponent x of the size effect, strength ~ b^-x, x = 2 - Delta_S.
+typedef struct lac_size_exponent {
+    const char *quantity;         ///< what falls with the size
+    double low, high;             ///< x, equal where one value is stated [1]
+    double shortest_m, longest_m; ///< lengths that it was found on [m]; NaN: not stated
+    bool stated;                  ///< by the source; else derived from what it states
+    const char *source;
+} lac_size_exponent;
+
+/// The index-th published exponent, NULL past the end; cases/data/size_effect.csv.
+const lac_size_exponent *lac_size_exponent_at(size_t index);
 
 #endif

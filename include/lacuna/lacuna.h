@@ -18,6 +18,7 @@
 #include "lacuna/series.h"
 #include "lacuna/store.h"
 #include "lacuna/surface.h"
+#include "lacuna/tangential.h"
 #include "lacuna/transfer.h"
 #include "lacuna/version.h"
 

@@ -5,22 +5,80 @@
 #include "lacuna/case.h"
 #include "lacuna/fractal.h"
 #include "lacuna/store.h"
+#include "lacuna/tangential.h"
+
+enum { LAC_SCENE_SIZES = 32 };
+
+/// What is measured of a contact beyond what a run needs.
+typedef struct lac_scene_fractal {
+    bool clustered; ///< `clusters` holds
+    lac_cluster_summary clusters;
+    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling`, `sizes` hold
+    lac_scaling scaling;
+    lac_error why;                           ///< why not `scaled`
+    size_t sizes;                            ///< specimens
+    lac_size_strength size[LAC_SCENE_SIZES]; ///< [sizes] relative to the interface itself
+} lac_scene_fractal;
+
+/// How it is measured.
+typedef struct lac_scene_measure_def {
+    lac_scaling_def scaling; ///< `finest` is filled in
+    lac_box_def boxes;
+    size_t sizes;                 ///< specimens, at most LAC_SCENE_SIZES
+    double size[LAC_SCENE_SIZES]; ///< [sizes] their sides [m]
+} lac_scene_measure_def;
 
 /// The contact part of a scene: surface -> contact -> fractal measures.
 typedef struct lac_scene_contact {
     lac_grid grid;
-    double mean_pressure;  ///< total, over the nominal area [Pa]
-    double e_star;         ///< [Pa]; NaN where no surface is pressed
-    double *heights, *gap; ///< [ny * nx] [m]; NULL where there is no surface
-    double *pressure;      ///< [ny * nx] [Pa]
-    bool solved;           ///< a surface was pressed: `report` holds
+    double mean_pressure;       ///< total, over the nominal area [Pa]
+    double e_star;              ///< [Pa]; NaN where no surface is pressed
+    double *heights, *gap;      ///< [ny * nx] [m]; NULL where there is no surface
+    double *pressure;           ///< [ny * nx] [Pa]
+    lac_surface_report surface; ///< what the heights look like, where they are kept
+    bool solved;                ///< a surface was pressed: `report` holds
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;
-    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling` holds
-    lac_scaling scaling;
+    lac_scene_fractal fractal; ///< filled by lac_scene_contact_measure
     lac_domain *domain;
 } lac_scene_contact;
+
+/// What a case's load.history came to.
+typedef struct lac_history_result {
+    size_t steps, planned;           ///< solved, of the whole history
+    bool loaded;                     ///< a shear load was reached and `first_slip` solved
+    lac_first_slip first_slip;       ///< of the joint without any slip, under the first shear load
+    double first_place[2];           ///< centre of its cell [m]
+    bool compared;                   ///< superposed, to its end, and `superposed` solved
+    lac_superposed_error superposed; ///< measured at the last load
+} lac_history_result;
+
+/// Where the steps of a history go, as they are solved. Members may be NULL.
+typedef struct lac_history_sink {
+    void *context;
+    /// @return LAC_OK; else the history ends with this status
+    lac_status (*step)(void *context, const lac_history_record *record, lac_error *err);
+    /// Cell by cell, after each step or after the last one, as load.history.fields says.
+    lac_status (*maps)(void *context, const lac_history_maps *maps, lac_error *err);
+    /// Asked before each step: whether to end here.
+    bool (*interrupted)(void *context);
+} lac_history_sink;
+
+/// Number of steps of a case's history, all increments counted.
+size_t lac_scene_history_steps(const lac_case *c);
+
+/// Goes through the history of a case: presses anew where the pressure changes, from the pressures
+/// before, and shears; docs/theory/tangential.md.
+/// A step ends a cycle when it comes back to the controls of an earlier one (the latest; or of the
+/// start): the pressure and, of each axis, the load or shift that is controlled, within 1e-6 of the
+/// largest so far, other controls having been in between.
+/// @param contact  of the case, solved with `all`; its pressures are where the history starts
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
+///         The steps up to there have gone to the sink.
+lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
+                                 const lac_history_sink *sink, lac_history_result *result,
+                                 lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {
@@ -35,11 +93,23 @@ typedef struct lac_scene {
 } lac_scene;
 
 /// Solves the contact of a case.
-/// @param all  keep heights, gap and pressure, and measure the area scaling where the grid has
-///             four resolutions (for `contact`); else only what a run needs
+/// @param all  keep heights, gap and pressure (for `contact`); else only what a run needs
 /// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
 lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err);
+
+/// Area scaling from 64 cells a side where the grid has four resolutions, the finest left out;
+/// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
+lac_scene_measure_def lac_scene_measure_default(void);
+
+/// Measures the contact that was solved with `all`: clusters, area scaling, size effect; counts the
+/// boxes again where `def` asks for other ones.
+/// A contact whose area has no scaling (grid too small, no surface, coarse grids not solved) is
+/// measured all the same: `fractal.why` says why it has none.
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT (sizes of boxes or specimens)
+/// @cost   the contact once more at 2, 4, 8 ... times its cell: about half of what it took
+lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene_contact *contact,
+                                     lac_error *err);
 void lac_scene_contact_clear(lac_scene_contact *contact);
 
 /// Builds the whole scene of a case. The case must outlive it.

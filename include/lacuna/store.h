@@ -4,6 +4,8 @@
 
 #include "lacuna/fractal.h"
 #include "lacuna/run.h"
+#include "lacuna/surface.h"
+#include "lacuna/tangential.h"
 
 /// Per-cell fields that a run may keep.
 enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
@@ -53,16 +55,87 @@ void lac_store_free(lac_store *store);
 /// A solved contact, as it is written.
 typedef struct lac_contact_view {
     const lac_grid *grid;
-    const double *heights, *gap;      ///< [ny * nx] [m]; NULL: a domain without surface
-    const double *pressure;           ///< [ny * nx] [Pa]
-    const lac_contact_report *report; ///< NULL: not solved
-    const lac_box_count *boxes;       ///< NULL: not counted
+    const double *heights, *gap;         ///< [ny * nx] [m]; NULL: a domain without surface
+    const double *pressure;              ///< [ny * nx] [Pa]
+    const lac_contact_report *report;    ///< NULL: not solved
+    const lac_box_count *boxes;          ///< NULL: not counted
+    const lac_cluster_summary *clusters; ///< NULL: not looked for
+    const lac_scaling *scaling;          ///< NULL: not measured
+    size_t sizes;                        ///< specimens of the size effect
+    const lac_size_strength *size;       ///< [sizes]
+    const lac_surface_report *surface;   ///< NULL: not measured
 } lac_contact_view;
 
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.
 /// @return as lac_store_create
 lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
                              const lac_contact_view *contact, lac_error *err);
+
+/// One solved step of a history of normal and shear load.
+typedef struct lac_history_record {
+    double pressure; ///< mean over the nominal area [Pa]
+    lac_tangential_report shear;
+    double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
+    double dissipated;  ///< frictional work since the start [J]
+    size_t cycle_start; ///< the step to whose controls this one comes back, 0 the start; SIZE_MAX:
+                        ///< to none
+    double cycle_dissipation;                     ///< frictional work since then [J]; NaN: to none
+    double cycle_shift;                           ///< shift that is left over [m]; NaN: to none
+    int64_t contact_iterations, contact_products; ///< of the normal contact; 0: pressure held
+} lac_history_record;
+
+/// A step cell by cell, [ny * nx] each.
+typedef struct lac_history_maps {
+    const double *pressure;              ///< [Pa]
+    const double *traction[2], *slip[2]; ///< along x and y [Pa], [m]
+    const uint8_t *state;                ///< lac_cell_state
+} lac_history_maps;
+
+/// What a file of a history holds of the cells.
+typedef enum lac_history_keep { LAC_KEEP_ALL, LAC_KEEP_LAST, LAC_KEEP_NONE } lac_history_keep;
+
+typedef struct lac_history_store_def {
+    const char *path;
+    bool force; ///< replace an existing file
+    lac_provenance provenance;
+    lac_contact_view contact; ///< where the history starts
+    double friction;          ///< Coulomb's coefficient [1]
+    const char *method;       ///< how it is solved, in one word
+    lac_history_keep keep;
+    bool pressed; ///< the pressures change on the way
+} lac_history_store_def;
+
+/// The file of a solved contact with the steps of its history, which are written as they come;
+/// docs/format.md.
+typedef struct lac_history_store lac_history_store;
+
+/// Creates the file with the contact and status `running`.
+/// @return as lac_store_create
+lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
+                                    lac_error *err);
+
+/// Adds a step and has it written to disk.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,
+                                  lac_error *err);
+
+/// Writes the cells of the step added last.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
+                                  lac_error *err);
+
+/// Adds a number to the global attributes, NaN: does not; before the end.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_number(lac_history_store *store, const char *name, double value,
+                                    lac_error *err);
+
+/// Writes `status` ("complete", "failed", "interrupted") and closes the file. The store still has
+/// to be freed.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err);
+
+/// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
+void lac_history_store_free(lac_history_store *store);
 
 /// Reads one variable over `time` from a run's file, bounded by the file's own dimension.
 /// @param values  [n] allocated here, the caller frees

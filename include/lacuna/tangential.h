@@ -6,6 +6,14 @@
 
 #include "lacuna/contact.h"
 
+/// How a step is solved.
+typedef enum lac_shear_method {
+    LAC_SHEAR_DIRECT, ///< Coulomb's law in every cell: any history
+    /// q = f [p(P) - p(P - Q/f)] (Ciavarella 1998; Jaeger 1998): one normal contact a step. Exact
+    /// for nu = 0; only for a load along one direction that never falls, under constant pressures.
+    LAC_SHEAR_SUPERPOSED,
+} lac_shear_method;
+
 /// A joint in normal contact that is sheared: Coulomb friction on every cell, two equal bodies, so
 /// that normal and tangential problems decouple.
 typedef struct lac_tangential_def {
@@ -15,6 +23,8 @@ typedef struct lac_tangential_def {
     double friction;        ///< Coulomb's coefficient f [1], > 0
     double tolerance;       ///< on the conditions of the solution, relative
     int64_t max_iterations; ///< of one step
+    lac_shear_method method;
+    const double *heights; ///< superposed: [ny * nx] composite height, peaks up [m]; read each step
 } lac_tangential_def;
 
 /// What is given along one axis: the shear load or how far the bodies are shifted.
@@ -26,7 +36,8 @@ typedef struct lac_tangential_target {
     double value[2]; ///< mean traction over the nominal area [Pa], or shift [m]
 } lac_tangential_target;
 
-/// What a cell does at the end of a step.
+/// What a cell does at the end of a step. It slips where friction is at its limit and slip along it
+/// has grown by more than no slip is held to (tolerance * largest displacement); else it sticks.
 typedef enum lac_cell_state { LAC_CELL_OPEN, LAC_CELL_STICK, LAC_CELL_SLIP } lac_cell_state;
 
 /// How a step ended and how good its solution is.
@@ -37,7 +48,9 @@ typedef struct lac_tangential_report {
     double dissipation;   ///< frictional work of this step [J]
     double highest_ratio; ///< q/(f p) of the cell that comes next: the highest that sticks [1]
     size_t highest_cell;  ///< its index in the grid; SIZE_MAX where nothing sticks
-    double residual;      ///< how far the conditions of the solution are from holding, relative
+    double residual;      ///< how far the conditions of the solution are from holding, relative:
+                          ///< largest slip where it sticks, or slip not along q where it slips,
+                          ///< over the largest displacement; superposed: that of p(P - Q/f)
     int64_t iterations;
     int64_t products; ///< applications of the elastic operator
 } lac_tangential_report;
@@ -45,7 +58,7 @@ typedef struct lac_tangential_report {
 /// The solver with its memory: the tractions and elastic displacements of the step before.
 typedef struct lac_tangential lac_tangential;
 
-/// A def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.
+/// A direct def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.
 lac_tangential_def lac_tangential_default(void);
 
 /// Starts a history: no tractions, no shift.
@@ -56,9 +69,12 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
 /// Frees; NULL is fine.
 void lac_tangential_free(lac_tangential *t);
 
-/// Goes on to the next load, in one step.
+/// Goes on to the next load, in one step: displacements of the step before are the memory. Cells
+/// that come into contact start without traction; where pressures change, many small steps follow
+/// the history more closely.
 /// @param pressure  [ny * nx] normal pressures at its end [Pa], >= 0
-/// @return LAC_OK; LAC_EINPUT (not finite, no contact, more shear than friction holds);
+/// @return LAC_OK; LAC_EINPUT (not finite, no contact, shear that friction cannot hold: direct,
+/// |Q| >= f P, superposed, |Q| > f P; superposed: a history that it cannot follow);
 /// LAC_ENUMERIC (no convergence; the history stays where it was); LAC_ENOMEM
 lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
                                const lac_tangential_target *target, lac_tangential_report *report,
@@ -73,5 +89,47 @@ const double *lac_tangential_slip(const lac_tangential *t, int axis);
 
 /// lac_cell_state of every cell [ny * nx].
 const uint8_t *lac_tangential_state(const lac_tangential *t);
+
+/// How far the superposed solution of a load is from the direct one.
+typedef struct lac_superposed_error {
+    size_t nx, ny;        ///< the grid on which it was measured
+    double traction;      ///< rms of the difference of the tractions over their rms [1]
+    double stick_area;    ///< superposed less direct sticking area, over the contact area [1]
+    double stick_nominal; ///< the same over the nominal area [1]
+    double shift;         ///< superposed shift along the load over the direct one, less 1 [1]
+} lac_superposed_error;
+
+/// Measures the error of LAC_SHEAR_SUPERPOSED for a load from the virgin state: solves the normal
+/// contact and both shears.
+/// @param def      with heights; the method does not matter
+/// @param load     mean shear tractions [Pa], 0 < |load| < f mean_pressure
+/// @param largest  sides are halved (means of 2 x 2 heights) while they are even and longer than
+///                 this many cells; 0: never
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
+lac_status lac_superposed_measure(const lac_tangential_def *def, double mean_pressure,
+                                  const double load[2], size_t largest, lac_superposed_error *error,
+                                  lac_error *err);
+
+/// Where a joint without any slip would first slip.
+typedef struct lac_first_slip {
+    size_t cell;     ///< the cell with the highest q/(f p), by its index in the grid
+    double factor;   ///< Q/(f P) at which it reaches 1 [1]
+    double load;     ///< Q then: mean traction along the direction [Pa]
+    double shift[2]; ///< of one body against the other then [m]
+    double residual; ///< largest slip over the largest displacement [1]
+    int64_t iterations, products;
+} lac_first_slip;
+
+/// Shears a joint all of whose contact cells stick: linear, so that the traction in the cell with
+/// the highest q/(f p) scales to its limit. In the continuum such tractions are infinite at every
+/// edge of the contact, and slip begins at once: the factor belongs to the cells, and falls with
+/// their size.
+/// @param direction  of the load; any length but 0
+/// @param traction   [2 * ny * nx] tractions at first slip, all x then all y [Pa]; NULL if not
+/// wanted
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC (no convergence); LAC_ENOMEM
+lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
+                                     const double direction[2], double *traction,
+                                     lac_first_slip *result, lac_error *err);
 
 #endif

@@ -188,3 +188,26 @@ double lac_fft_power(lac_fft *fft, const double *table)
     }
     return total;
 }
+
+lac_status lac_fft_even(size_t n0, size_t n1, double *quarter, lac_error *err)
+{
+    int sides[2];
+    int rank = 0;
+    for (int k = 0; k < 2; k++) {
+        size_t n = k == 0 ? n0 : n1;
+        if (n > 1) {
+            sides[rank++] = (int)n;
+        }
+    }
+    if (rank == 0) {
+        return LAC_OK;
+    }
+    const fftw_r2r_kind kinds[] = {FFTW_REDFT00, FFTW_REDFT00};
+    fftw_plan plan = fftw_plan_r2r(rank, sides, quarter, quarter, kinds, FFTW_ESTIMATE);
+    if (plan == NULL) {
+        return lac_fail_memory(err);
+    }
+    fftw_execute(plan);
+    fftw_destroy_plan(plan);
+    return LAC_OK;
+}

@@ -202,6 +202,9 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_transfer(reader, c, material_read);
     check_approach(reader, c);
     check_load(reader, c);
+    if (c->history.count > 0 && lac_clean(reader, "load")) {
+        lac_check_history(reader, c, normal_stress(reader, c));
+    }
     check_initial(reader, c);
     check_solver(reader, c);
     lac_check_rg(reader, c);

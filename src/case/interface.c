@@ -7,6 +7,9 @@
 // Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
 static const double most_cells = 16777216;
 
+// Beyond this the contact of some surfaces did not converge.
+static const double most_oblong = 1e4;
+
 lac_grid lac_interface_grid(const lac_interface_def *def)
 {
     bool counted = def->cells_x > 0;
@@ -18,7 +21,7 @@ lac_grid lac_interface_grid(const lac_interface_def *def)
     if (def->shape == LAC_LINE) {
         grid.ny = 1;
         grid.dy = 1.0; // forces on a line are per metre of width
-    } else if (!isnan(def->width)) {
+    } else if (def->width > 0) {
         grid.dy = def->width / (double)ny;
     }
     return grid;
@@ -69,6 +72,17 @@ static void check_line(lac_reader *reader, const lac_interface_def *def)
     }
 }
 
+static void check_width(lac_reader *reader, const lac_interface_def *def)
+{
+    lac_grid grid = lac_interface_grid(def);
+    double ratio = fmax(grid.dx / grid.dy, grid.dy / grid.dx);
+    if (!isnan(def->width) && ratio > most_oblong) {
+        lac_blame_key(reader, "interface.width",
+                      "makes cells of %g m by %g m; one side may be at most %g times the other",
+                      grid.dx, grid.dy, most_oblong);
+    }
+}
+
 // A grid of several cells must say which of them touch, and how large they are.
 static void check_source(lac_reader *reader, lac_interface_def *def)
 {
@@ -110,5 +124,6 @@ void lac_check_interface(lac_reader *reader, lac_interface_def *def)
     check_line(reader, def);
     if (lac_clean(reader, "interface")) {
         check_source(reader, def);
+        check_width(reader, def);
     }
 }

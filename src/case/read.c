@@ -69,6 +69,7 @@ void lac_case_free(lac_case *c)
         }
     }
     free(c->compare);
+    free(c->history.step);
     free(c->path);
     free(c->title);
     free(c->references);

@@ -32,8 +32,10 @@ static bool section_lacks(const lac_reader *reader, const char *key)
 
 bool lac_needs_run(const lac_reader *reader)
 {
-    // What names a case as static.
-    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL;
+    // What names a case as static: an approach for a load, or a history and no time to run through.
+    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL ||
+                     (lac_node_at(reader->root, "load.history") != NULL &&
+                      lac_node_child(reader->root, "time") == NULL);
     return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
 }
 
@@ -87,6 +89,9 @@ static void read_load(lac_reader *reader, lac_case *c)
     }
     if (pore != NULL) {
         lac_read_slots(reader, pore, LAC_KIND_PORE, &c->pore);
+    }
+    if (lac_node_child(node, "history") != NULL) {
+        lac_read_history(reader, lac_node_child(node, "history"), c);
     }
 }
 

@@ -13,6 +13,8 @@
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
+static const char *const history_methods[] = {"direct", "superposed", NULL};
+static const char *const history_fields[] = {"all", "last", "none", NULL};
 static const char *const plannings[] = {"estimate", NULL};
 
 const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
@@ -131,9 +133,104 @@ static const lac_param load_rows[] = {
     {.key = "normal", .doc = "{MODEL: {...}}: total normal stress; must be given", OWN},
     {.key = "shear", .doc = "[{MODEL: {...}}, ...]: shear loads, which add up", OWN},
     {.key = "pore_pressure", .doc = "[{MODEL: {...}}, ...]: pore pressures, which add up", OWN},
+    {.key = "history", .doc = "{steps: [...], ...}: a static history for `lacuna contact`", OWN},
 };
 
-static const char *const load_own[] = {"normal", "shear", "pore_pressure", NULL};
+static const char *const load_own[] = {"normal", "shear", "pore_pressure", "history", NULL};
+
+static const lac_param history_rows[] = {
+    {.key = "method",
+     .unit = "1",
+     .fallback = LAC_HISTORY_DIRECT,
+     .type = LAC_CHOICE,
+     .choices = history_methods,
+     .offset = FIELD(history.method),
+     .doc = "direct: any history, exact; superposed: shear that only grows, in one direction, at "
+            "constant pressure, by superposition of normal loads"},
+    {.key = "friction",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1000,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(history.friction),
+     .doc = "Coulomb's coefficient f; f0 of the friction law if absent"},
+    {.key = "fields",
+     .unit = "1",
+     .fallback = LAC_HISTORY_ALL,
+     .type = LAC_CHOICE,
+     .choices = history_fields,
+     .offset = FIELD(history.fields),
+     .doc = "steps whose tractions, slips and states are written cell by cell"},
+    {.key = "steps", .doc = "[{...}, ...]: each goes on from the one before; must be given", OWN},
+};
+
+static const char *const history_own[] = {"steps", NULL};
+
+#define STEP(name) offsetof(lac_history_step, name)
+#define KEPT .fallback = NAN, .flags = LAC_OPTIONAL
+
+static const lac_param step_rows[] = {
+    {.key = "pressure",
+     .unit = "Pa",
+     .min = 0,
+     .max = 1e15,
+     .fallback = NAN,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = STEP(pressure),
+     .doc = "mean normal stress over the nominal area; as before if absent"},
+    {.key = "ratio_x",
+     .unit = "1",
+     .min = -1,
+     .max = 1,
+     .offset = STEP(ratio[0]),
+     .doc = "shear load along x as part of f P, what friction holds; of ratio, shear and shift "
+            "at most one along each axis",
+     KEPT},
+    {.key = "ratio_y",
+     .unit = "1",
+     .min = -1,
+     .max = 1,
+     .offset = STEP(ratio[1]),
+     .doc = "the same along y",
+     KEPT},
+    {.key = "shear_x",
+     .unit = "Pa",
+     .min = -1e15,
+     .max = 1e15,
+     .offset = STEP(shear[0]),
+     .doc = "mean shear traction along x over the nominal area",
+     KEPT},
+    {.key = "shear_y",
+     .unit = "Pa",
+     .min = -1e15,
+     .max = 1e15,
+     .offset = STEP(shear[1]),
+     .doc = "the same along y",
+     KEPT},
+    {.key = "shift_x",
+     .unit = "m",
+     .min = -1e9,
+     .max = 1e9,
+     .offset = STEP(shift[0]),
+     .doc = "shift of one body against the other along x since the start",
+     KEPT},
+    {.key = "shift_y",
+     .unit = "m",
+     .min = -1e9,
+     .max = 1e9,
+     .offset = STEP(shift[1]),
+     .doc = "the same along y",
+     KEPT},
+    {.key = "count",
+     .unit = "1",
+     .fallback = 1,
+     .min = 1,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .offset = STEP(count),
+     .doc = "equal increments from the state before, each a step of the output"},
+};
 
 static const lac_param initial_rows[] = {
     {.key = "slip_rate",
@@ -333,6 +430,10 @@ static const struct {
     [LAC_SECTION_LOAD] = {{"load", "what presses and shears the interface", load_rows,
                            COUNT(load_rows)},
                           load_own},
+    [LAC_SECTION_HISTORY] = {{"load.history",
+                              "a static history of normal and shear load, for `lacuna contact`",
+                              history_rows, COUNT(history_rows)},
+                             history_own},
     [LAC_SECTION_INITIAL] = {{"initial",
                               "slip rate and state at the start; steady under the load "
                               "if absent",
@@ -359,6 +460,10 @@ static const struct {
     [LAC_SECTION_COMPARE] = {{"compare", "a list of monitoring series to lay beside the run",
                               compare_rows, COUNT(compare_rows)},
                              compare_own},
+    [LAC_SECTION_STEP] = {{"load.history.steps",
+                           "a list; what a step does not name stays as it was", step_rows,
+                           COUNT(step_rows)},
+                          NULL},
 };
 
 const lac_section *lac_section_at(size_t index)

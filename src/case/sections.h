@@ -9,6 +9,7 @@ enum {
     LAC_SECTION_INTERFACE,
     LAC_SECTION_MATERIAL,
     LAC_SECTION_LOAD,
+    LAC_SECTION_HISTORY,
     LAC_SECTION_INITIAL,
     LAC_SECTION_TIME,
     LAC_SECTION_FAILURE,
@@ -18,10 +19,11 @@ enum {
     LAC_SECTION_RG,
     LAC_SECTION_CADENCE,
     LAC_SECTION_COMPARE,
+    LAC_SECTION_STEP,
 };
 
 /// The keys of a section. Offsets are in lac_case; of LAC_SECTION_CADENCE in lac_cadence, of
-/// LAC_SECTION_COMPARE in lac_compare_def.
+/// LAC_SECTION_COMPARE in lac_compare_def, of LAC_SECTION_STEP in lac_history_step.
 lac_table lac_section_table(int section);
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
@@ -49,6 +51,13 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
+
+/// Reads `load.history`.
+void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What is wrong with a history as a whole; fills in its friction coefficient.
+/// @param pressure  that it starts from [Pa]; NaN where the case is wrong about it
+void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 
 /// Whether the case must hold what only a run needs: friction, a shear load, an end.
 bool lac_needs_run(const lac_reader *reader);

@@ -318,6 +318,22 @@ static void put_output(writer *w, const lac_case *c)
     put_cadence(w, "fields_every", &c->run.snapshot);
 }
 
+// A step holds only what it names, so that the longest history stays within what is read.
+static void put_history(writer *w, const lac_case *c)
+{
+    if (c->history.count > 0) {
+        put(w, "  history:\n");
+        put_section(w, 2, LAC_SECTION_HISTORY, c);
+        put(w, "    steps:\n");
+    }
+    for (size_t i = 0; i < c->history.count; i++) {
+        lac_history_step step = c->history.step[i];
+        step.count = step.count == 1 ? INT64_MIN : step.count;
+        put(w, "      -\n");
+        put_section(w, 4, LAC_SECTION_STEP, &step);
+    }
+}
+
 static void put_column(writer *w, const char *key, const char *column, const char *unit,
                        const char *si)
 {
@@ -379,6 +395,7 @@ char *lac_case_text(const lac_case *c)
     put_slot(&w, 1, "normal", &c->normal);
     put_slots(&w, 1, "shear", &c->shear);
     put_slots(&w, 1, "pore_pressure", &c->pore);
+    put_history(&w, c);
     put_friction(&w, c);
     put_initial(&w, c);
     put_slot(&w, 0, "transfer", &c->transfer);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
 #include <stdlib.h>
 
 #include "cli/command.h"
@@ -25,7 +26,7 @@ static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac
     if (estimate->grid_cells > small_grid) {
         return LAC_OK;
     }
-    if (c->friction.about == NULL) {
+    if (c->friction.about == NULL || isnan(c->run.end)) {
         return try_contact(c, err);
     }
     lac_status status = lac_scene_create(c, &scene, err);

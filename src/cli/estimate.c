@@ -11,18 +11,22 @@
 #include "lacuna/surface.h"
 #include "lacuna/transfer.h"
 
-// Measured on one core: memory of the program with its libraries, of a grid cell while the
-// contact is solved, of a contact cell while it is integrated; time of a grid cell, and of a step
-// of a contact cell.
-static const double base_bytes = 24e6, grid_cell_bytes = 75, contact_cell_bytes = 550;
-static const double grid_cell_seconds = 2e-6, cell_step_seconds = 0.2e-6;
+// Measured on one core: memory of the program with its libraries, of a contact cell while it is
+// integrated; time of a step of a contact cell.
+static const double base_bytes = 24e6, contact_cell_bytes = 550, cell_step_seconds = 0.2e-6;
+
+// Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
+// that, and of the calibration of one level's elastic stiffness.
+static const struct {
+    double bytes, kept_bytes, seconds, level_seconds;
+} grid_costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6}, [LAC_FREE] = {75, 20, 4e-6, 3e-6}};
+
+// Grids beyond the cache take longer a cell: twice as long at 4096 x 4096, found so.
+static double slowdown(double grid_cells) { return fmax(1, pow(grid_cells / 1e6, 0.25)); }
 
 // Steps of a run in which the cells move together, and of one cell that fails alone
 // (docs/theory/creep.md).
 enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
-
-// Grids above this are not synthesised only to be estimated.
-static const double largest_surface = 1 << 22;
 
 static double mean_pressure(const lac_case *c)
 {
@@ -64,9 +68,6 @@ static double contact_fraction(const lac_case *c, double slope)
 static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_estimate *e,
                                    lac_error *err)
 {
-    if (e->grid_cells > largest_surface) {
-        return LAC_OK;
-    }
     double *heights = malloc(lac_grid_cells(grid) * sizeof *heights);
     if (heights == NULL) {
         return lac_fail_memory(err);
@@ -78,7 +79,7 @@ static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_
         e->contact_cells = fmax(1, e->grid_cells * fraction);
     }
     free(heights);
-    return status;
+    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.surface");
 }
 
 static lac_status count_domain(const lac_case *c, const lac_grid *grid, cli_estimate *e,
@@ -92,6 +93,39 @@ static lac_status count_domain(const lac_case *c, const lac_grid *grid, cli_esti
     }
     lac_domain_free(domain);
     return status;
+}
+
+static bool elastic_hierarchy(const lac_case *c)
+{
+    const lac_transfer_hierarchy *params = c->transfer.params;
+    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
+    return hierarchy && params->stiffness >= 0;
+}
+
+static void count_memory(const lac_case *c, double cells, cli_estimate *e)
+{
+    int boundary = c->interface.boundary;
+    double grid =
+        grid_costs[boundary].bytes + (e->integrated ? 0 : grid_costs[boundary].kept_bytes);
+    double integration = e->integrated ? contact_cell_bytes * cells : 0;
+    e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
+}
+
+static double contact_seconds(const lac_case *c, const cli_estimate *e)
+{
+    double scaling = e->integrated ? 1 : 4.0 / 3; // `contact` solves coarser grids too
+    return grid_costs[c->interface.boundary].seconds * e->grid_cells * scaling *
+           slowdown(e->grid_cells);
+}
+
+static double calibration_seconds(const lac_case *c, const lac_grid *grid, const cli_estimate *e)
+{
+    if (!e->integrated || !elastic_hierarchy(c)) {
+        return 0;
+    }
+    double levels = ceil(log2((double)(grid->nx > grid->ny ? grid->nx : grid->ny)));
+    return grid_costs[c->interface.boundary].level_seconds * levels * e->grid_cells *
+           slowdown(e->grid_cells);
 }
 
 static double finest_stiffness(const lac_case *c, const lac_grid *grid)
@@ -136,11 +170,17 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     }
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
     judge_stability(c, &grid, e);
-    double integration = e->integrated ? contact_cell_bytes * cells : 0;
-    e->memory = base_bytes + fmax(grid_cell_bytes * e->grid_cells, integration);
+    count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
-    e->cpu_time = grid_cell_seconds * e->grid_cells + cell_step_seconds * cells * e->steps;
+    e->cpu_time = contact_seconds(c, e) + calibration_seconds(c, &grid, e) +
+                  cell_step_seconds * cells * e->steps;
     return status;
+}
+
+static double rounded(double x, int digits)
+{
+    double unit = pow(10, floor(log10(x)) - digits + 1);
+    return x > 0 ? round(x / unit) * unit : x;
 }
 
 void cli_estimate_print(const cli_estimate *e)
@@ -156,8 +196,8 @@ void cli_estimate_print(const cli_estimate *e)
         printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
                unknowns);
     }
-    printf("#   memory          %.2g MB\n", e->memory / 1e6);
-    printf("#   time            about %.1g s on one core\n", e->cpu_time);
+    printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
+    printf("#   time            about %.10g s on one core\n", rounded(e->cpu_time, 1));
     if (!e->integrated) {
         return;
     }

@@ -61,7 +61,7 @@ void cli_measures_print(const lac_scene_contact *contact)
         cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
                 weakness(&contact->boxes));
     } else if (lac_grid_cells(grid) > 1) {
-        cli_row("D_box", "none: the grid is too small to count boxes");
+        cli_row("D_box", "none: the grid or the contact is too small to count boxes");
     }
 }
 
@@ -82,5 +82,6 @@ void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
     cli_json_number(json, "mean_real_pressure_Pa", mean_real_pressure(contact->domain));
     cli_json_number(json, "d_box", counted ? boxes->dimension : NAN);
     cli_json_number(json, "d_box_error", counted ? boxes->error : NAN);
+    cli_json_number(json, "d_box_regression_error", counted ? boxes->regression_error : NAN);
     cli_json_boolean(json, "d_box_weak", counted && (boxes->few_cells || boxes->dense));
 }

@@ -20,6 +20,10 @@ static const option table[] = {
     {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
     {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
     {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
+    {CLI_OPT_BOXES, '\0', "boxes", "S:S", "sides of boxes that D_box is fitted to: 2:32"},
+    {CLI_OPT_COARSEST, '\0', "coarsest", "N", "cells a side of the coarsest resolution: 64"},
+    {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
+    {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -136,6 +140,18 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         break;
     case CLI_OPT_KIND:
         request->kind = value;
+        break;
+    case CLI_OPT_BOXES:
+        request->boxes = value;
+        break;
+    case CLI_OPT_COARSEST:
+        request->coarsest = value;
+        break;
+    case CLI_OPT_COARSENING:
+        request->coarsening = value;
+        break;
+    case CLI_OPT_SIZES:
+        request->sizes = value;
         break;
     case CLI_OPT_SET:
         return add_override(request, value, err);

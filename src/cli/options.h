@@ -22,6 +22,11 @@ enum {
     CLI_OPT_NO_PROGRESS = 1 << 9,
     CLI_OPT_HELP = 1 << 10,
     CLI_OPT_VERSION = 1 << 11,
+    CLI_OPT_BOXES = 1 << 16,
+    CLI_OPT_COARSENING = 1 << 17,
+    CLI_OPT_SIZES = 1 << 18,
+    CLI_OPT_COARSEST = 1 << 19,
+    CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
@@ -35,8 +40,9 @@ typedef struct cli_request {
     size_t count;               ///< arguments after the command
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
-    int threads;             ///< 0: not given
-    size_t set_count;        ///< --set, in order
+    const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
+    int threads;                                       ///< 0: not given
+    size_t set_count;                                  ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values point into them
     char *command_line;      ///< owned
 } cli_request;

@@ -30,10 +30,26 @@ static bool is_same_file(const char *path, const struct stat *other)
            one.st_ino == other->st_ino;
 }
 
+// Whether a parameter of a model names the file.
+static bool is_read_by(const lac_slot *slot, const struct stat *file)
+{
+    bool same = false;
+    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
+        const lac_param *param = &slot->about->params[i];
+        char *path = NULL;
+        if (param->type == LAC_PATH) {
+            memcpy(&path, (const char *)slot->params + param->offset, sizeof path);
+        }
+        same = same || is_same_file(path, file);
+    }
+    return same;
+}
+
 // --force must not destroy what the run reads.
 static bool is_input(const lac_case *c, const struct stat *file)
 {
-    bool same = is_same_file(c->path, file);
+    bool same = is_same_file(c->path, file) || is_read_by(&c->surface, file) ||
+                is_read_by(&c->domain, file);
     for (size_t i = 0; i < c->compare_count; i++) {
         same = same || is_same_file(c->compare[i].path, file);
     }

@@ -55,36 +55,46 @@ static int terminal_width(void)
     return known ? size.ws_col : 80;
 }
 
-static void draw(cli_progress *progress, const lac_progress *now)
+static void draw(cli_progress *progress, double part, const char *text)
 {
     enum { BAR = 20 };
     static const char full[] = "####################", empty[] = "--------------------";
-    char text[160];
-    int done = (int)(BAR * fraction(now)), room = terminal_width() - BAR - 10;
+    int done = (int)(BAR * part), room = terminal_width() - BAR - 10;
     const char *on = progress->colour ? "\033[32m" : "", *off = progress->colour ? "\033[0m" : "";
     (void)fprintf(stderr, "\r[%s%.*s%s%.*s] %3.0f %% %.*s\033[K", on, done, full, off, BAR - done,
-                  empty, 100 * fraction(now), room > 0 ? room : 0,
-                  describe(now, text, sizeof text));
+                  empty, 100 * part, room > 0 ? room : 0, text);
     (void)fflush(stderr);
     progress->drawn = true;
 }
 
-void cli_progress_show(cli_progress *progress, const lac_progress *now)
+// Whether the bar is due again; prints a line first where one was asked for.
+static bool is_due(cli_progress *progress, const char *text)
 {
     const double interval = 0.1;
-    if (cli_signals_take_report()) {
-        char text[160];
-        cli_progress_clear(progress);
-        cli_note("%s, %.1f s so far", describe(now, text, sizeof text),
-                 cli_clock() - progress->started);
-    }
-    if (!progress->bar) {
-        return;
-    }
     double clock = cli_clock();
-    if (clock - progress->last >= interval) {
-        progress->last = clock;
-        draw(progress, now);
+    if (cli_signals_take_report()) {
+        cli_progress_clear(progress);
+        cli_note("%s, %.1f s so far", text, clock - progress->started);
+    }
+    bool due = progress->bar && clock - progress->last >= interval;
+    progress->last = due ? clock : progress->last;
+    return due;
+}
+
+void cli_progress_show(cli_progress *progress, const lac_progress *now)
+{
+    char text[160];
+    if (is_due(progress, describe(now, text, sizeof text))) {
+        draw(progress, fraction(now), text);
+    }
+}
+
+void cli_progress_steps(cli_progress *progress, size_t done, size_t total)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "%zu of %zu steps of the history", done, total);
+    if (is_due(progress, text)) {
+        draw(progress, (double)done / (double)total, text);
     }
 }
 

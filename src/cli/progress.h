@@ -19,6 +19,9 @@ void cli_progress_start(cli_progress *progress, const cli_request *request);
 /// Draws the bar at most ten times a second; prints a line where SIGUSR1 asked for one.
 void cli_progress_show(cli_progress *progress, const lac_progress *now);
 
+/// The same for a history of which `done` steps are solved.
+void cli_progress_steps(cli_progress *progress, size_t done, size_t total);
+
 /// Takes the bar off the terminal.
 void cli_progress_clear(cli_progress *progress);
 

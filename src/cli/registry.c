@@ -16,9 +16,10 @@ static const cli_command commands[] = {
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
-     "Writes heights, gaps and pressures to -o FILE, else CASE-contact.nc in this folder.\n",
-     "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1, CLI_OPT_WRITES | CLI_OPT_SET,
-     cli_contact},
+     "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
+     "every resolution, box side, cluster octave and specimen.\n",
+     "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_FRACTAL, cli_contact},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -80,6 +80,10 @@ static lac_status prepare(run_job *job, lac_error *err)
 {
     lac_status status;
     LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
+    if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
+        cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
+                 job->source->path);
+    }
     LAC_TRY(shorten(job->request->until, job->source, err));
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));

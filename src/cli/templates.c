@@ -48,7 +48,7 @@ static const char block[] =
 
 // The parts that the rough joints share.
 #define TOUCH                                                                            \
-    "  boundary: periodic\n"                                                             \
+    "  boundary: periodic               # or free: the faces end at the border\n"        \
     "\n"                                                                                 \
     "# The rock on both sides: carries stress from cell to cell, and damps fast slip.\n" \
     "material: {shear_modulus: \"20 GPa\", poisson: 0.25, shear_speed: \"3 km/s\"}\n"

@@ -10,10 +10,6 @@
 
 #define TWO_PI 6.283185307179586476925286766559
 
-enum { COARSEST = 32 };
-static const double coarse_tolerance = 1e-3;
-static const int64_t coarse_iterations = 200;
-
 // The problem in the solver's own units, and what brings it back to SI.
 typedef struct problem {
     lac_extent at;
@@ -158,105 +154,61 @@ out:
     return status;
 }
 
-// Full contact, where the load is high enough for it: p = mean p + E* |q| h / 2 >= 0.
-static bool full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
-                         double *pressure)
+// Full contact, row by row
+typedef struct full {
+    const problem *p;
+    double mean_pressure;
+    double *pressure; // [ny * nx] or NULL
+    bool *positive;   // [ny] all of a row
+} full;
+
+static void height_row(void *context, size_t j, void *row)
 {
+    const problem *p = ((const full *)context)->p;
+    memcpy(row, &p->h[j * p->at.nx], p->at.nx * sizeof *p->h);
+}
+
+static void full_row(void *context, size_t j, void *row)
+{
+    const full *f = context;
+    const double *stiff = row;
+    bool positive = true;
+    for (size_t i = 0; i < f->p->at.nx; i++) {
+        double pressure = f->mean_pressure + f->p->unit * stiff[i];
+        positive = positive && pressure > 0.0;
+        if (f->pressure != NULL) {
+            f->pressure[j * f->p->at.nx + i] = pressure;
+        }
+    }
+    f->positive[j] = positive;
+}
+
+// Full contact, where the load is high enough for it: p = mean p + E* |q| h / 2 >= 0. Pressures
+// may hold the first guess until that is sure.
+static lac_status full_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
+                               double *pressure, bool *is_full, lac_error *err)
+{
+    *is_full = false;
     if (!p->at.periodic || def->control != LAC_CONTROL_LOAD) {
-        return false; // edges have no such closed form
+        return LAC_OK; // edges have no such closed form
     }
-    size_t n = p->at.nx * p->at.ny;
-    memcpy(s->fft->real, p->h, n * sizeof(double));
+    full f = {p, def->mean_pressure, NULL, malloc(p->at.ny * sizeof(bool))};
+    if (f.positive == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_filter_fill(s->filter, LAC_DOUBLE, height_row, &f);
     lac_half_space_unload(s);
-    for (size_t i = 0; i < n; i++) {
-        if (!(def->mean_pressure + p->unit * s->fft->real[i] > 0.0)) {
-            return false; // the pressures may hold the first guess
-        }
+    lac_filter_take(s->filter, full_row, &f);
+    *is_full = true;
+    for (size_t j = 0; j < p->at.ny; j++) {
+        *is_full = *is_full && f.positive[j];
     }
-    for (size_t i = 0; i < n; i++) {
-        pressure[i] = def->mean_pressure + p->unit * s->fft->real[i];
+    if (*is_full) {
+        f.pressure = pressure;
+        lac_filter_take(s->filter, full_row, &f);
     }
-    return true;
-}
-
-static bool can_halve(size_t n) { return n == 1 || (n % 2 == 0 && n / 2 >= COARSEST); }
-
-// Means of 2 x 2 cells (2 x 1 on a line).
-static void halve(const double *fine, size_t nx, size_t ny, double *coarse)
-{
-    size_t mx = nx > 1 ? 2 : 1;
-    size_t my = ny > 1 ? 2 : 1;
-    size_t cx = nx / mx;
-    for (size_t j = 0; j < ny / my; j++) {
-        for (size_t i = 0; i < cx; i++) {
-            const double *at = &fine[j * my * nx + i * mx];
-            const double *up = &at[(my - 1) * nx];
-            coarse[j * cx + i] = 0.25 * (at[0] + at[mx - 1] + up[0] + up[mx - 1]);
-        }
-    }
-}
-
-// Each coarse pressure goes to all cells of its square.
-static void inject(const double *coarse, size_t nx, size_t ny, double *fine)
-{
-    size_t mx = nx > 1 ? 2 : 1;
-    size_t my = ny > 1 ? 2 : 1;
-    for (size_t j = 0; j < ny; j++) {
-        for (size_t i = 0; i < nx; i++) {
-            fine[j * nx + i] = coarse[j / my * (nx / mx) + i / mx];
-        }
-    }
-}
-
-static lac_status coarse_guess(const problem *p, const lac_descent *fine, double *pressure,
-                               lac_error *err);
-
-// Solves one coarse grid roughly.
-static lac_status solve_coarse(const problem *p, const lac_descent *fine, double *pressure,
-                               lac_error *err)
-{
-    lac_half_space *s = NULL;
-    double *gap = malloc(p->at.nx * p->at.ny * sizeof *gap);
-    lac_descent d = *fine;
-    d.heights = p->h;
-    d.tolerance = coarse_tolerance;
-    d.max_iterations = coarse_iterations;
-    lac_status status = gap != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(coarse_guess(p, fine, pressure, err));
-    LAC_TRY(lac_half_space_create(&p->at, &s, err));
-    LAC_TRY(lac_descend(s, &d, pressure, gap, err));
-out:
-    lac_half_space_free(s);
-    free(gap);
-    return status;
-}
-
-// First guess: the solution of the next coarser grid; uniform on the coarsest.
-static lac_status coarse_guess(const problem *p, const lac_descent *fine, double *pressure,
-                               lac_error *err)
-{
-    size_t n = p->at.nx * p->at.ny;
-    if (n == 1 || !can_halve(p->at.nx) || !can_halve(p->at.ny)) {
-        for (size_t i = 0; i < n; i++) {
-            pressure[i] = fine->mean_pressure;
-        }
-        return LAC_OK;
-    }
-    problem c = *p;
-    c.at.nx = p->at.nx > 1 ? p->at.nx / 2 : 1;
-    c.at.ny = p->at.ny > 1 ? p->at.ny / 2 : 1;
-    c.h = malloc(c.at.nx * c.at.ny * sizeof *c.h);
-    double *guess = malloc(c.at.nx * c.at.ny * sizeof *guess);
-    lac_status status = c.h != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    halve(p->h, p->at.nx, p->at.ny, c.h);
-    LAC_TRY(solve_coarse(&c, fine, guess, err));
-    inject(guess, p->at.nx, p->at.ny, pressure);
-out:
-    free(c.h);
-    free(guess);
-    return status;
+    free(f.positive);
+    return LAC_OK;
 }
 
 // First guess: the given pressures, brought to the load where that is given; false without any.
@@ -294,6 +246,8 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
     }
     for (size_t i = 0; i < n; i++) {
         pressure[i] = 0.0;
+    }
+    for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] = def->approach + mean - def->heights[i];
     }
     return true;
@@ -314,11 +268,13 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                      .max_iterations = def->max_iterations};
     lac_status status;
     if (!warm_guess(def, p, &d, pressure)) {
-        LAC_TRY(coarse_guess(p, &d, pressure, err));
+        LAC_TRY(lac_coarse_guess(&p->at, p->h, &d, pressure, err));
     }
     LAC_TRY(lac_descend(s, &d, pressure, gap, err));
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= p->unit;
+    }
+    for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] *= p->h_rms;
     }
     *report = (lac_contact_report){.iterations = d.iterations,
@@ -356,7 +312,6 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
 {
     lac_half_space *s = NULL;
     problem p = {0};
-    double *own_gap = NULL;
     lac_contact_report own_report;
     lac_contact_report *r = report != NULL ? report : &own_report;
     *r = (lac_contact_report){0};
@@ -364,24 +319,24 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     LAC_TRY(check(def, err));
     size_t n = lac_grid_cells(&def->grid);
     p.h = malloc(n * sizeof *p.h);
-    if (gap == NULL) {
-        gap = own_gap = malloc(n * sizeof *gap);
-    }
-    status = p.h != NULL && gap != NULL ? LAC_OK : lac_fail_memory(err);
+    status = p.h != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(scale_problem(def, &p, err));
     LAC_TRY(lac_half_space_create(&p.at, &s, err));
+    bool is_full;
+    LAC_TRY(full_contact(def, &p, s, pressure, &is_full, err));
     if (no_contact(def, pressure, gap)) {
         r->approach = def->approach;
-    } else if (full_contact(def, &p, s, pressure)) {
-        memset(gap, 0, n * sizeof *gap);
+    } else if (is_full) {
+        for (size_t i = 0; i < n && gap != NULL; i++) {
+            gap[i] = 0.0;
+        }
         r->products = 1;
     } else {
         LAC_TRY(partial_contact(def, &p, s, pressure, gap, r, err));
     }
     count_contact(def, pressure, r);
 out:
-    free(own_gap);
     lac_half_space_free(s);
     free(p.h);
     return status;

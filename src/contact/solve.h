@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "base/fft.h"
+#include "base/filter.h"
 #include "lacuna/contact.h"
 
 // The solver works on numbers of order one: heights and gaps in units of the rms height h_rms,
@@ -21,10 +21,12 @@ typedef struct lac_extent {
 
 /// The elastic half-space on one grid. Free grids sit in the corner of a transform twice as long.
 typedef struct lac_half_space {
-    size_t nx, ny;
-    lac_fft *fft;       ///< rows of fft->real are fft->nx long; what lies beyond nx, ny is ignored
-    double *compliance; ///< [nkx * ny] 1 / (N kappa), 0 for the mean; free: of Love's kernel
-    double *stiffness;  ///< [nkx * ny] kappa / N
+    size_t nx, ny;      ///< cells of the grid
+    size_t mx, my, nkx; ///< the transform and the columns of its spectrum
+    lac_filter *filter;
+    double dqx;         ///< spacing of kappa along x in the transform
+    double *qy2;        ///< [my/2 + 1] square of kappa along y
+    double *compliance; ///< [nkx * (my/2 + 1)] free: Love's kernel over mx my; periodic: NULL
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
 
@@ -34,13 +36,14 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
 /// Frees; NULL is fine.
 void lac_half_space_free(lac_half_space *s);
 
-/// fft->real -> S fft->real; periodic: with the mean left out.
+/// What s->filter was filled with, in either precision, becomes S times it, to be taken from
+/// there; periodic: with the mean left out.
 void lac_half_space_displace(lac_half_space *s);
 
-/// fft->real -> |q| fft->real: the inverse of the above, roughly where free.
+/// The same with |q|: the inverse of the above, roughly where free.
 void lac_half_space_unload(lac_half_space *s);
 
-/// x . S x of x = fft->real by Parseval's theorem; fft->real and spectrum are destroyed.
+/// x . S x of the x that s->filter was filled with, by Parseval's theorem.
 double lac_half_space_energy(lac_half_space *s);
 
 /// How far from the solution a pressure is.
@@ -65,12 +68,21 @@ typedef struct lac_descent {
 
 /// Constrained conjugate gradients on the pressures from a first guess.
 /// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
-/// @param gap       [ny * nx] gap of the result; overwritten
+/// @param gap       [ny * nx] gap of the result; overwritten; NULL if not wanted
 /// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err);
 
 /// Whether a residual is within the tolerance.
 bool lac_residual_holds(const lac_residual *r, double tolerance);
+
+/// First guess of the pressures: the solution on the next coarser grid, roughly; uniform on the
+/// coarsest. Any sides will do.
+/// @param h         [ny * nx] heights
+/// @param fine      what is asked of the finest grid
+/// @param pressure  [ny * nx] overwritten; load control: with the given mean
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
+                            double *pressure, lac_error *err);
 
 #endif

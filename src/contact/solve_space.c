@@ -1,83 +1,175 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/fft.h"
+#include "base/vmath.h"
 #include "contact/solve.h"
 
-// kappa / N; periodic: and its inverse, the compliance, which the mean has none of
-static void fill_tables(lac_half_space *s, const lac_extent *extent)
+// Symbols of the two filters, over the number of cells of the transform (a pair of transforms
+// multiplies by it). kappa comes from two lines of wavenumbers rather than from a table.
+
+static double column_start(const lac_half_space *s, size_t k)
 {
-    const lac_fft *fft = s->fft;
-    double cells = (double)fft->nx * (double)fft->ny;
-    double dqx = extent->dqx * (double)s->nx / (double)fft->nx;
-    double dqy = extent->dqy * (double)s->ny / (double)fft->ny;
-    double self = 0.0;
-    for (size_t i = 0; i < fft->nkx; i++) {
-        double qx = (double)i * dqx;
-        for (size_t j = 0; j < fft->ny; j++) {
-            double qy = lac_fft_frequency(j, fft->ny) * dqy;
-            double kappa = hypot(qx, qy);
-            double compliance = i + j > 0 ? 1.0 / (kappa * cells) : 0.0;
-            s->compliance[i * fft->ny + j] = compliance;
-            s->stiffness[i * fft->ny + j] = kappa / cells;
-            self += (i > 0 && 2 * i < fft->nx ? 2.0 : 1.0) * compliance;
-        }
-    }
-    s->self = self;
+    return (double)k * s->dqx * ((double)k * s->dqx);
 }
 
-// The integral of 1/r from the origin to a corner (x, y), odd in both; x, y not 0.
-static double love(double x, double y) { return x * asinh(y / fabs(x)) + y * asinh(x / fabs(y)); }
+static double cells_of(const lac_half_space *s) { return (double)s->mx * (double)s->my; }
 
-// love at the corners (i - 1/2, j - 1/2) of the cells of one row; n + 2 of them
-static void love_corners(size_t n, double dx, double y, double *corner)
+static void stiffness_single(const void *context, size_t k, void *factor)
 {
-    for (size_t i = 0; i < n + 2; i++) {
-        corner[i] = love(((double)i - 0.5) * dx, y);
+    const lac_half_space *s = context;
+    const double *restrict qy2 = s->qy2;
+    float *restrict w = factor;
+    double qx2 = column_start(s, k);
+    float over = (float)(1.0 / cells_of(s));
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        w[j] = over * sqrtf((float)(qx2 + qy2[j]));
+    }
+}
+
+static void stiffness_double(const void *context, size_t k, void *factor)
+{
+    const lac_half_space *s = context;
+    const double *restrict qy2 = s->qy2;
+    double *restrict w = factor;
+    double qx2 = column_start(s, k);
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        w[j] = sqrt(qx2 + qy2[j]) / cells_of(s);
+    }
+}
+
+static void periodic_single(const void *context, size_t k, void *factor)
+{
+    const lac_half_space *s = context;
+    const double *restrict qy2 = s->qy2;
+    float *restrict w = factor;
+    double qx2 = column_start(s, k);
+    float over = (float)(1.0 / cells_of(s));
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        w[j] = over / sqrtf((float)(qx2 + qy2[j]));
+    }
+    w[0] = k > 0 ? w[0] : 0.0F;
+}
+
+static void periodic_double(const void *context, size_t k, void *factor)
+{
+    const lac_half_space *s = context;
+    const double *restrict qy2 = s->qy2;
+    double *restrict w = factor;
+    double qx2 = column_start(s, k);
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        w[j] = 1.0 / (sqrt(qx2 + qy2[j]) * cells_of(s));
+    }
+    w[0] = k > 0 ? w[0] : 0.0;
+}
+
+static void free_single(const void *context, size_t k, void *factor)
+{
+    const lac_half_space *s = context;
+    const double *restrict column = &s->compliance[k * (s->my / 2 + 1)];
+    float *restrict w = factor;
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        w[j] = (float)column[j];
+    }
+}
+
+static void free_double(const void *context, size_t k, void *factor)
+{
+    const lac_half_space *s = context;
+    size_t n = s->my / 2 + 1;
+    memcpy(factor, &s->compliance[k * n], n * sizeof(double));
+}
+
+// A cell's displacement under its own pressure is the mean of the compliance over the spectrum.
+static double periodic_self(const lac_half_space *s)
+{
+    double self = 0.0;
+    for (size_t k = 0; k < s->nkx; k++) {
+        double column = 0.0;
+        for (size_t j = k > 0 ? 0 : 1; j <= s->my / 2; j++) {
+            double kappa = sqrt(column_start(s, k) + s->qy2[j]);
+            column += (j > 0 && 2 * j < s->my ? 2.0 : 1.0) / kappa;
+        }
+        self += (k > 0 && 2 * k < s->mx ? 2.0 : 1.0) * column / cells_of(s);
+    }
+    return self;
+}
+
+// The integral of 1/r from the origin to the corners (x, (j - 1/2) dy), j = 0 ... n - 1, is
+// x asinh(y/|x|) + y asinh(x/|y|). @param work [2 * n]
+static void love_corners(size_t n, double x, double dy, double *corner, double *work)
+{
+    double *first = work;
+    double *second = &work[n];
+    for (size_t j = 0; j < n; j++) {
+        double y = ((double)j - 0.5) * dy;
+        first[j] = y / fabs(x);
+        second[j] = x / fabs(y);
+    }
+    lac_vasinh(2 * n, work, work);
+    for (size_t j = 0; j < n; j++) {
+        corner[j] = x * first[j] + ((double)j - 0.5) * dy * second[j];
     }
 }
 
 // u at every distance from a cell under unit pressure, that is the integral of 1/r over a cell at
-// that distance; distances beyond half the transform are negative ones.
-static void fill_kernel(lac_half_space *s, double dx, double dy, double *low, double *high)
+// that distance, by columns; distances beyond half the transform are mirror images.
+static lac_status fill_kernel(lac_half_space *s, double dx, double dy, lac_error *err)
 {
-    size_t mx = s->fft->nx;
-    size_t my = s->fft->ny;
-    double *real = s->fft->real;
-    love_corners(mx / 2, dx, -0.5 * dy, low);
-    for (size_t j = 0; j <= my / 2; j++) {
-        double *row = &real[j * mx];
-        love_corners(mx / 2, dx, ((double)j + 0.5) * dy, high);
-        for (size_t i = 0; i <= mx / 2; i++) {
-            row[i] = (high[i + 1] - high[i]) - (low[i + 1] - low[i]);
-            row[(mx - i) % mx] = row[i];
-        }
-        memmove(&real[(my - j) % my * mx], row, mx * sizeof *row);
-        memcpy(low, high, (mx / 2 + 2) * sizeof *low);
-    }
-}
-
-// Free boundaries: Love's solution for a uniform pressure on each cell.
-static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_error *err)
-{
-    const lac_fft *fft = s->fft;
-    size_t corners = fft->nx / 2 + 2;
-    double *low = malloc(2 * corners * sizeof *low);
+    size_t n = s->my / 2 + 1;
+    size_t corners = n + 1;
+    double *low = malloc(4 * corners * sizeof *low);
     if (low == NULL) {
         return lac_fail_memory(err);
     }
-    fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx), 1.0 / (extent->dqy * (double)s->ny), low,
-                low + corners);
-    free(low);
-    s->self = fft->real[0];
-    lac_fft_forward(s->fft);
-    double cells = (double)fft->nx * (double)fft->ny;
-    for (size_t i = 0; i < fft->nkx; i++) {
-        for (size_t j = 0; j < fft->ny; j++) {
-            s->compliance[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
+    double *high = &low[corners];
+    double *work = &high[corners];
+    love_corners(corners, -0.5 * dx, dy, low, work);
+    for (size_t k = 0; k < s->nkx; k++) {
+        double *column = &s->compliance[k * n];
+        love_corners(corners, ((double)k + 0.5) * dx, dy, high, work);
+        for (size_t j = 0; j < n; j++) {
+            column[j] = (high[j + 1] - high[j]) - (low[j + 1] - low[j]);
         }
+        memcpy(low, high, corners * sizeof *low);
+    }
+    free(low);
+    return LAC_OK;
+}
+
+// Free boundaries: Love's solution for a uniform pressure on each cell. It is even in both
+// directions, so that a quarter of it and of its transform are all there is.
+static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_error *err)
+{
+    lac_status status;
+    size_t n = s->nkx * (s->my / 2 + 1);
+    s->compliance = malloc(n * sizeof *s->compliance);
+    status = s->compliance != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx), 1.0 / (extent->dqy * (double)s->ny),
+                        err));
+    s->self = s->compliance[0];
+    LAC_TRY(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
+    for (size_t i = 0; i < n; i++) {
+        s->compliance[i] /= cells_of(s);
+    }
+out:
+    return status;
+}
+
+static lac_status fill_wavenumbers(lac_half_space *s, const lac_extent *extent, lac_error *err)
+{
+    s->nkx = s->mx / 2 + 1;
+    s->dqx = extent->dqx * (double)s->nx / (double)s->mx;
+    double dqy = extent->dqy * (double)s->ny / (double)s->my;
+    s->qy2 = malloc((s->my / 2 + 1) * sizeof *s->qy2);
+    if (s->qy2 == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t j = 0; j <= s->my / 2; j++) {
+        s->qy2[j] = (double)j * dqy * ((double)j * dqy);
     }
     return LAC_OK;
 }
@@ -92,21 +184,16 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     }
     s->nx = extent->nx;
     s->ny = extent->ny;
-    size_t mx = extent->periodic || s->nx == 1 ? 1 : 2;
-    size_t my = extent->periodic || s->ny == 1 ? 1 : 2;
-    LAC_TRY(lac_fft_create(mx * s->nx, my * s->ny, &s->fft, err));
-    size_t modes = s->fft->nkx * s->fft->ny;
-    s->compliance = malloc(modes * sizeof(double));
-    s->stiffness = malloc(modes * sizeof(double));
-    if (s->compliance == NULL || s->stiffness == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
-    fill_tables(s, extent);
-    if (!extent->periodic) {
+    s->mx = extent->periodic || s->nx == 1 ? s->nx : 2 * s->nx;
+    s->my = extent->periodic || s->ny == 1 ? s->ny : 2 * s->ny;
+    LAC_TRY(lac_filter_create((const size_t[]){s->nx, s->ny}, (const size_t[]){s->mx, s->my},
+                              &s->filter, err));
+    LAC_TRY(fill_wavenumbers(s, extent, err));
+    if (extent->periodic) {
+        s->self = periodic_self(s);
+    } else {
         LAC_TRY(fill_free(s, extent, err));
     }
-    LAC_TRY(lac_fft_plan_filter(s->fft, s->ny, err));
     *out = s;
     return LAC_OK;
 out:
@@ -119,35 +206,33 @@ void lac_half_space_free(lac_half_space *s)
     if (s == NULL) {
         return;
     }
+    free(s->qy2);
     free(s->compliance);
-    free(s->stiffness);
-    lac_fft_free(s->fft);
+    lac_filter_free(s->filter);
     free(s);
 }
 
-// Nothing presses beyond a free grid; rows below it are not read.
-static void clear_padding(const lac_half_space *s)
+static lac_filter_symbol compliance_of(const lac_half_space *s)
 {
-    const lac_fft *fft = s->fft;
-    for (size_t j = 0; j < s->ny && fft->nx > s->nx; j++) {
-        memset(&fft->real[j * fft->nx + s->nx], 0, (fft->nx - s->nx) * sizeof(double));
+    bool single = lac_filter_precision(s->filter) == LAC_SINGLE;
+    if (s->compliance != NULL) {
+        return single ? free_single : free_double;
     }
+    return single ? periodic_single : periodic_double;
 }
 
 void lac_half_space_displace(lac_half_space *s)
 {
-    clear_padding(s);
-    lac_fft_filter(s->fft, s->compliance);
+    lac_filter_multiply(s->filter, compliance_of(s), s);
 }
 
 void lac_half_space_unload(lac_half_space *s)
 {
-    clear_padding(s);
-    lac_fft_filter(s->fft, s->stiffness);
+    bool single = lac_filter_precision(s->filter) == LAC_SINGLE;
+    lac_filter_multiply(s->filter, single ? stiffness_single : stiffness_double, s);
 }
 
 double lac_half_space_energy(lac_half_space *s)
 {
-    clear_padding(s);
-    return lac_fft_power(s->fft, s->compliance);
+    return lac_filter_power(s->filter, compliance_of(s), s);
 }

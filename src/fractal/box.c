@@ -217,6 +217,7 @@ static void measure(const lac_domain *domain, double origin_variance, lac_box_co
     double ranges =
         lac_line_range_spread(&l.side[first], &l.count[first], r->fit_last - first + 1, line.slope);
     r->dimension = -line.slope;
+    r->regression_error = line.error;
     double departure = hypot(ranges, bias(&domain->grid, r));
     r->error = sqrt(origin_variance + departure * departure + line.error * line.error);
     r->few_cells = domain->n < FEW_CELLS;

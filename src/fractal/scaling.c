@@ -5,7 +5,7 @@
 #include "fractal/line_fit.h"
 #include "lacuna/fractal.h"
 
-enum { LEAST_POINTS = 3 };
+enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 
 lac_scaling_def lac_scaling_default(void)
 {
@@ -54,6 +54,38 @@ static void check_load(lac_scaling *s)
     }
 }
 
+double lac_smooth_area(const lac_resolution *at)
+{
+    const double pi = 3.141592653589793;
+    return at->area - (pi - 1 + log(2.0)) / 24 * at->cell * at->boundary;
+}
+
+// Delta_S of other measures of the same resolutions; NaN where one is not > 0.
+static double dimension_of(const double *x, const double *measure, size_t n)
+{
+    double y[LAC_SCALING_POINTS];
+    for (size_t i = 0; i < n; i++) {
+        y[i] = log(measure[i]);
+        if (!positive(measure[i])) {
+            return NAN;
+        }
+    }
+    return 2 - lac_line_fit(x, y, n).slope;
+}
+
+// With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
+static void compare(lac_scaling *s, const double *x, size_t n)
+{
+    double smooth[LAC_SCALING_POINTS];
+    double flatness[LAC_SCALING_POINTS];
+    for (size_t i = 0; i < n; i++) {
+        smooth[i] = lac_smooth_area(&s->at[i]);
+        flatness[i] = 1 / s->at[i].slope;
+    }
+    s->smooth = dimension_of(x, smooth, n);
+    s->from_slopes = dimension_of(x, flatness, n);
+}
+
 lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
 {
     double x[LAC_SCALING_POINTS];
@@ -76,6 +108,8 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
     s->regression_error = line.error;
     s->error = hypot(line.error, lac_line_range_spread(x, y, fitted, line.slope));
     check_load(s);
+    compare(s, x, fitted);
+    s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
     s->fractal_area = exp(line.intercept);
     s->fractal_pressure = s->load / s->fractal_area;
     return LAC_OK;
@@ -95,19 +129,63 @@ static void coarsen(const lac_contact_def *fine, size_t m, lac_coarsening how, d
     }
 }
 
-// h'^2 = <(dh/dx)^2> + <(dh/dy)^2> from neighbours, round the edges.
-static double rms_slope(const lac_grid *grid, const double *h)
+// The cell after the i-th along a side of n cells: round the edge, or none (n).
+static size_t next(size_t i, size_t n, bool periodic) { return i + 1 < n || !periodic ? i + 1 : 0; }
+
+// h'^2 = <(dh/dx)^2> + <(dh/dy)^2> from neighbours.
+static double rms_slope(const lac_grid *g, const double *h)
+{
+    double square[2] = {0, 0};
+    for (size_t y = 0; y < g->ny; y++) {
+        size_t above = next(y, g->ny, g->periodic);
+        for (size_t x = 0; x < g->nx; x++) {
+            size_t right = next(x, g->nx, g->periodic);
+            double here = h[y * g->nx + x];
+            double rise[2] = {right < g->nx ? h[y * g->nx + right] - here : 0,
+                              above < g->ny ? h[above * g->nx + x] - here : 0};
+            square[0] += rise[0] * rise[0];
+            square[1] += rise[1] * rise[1];
+        }
+    }
+    // A free side has one difference less than it has cells.
+    size_t edge = g->periodic ? 0 : 1;
+    double along_x = (double)((g->nx - edge) * g->ny) * g->dx * g->dx;
+    double along_y = (double)(g->nx * (g->ny - edge)) * g->dy * g->dy;
+    return sqrt(square[0] / fmax(along_x, g->dx * g->dx) +
+                square[1] / fmax(along_y, g->dy * g->dy));
+}
+
+// Length of the sides that part a cell in contact from one that is not.
+static double boundary(const lac_grid *g, const double *p)
+{
+    double length = 0;
+    for (size_t y = 0; y < g->ny; y++) {
+        size_t above = next(y, g->ny, g->periodic);
+        for (size_t x = 0; x < g->nx; x++) {
+            size_t right = next(x, g->nx, g->periodic);
+            bool here = p[y * g->nx + x] > 0;
+            length += right < g->nx && here != (p[y * g->nx + right] > 0) ? g->dy : 0;
+            length += above < g->ny && here != (p[above * g->nx + x] > 0) ? g->dx : 0;
+        }
+    }
+    return length;
+}
+
+// What one resolution shows of heights and pressures.
+static lac_resolution observe(const lac_grid *grid, const double *heights, const double *pressure)
 {
     double sum = 0;
+    size_t cells = 0;
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        size_t x = i % grid->nx;
-        size_t y = i / grid->nx;
-        double right = h[y * grid->nx + (x + 1) % grid->nx];
-        double above = h[(y + 1) % grid->ny * grid->nx + x];
-        sum += (right - h[i]) * (right - h[i]) / (grid->dx * grid->dx);
-        sum += (above - h[i]) * (above - h[i]) / (grid->dy * grid->dy);
+        sum += pressure[i];
+        cells += pressure[i] > 0;
     }
-    return sqrt(sum / (double)lac_grid_cells(grid));
+    return (lac_resolution){.cell = sqrt(lac_grid_cell_area(grid)),
+                            .area = (double)cells * lac_grid_cell_area(grid),
+                            .pressure = sum / (double)cells,
+                            .slope = rms_slope(grid, heights),
+                            .cells = cells,
+                            .boundary = boundary(grid, pressure)};
 }
 
 // Solves one resolution: heights of blocks of m x m cells.
@@ -121,21 +199,14 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
     def.grid.dx *= (double)m;
     def.grid.dy *= (double)m;
     def.heights = heights;
+    def.start = NULL;
     coarsen(fine, m, how, heights);
     lac_status status = lac_contact_solve(&def, pressure, NULL, &report, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "area scaling, %zu x %zu cells", def.grid.nx,
                                def.grid.ny);
     }
-    double sum = 0;
-    for (size_t i = 0; i < lac_grid_cells(&def.grid); i++) {
-        sum += pressure[i];
-    }
-    *at = (lac_resolution){.cell = sqrt(lac_grid_cell_area(&def.grid)),
-                           .area = (double)report.n_cells * lac_grid_cell_area(&def.grid),
-                           .pressure = sum / (double)report.n_cells,
-                           .slope = rms_slope(&def.grid, heights),
-                           .cells = report.n_cells};
+    *at = observe(&def.grid, heights, pressure);
     return LAC_OK;
 }
 
@@ -163,19 +234,25 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
     if (cells == 0 || def->coarsest == 0 || coarser >= LAC_SCALING_POINTS ||
         coarser + 1 < LEAST_POINTS + def->left_out) {
         return lac_fail(err, LAC_EINPUT,
-                        "area scaling: a grid of %zu x %zu cells gives %zu resolutions down to "
-                        "%zu cells, %zu of them left out: at least %d must stay",
-                        contact->grid.nx, contact->grid.ny, coarser + 1, def->coarsest,
-                        def->left_out, LEAST_POINTS);
+                        "area scaling: %zu x %zu cells halve %zu times on the way to %zu a side; "
+                        "%zu times are needed",
+                        contact->grid.nx, contact->grid.ny, coarser, def->coarsest,
+                        LEAST_POINTS + def->left_out - 1);
     }
-    double *heights = malloc(cells * sizeof *heights);
-    double *pressure = malloc(cells * sizeof *pressure);
+    // Where the finest is known, the next one needs a quarter of the room.
+    size_t room = def->finest != NULL && coarser > 0 ? cells / 4 : cells;
+    double *heights = malloc(room * sizeof *heights);
+    double *pressure = malloc(room * sizeof *pressure);
     if (heights == NULL || pressure == NULL) {
         status = lac_fail_memory(err);
         goto out;
     }
     for (size_t i = 0; i <= coarser; i++) {
         size_t m = (size_t)1 << (coarser - i);
+        if (m == 1 && def->finest != NULL) {
+            scaling->at[i] = observe(&contact->grid, contact->heights, def->finest);
+            continue;
+        }
         LAC_TRY(solve(contact, m, def->coarsening, heights, pressure, &scaling->at[i], err));
     }
     LAC_TRY(lac_scaling_fit(scaling, def->left_out, err));

@@ -21,7 +21,7 @@ static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
                     def->approach, highest - mean);
 }
 
-// Presses the surface; heights and gap are allocated here. With `all` also at coarser resolutions.
+// Presses the surface; heights and gap are allocated here. With `all` the surface is measured too.
 static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
@@ -33,7 +33,9 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
         return lac_fail_memory(err);
     }
-    status = lac_surface_generate(&c->surface, &out->grid, out->heights, err);
+    status = all ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
+                                                 &out->surface, err)
+                 : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.surface");
     }
@@ -52,17 +54,6 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     out->solved = status == LAC_OK;
     if (normal->approach != NULL) {
         out->mean_pressure = out->report.mean_pressure;
-    }
-    if (status == LAC_OK && all) {
-        // The same load at every resolution, also where it followed from an approach.
-        def.control = LAC_CONTROL_LOAD;
-        def.mean_pressure = out->mean_pressure;
-        lac_scaling_def scaling = lac_scaling_default();
-        lac_status scaled = lac_scaling_measure(&def, &scaling, &out->scaling, err);
-        // A contact that cannot be halved often enough, or whose coarser resolutions follow no
-        // power law, is a contact all the same.
-        status = scaled == LAC_ENOMEM ? scaled : LAC_OK;
-        out->scaled = scaled == LAC_OK;
     }
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The file of a solved contact: maps of heights, gaps and pressures, and the box counts.
+// The file of a solved contact: maps of heights, gaps and pressures.
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "store/contact_fractal.h"
 #include "store/nc.h"
 
 enum { ROW_CHUNK_CELLS = 1 << 18 }; // cells a chunk: whole rows, about 2 MB
@@ -91,69 +92,7 @@ out:
     return status;
 }
 
-static lac_status put_box_fit(const lac_nc *file, const lac_box_count *boxes, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    if (isfinite(boxes->dimension)) {
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box", boxes->dimension, err));
-    }
-    if (isfinite(boxes->error)) {
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_error", boxes->error, err));
-    }
-    if (boxes->fit_first < boxes->sizes && boxes->fit_last < boxes->sizes) {
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_fit_smallest_cells",
-                            boxes->side[boxes->fit_first], err));
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_box_fit_largest_cells",
-                            boxes->side[boxes->fit_last], err));
-    }
-    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "d_box_few_cells", boxes->few_cells, err));
-    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "d_box_dense", boxes->dense, err));
-out:
-    return status;
-}
-
-static lac_status put_boxes(const lac_nc *file, const lac_box_count *boxes, lac_error *err)
-{
-    const lac_map table[] = {
-        {{.name = "box_side",
-          .unit = "1",
-          .long_name = "side of a box, in cells",
-          .type = NC_DOUBLE},
-         boxes->side},
-        {{.name = "box_count",
-          .unit = "1",
-          .long_name = "boxes that hold a contact cell",
-          .comment = "mean over random origins of the boxes",
-          .coordinates = "box_side",
-          .type = NC_DOUBLE},
-         boxes->count},
-        {{.name = "box_minimum",
-          .unit = "1",
-          .long_name = "least number of boxes that hold a contact cell",
-          .comment = "least over random origins of the boxes",
-          .coordinates = "box_side",
-          .type = NC_DOUBLE},
-         boxes->minimum},
-    };
-    lac_status status = LAC_OK;
-    int dim = 0;
-    LAC_TRY(put_box_fit(file, boxes, err));
-    if (boxes->sizes == 0) {
-        goto out;
-    }
-    LAC_TRY(lac_nc_dim(file, "box", boxes->sizes, &dim, err));
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        int id = 0;
-        LAC_TRY(lac_nc_define(file, &table[i].var, 1, &dim, NULL, 0, &id, err));
-        LAC_TRY(lac_nc_check(file->path, nc_put_var_double(file->id, id, table[i].values), err,
-                             "write", table[i].var.name));
-    }
-out:
-    return status;
-}
-
-lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_contact_view *contact, lac_error *err)
+lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, lac_error *err)
 {
     const lac_map maps[] = {
         {{.name = "heights",
@@ -175,22 +114,32 @@ lac_status lac_store_contact(const char *path, bool force, const lac_provenance 
           .type = NC_DOUBLE},
          contact->pressure},
     };
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "boundary", contact->grid->periodic ? "periodic" : "free",
+                        err));
+    LAC_TRY(put_maps(file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
+    if (contact->report != NULL) {
+        LAC_TRY(put_report(file, contact->grid, contact->report, err));
+    }
+    if (contact->surface != NULL) {
+        LAC_TRY(lac_nc_surface(file, contact->surface, err));
+    }
+    LAC_TRY(lac_nc_fractal(file, contact, err));
+out:
+    return status;
+}
+
+lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_contact_view *contact, lac_error *err)
+{
     lac_nc file = {0};
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_create(&file, path, force, err));
     LAC_TRY(lac_nc_provenance(&file, provenance,
                               "Contact of a rough rock joint under normal load: maps over the "
-                              "interface, and the box counts of the contact domain.",
+                              "interface, and the fractal measures of the contact domain.",
                               err));
-    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "boundary", contact->grid->periodic ? "periodic" : "free",
-                        err));
-    LAC_TRY(put_maps(&file, contact->grid, maps, sizeof maps / sizeof maps[0], err));
-    if (contact->report != NULL) {
-        LAC_TRY(put_report(&file, contact->grid, contact->report, err));
-    }
-    if (contact->boxes != NULL) {
-        LAC_TRY(put_boxes(&file, contact->boxes, err));
-    }
+    LAC_TRY(lac_nc_contact(&file, contact, err));
     LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));

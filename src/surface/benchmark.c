@@ -132,6 +132,14 @@ out:
     return status;
 }
 
+static lac_wave_range waves(const void *params, const lac_grid *grid)
+{
+    const lac_benchmark *p = params;
+    double side = (double)grid->nx * grid->dx;
+    return p->name == LAC_BENCHMARK_A08 ? (lac_wave_range){side / 4.0, 8.0 * grid->dx}
+                                        : (lac_wave_range){side, side / 511.0};
+}
+
 #define FIELD(name) offsetof(lac_benchmark, name)
 
 static const char *const names[] = {"A08", "J07", NULL};
@@ -164,4 +172,5 @@ const lac_surface_source lac_surface_benchmark = {
             .params_size = sizeof(lac_benchmark),
         },
     .generate = generate,
+    .waves = waves,
 };

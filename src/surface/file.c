@@ -1,98 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measured heights on the grid of the interface.
+// Measured heights on the grid of the interface: of one file, or of one a face.
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
-#include "base/units.h"
+#include "surface/face.h"
 #include "surface/fit.h"
 #include "surface/registry.h"
 
-// The unit in force: the file's own, else the case's; both only where they agree.
-static lac_status choose_unit(const lac_surface_file *p, const char *key, const char *in_file,
-                              const char *in_case, const char **unit, lac_error *err)
-{
-    if (in_file[0] != '\0' && in_case != NULL && strcmp(in_file, in_case) != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
-                        p->path, in_file, key, in_case, key);
-    }
-    *unit = in_file[0] != '\0' ? in_file : in_case;
-    return LAC_OK;
-}
+// A file on its way onto the grid.
+typedef struct face {
+    lac_height_map *map;
+    lac_file_report report;
+    lac_placement place;
+} face;
 
-static lac_status scale_of(const lac_surface_file *p, const lac_units *units, const char *what,
-                           const char *unit, double *scale, lac_error *err)
-{
-    double offset = 0.0;
-    *scale = 1.0;
-    if (unit == NULL) {
-        return LAC_OK;
-    }
-    lac_status status = lac_units_convert(units, unit, "m", scale, &offset, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "%s: %s: unit \"%s\"", p->path, what, unit);
-    }
-    return LAC_OK;
-}
-
-static lac_status scale_heights(const lac_surface_file *p, double scale, lac_height_map *map,
-                                lac_error *err)
-{
-    for (size_t i = 0; i < map->nx * map->ny; i++) {
-        map->heights[i] *= scale;
-        if (fabs(map->heights[i]) > 1e9) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: a height of %g m in column %zu of row %zu (from the smallest y); "
-                            "must be within 1e9 m: a mark for no data, or a wrong unit?",
-                            p->path, map->heights[i], i % map->nx + 1, i / map->nx + 1);
-        }
-    }
-    return LAC_OK;
-}
-
-// Heights and spacings in metres.
-static lac_status convert(const lac_surface_file *p, lac_height_map *map, lac_error *err)
-{
-    lac_status status;
-    lac_units *units = NULL;
-    const char *vertical = NULL;
-    const char *lateral = NULL;
-    double scale = 1.0;
-    bool known = !isnan(map->dx) || !isnan(map->dy);
-    LAC_TRY(choose_unit(p, "unit", map->height_unit, p->unit, &vertical, err));
-    LAC_TRY(choose_unit(p, "lateral_unit", map->lateral_unit, p->lateral_unit, &lateral, err));
-    LAC_TRY(lac_units_create(&units, err));
-    LAC_TRY(scale_of(p, units, "heights", vertical, &scale, err));
-    LAC_TRY(scale_heights(p, scale, map, err));
-    if (known && !isnan(p->spacing)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: the file has a spacing of its own, %g by %g; leave spacing out",
-                         p->path, map->dx, map->dy));
-    }
-    if (known) {
-        LAC_TRY(scale_of(p, units, "spacing", lateral != NULL ? lateral : vertical, &scale, err));
-    }
-    map->dx = known ? map->dx * scale : p->spacing;
-    map->dy = known ? map->dy * scale : p->spacing;
-out:
-    lac_units_free(units);
-    return status;
-}
-
-static lac_status fill(const lac_surface_file *p, lac_height_map *map, lac_error *err)
-{
-    if (map->masked > 0 && p->nodata == LAC_NODATA_NEAREST) {
-        return lac_fill_nearest(map, err);
-    }
-    if (map->masked > 0 && p->nodata == LAC_NODATA_MEAN) {
-        lac_fill_mean(map);
-    }
-    return LAC_OK;
-}
-
-static lac_status check_complete(const lac_surface_file *p, const lac_height_map *map,
-                                 const lac_grid *grid, const double *heights, lac_error *err)
+static lac_status check_complete(const face *f, const lac_grid *grid, const double *heights,
+                                 lac_error *err)
 {
     size_t missing = 0;
     size_t n = lac_grid_cells(grid);
@@ -105,28 +28,182 @@ static lac_status check_complete(const lac_surface_file *p, const lac_height_map
                           "%s: %zu of the %zu cells of the interface have no height (no data in "
                           "%zu samples of the file); choose a smaller interface, or use `nodata: "
                           "nearest` or `nodata: mean`",
-                          p->path, missing, n, map->masked);
+                          f->report.path, missing, n, f->map->masked);
 }
 
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err)
+static lac_status lay(face *f, const lac_grid *grid, double *heights, lac_error *err)
+{
+    lac_status status;
+    f->report.fit = f->place.fit;
+    LAC_TRY(lac_fit_map(f->report.path, f->map, &f->place, grid, heights, err));
+    LAC_TRY(check_complete(f, grid, heights, err));
+out:
+    return status;
+}
+
+static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, face *f,
+                             lac_error *err)
+{
+    const lac_face_def def = {.path = p->path,
+                              .unit = p->unit,
+                              .lateral_unit = p->lateral_unit,
+                              .spacing = p->spacing,
+                              .other_spacing = NAN,
+                              .nodata = p->nodata};
+    lac_status status = lac_face_read(&def, &f->map, &f->report, err);
+    if (status == LAC_OK) {
+        f->place = lac_place_centred(f->map, p->fit, grid);
+    }
+    return status;
+}
+
+// One direction of a face, for its place beside the other.
+typedef struct span {
+    size_t samples;
+    double spacing, first; ///< [m]; first is NaN where the file says none
+} span;
+
+static span span_of(const face *f, const lac_grid *grid, bool along_x)
+{
+    const lac_height_map *map = f->map;
+    size_t n = along_x ? map->nx : map->ny;
+    double spacing = along_x ? lac_fit_spacing(map->dx, n, f->place.fit, grid->nx, grid->dx)
+                             : lac_fit_spacing(map->dy, n, f->place.fit, grid->ny, grid->dy);
+    return (span){n, spacing, along_x ? map->x : map->y};
+}
+
+// The sample of the lower face at the centre of the interface: where the upper face's is by the
+// coordinates of both, or as far from the middle of the one face as of the other.
+static double lower_centre(span upper, span lower, double centre, bool shared, bool mirrored)
+{
+    if (shared && !isnan(upper.first) && !isnan(lower.first)) {
+        return (upper.first + centre * upper.spacing - lower.first) / lower.spacing;
+    }
+    double aside = (centre - 0.5 * (double)(upper.samples - 1)) * upper.spacing / lower.spacing;
+    return 0.5 * (double)(lower.samples - 1) + (mirrored ? -aside : aside);
+}
+
+static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
+                             face *f, lac_error *err)
+{
+    lac_status status;
+    const lac_face_def def = {.path = p->lower,
+                              .unit = p->lower_unit,
+                              .lateral_unit = p->lower_lateral_unit,
+                              .other = p->unit,
+                              .other_lateral = p->lateral_unit,
+                              .spacing = p->lower_spacing,
+                              .other_spacing = p->spacing,
+                              .nodata = p->nodata};
+    LAC_TRY(lac_face_read(&def, &f->map, &f->report, err));
+    bool shared = p->lower_view == LAC_LOWER_SAME_FRAME;
+    f->place = (lac_placement){.fit = p->fit,
+                               .mirror_x = p->lower_view == LAC_LOWER_MIRROR_X,
+                               .mirror_y = p->lower_view == LAC_LOWER_MIRROR_Y};
+    span x = span_of(f, grid, true);
+    f->place.centre_x = lower_centre(span_of(upper, grid, true), x, upper->place.centre_x, shared,
+                                     f->place.mirror_x);
+    f->place.centre_y = lower_centre(span_of(upper, grid, false), span_of(f, grid, false),
+                                     upper->place.centre_y, shared, f->place.mirror_y);
+    // moved by the offset, the face shows at a place what lay as much before it
+    f->place.centre_x += (f->place.mirror_x ? p->offset : -p->offset) / x.spacing;
+out:
+    return status;
+}
+
+// Heights of one face become those of both, peaks of the composite touching first.
+static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
+                            face *lower, double *heights, lac_error *err)
+{
+    lac_status status;
+    size_t n = lac_grid_cells(grid);
+    double *other = malloc(n * sizeof *other);
+    if (other == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_TRY(read_lower(p, grid, upper, lower, err));
+    LAC_TRY(lay(lower, grid, other, err));
+    for (size_t i = 0; i < n; i++) {
+        bool same = p->lower_view == LAC_LOWER_SAME_FRAME;
+        heights[i] = other[i] + (same ? -heights[i] : heights[i]);
+    }
+out:
+    free(other);
+    return status;
+}
+
+static bool is_complete(const lac_height_map *map)
+{
+    for (size_t i = 0; map->masked > 0 && i < map->nx * map->ny; i++) {
+        if (isnan(map->heights[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// What the heights look like before anything is taken off: all of a file, or what lies on the
+// interface where there are two, or gaps in one.
+static lac_status measure(const face *one, const lac_grid *grid, const double *heights, bool two,
+                          lac_surface_report *report, lac_error *err)
+{
+    const lac_height_map *map = one->map;
+    lac_grid samples = *grid;
+    samples.periodic = false;
+    report->measured = two ? LAC_MEASURED_COMPOSITE : LAC_MEASURED_PART;
+    if (!two && is_complete(map)) {
+        samples.nx = map->nx;
+        samples.ny = map->ny;
+        samples.dx = span_of(one, grid, true).spacing;
+        samples.dy = span_of(one, grid, false).spacing;
+        heights = map->heights;
+        report->measured = LAC_MEASURED_FILE;
+    }
+    return lac_surface_measure(&samples, heights, NULL, &report->measures, err);
+}
+
+static lac_status generate_measured(const void *params, const lac_grid *grid, double *heights,
+                                    lac_surface_report *report, lac_error *err)
 {
     const lac_surface_file *p = params;
-    lac_height_map *map = NULL;
+    face faces[2] = {{0}, {0}};
     lac_status status;
-    LAC_TRY(lac_height_map_read(p->path, &map, err));
-    LAC_TRY(convert(p, map, err));
-    LAC_TRY(fill(p, map, err));
-    LAC_TRY(lac_fit_map(p->path, map, p->fit, grid, heights, err));
-    LAC_TRY(check_complete(p, map, grid, heights, err));
+    LAC_TRY(read_upper(p, grid, &faces[0], err));
+    LAC_TRY(lay(&faces[0], grid, heights, err));
+    if (p->lower != NULL) {
+        LAC_TRY(add_lower(p, grid, &faces[0], &faces[1], heights, err));
+    }
+    if (report != NULL) {
+        LAC_TRY(measure(&faces[0], grid, heights, p->lower != NULL, report, err));
+        report->files = p->lower != NULL ? 2 : 1;
+        report->file[0] = faces[0].report;
+        report->file[1] = faces[1].report;
+    }
     lac_detrend(p->detrend, grid, heights);
     lac_taper(p->taper, grid, heights);
     if (p->taper > 0.0 && p->detrend != LAC_DETREND_NONE) {
         lac_detrend(LAC_DETREND_MEAN, grid, heights);
     }
 out:
-    lac_height_map_free(map);
+    lac_height_map_free(faces[0].map);
+    lac_height_map_free(faces[1].map);
     return status;
+}
+
+static lac_status generate(const void *params, const lac_grid *grid, double *heights,
+                           lac_error *err)
+{
+    return generate_measured(params, grid, heights, NULL, err);
+}
+
+static const char *fault(const void *params)
+{
+    const lac_surface_file *p = params;
+    bool said = p->offset != 0.0 || p->lower_view != LAC_LOWER_SAME_FRAME ||
+                p->lower_unit != NULL || p->lower_lateral_unit != NULL || !isnan(p->lower_spacing);
+    return p->lower == NULL && said
+               ? "offset and what begins with lower_ need lower, the file of the lower face"
+               : NULL;
 }
 
 #define FIELD(name) offsetof(lac_surface_file, name)
@@ -134,11 +211,12 @@ out:
 static const char *const nodata_words[] = {"refuse", "nearest", "mean", NULL};
 static const char *const fit_words[] = {"crop", "pad", "resample", NULL};
 static const char *const detrend_words[] = {"none", "mean", "plane", NULL};
+static const char *const view_words[] = {"same-frame", "mirror-x", "mirror-y", NULL};
 
 static const lac_param file_params[] = {
     {"path", "1", NAN, 0.0, 0.0, FIELD(path),
      ".npy, ESRI ASCII grid .asc, gridded .xyz, Gwyddion .gsf, ISO 25178-71 .sdf or netCDF; told "
-     "by its content",
+     "by its content: the composite heights, or with `lower` the upper face",
      .type = LAC_PATH},
     {"unit", "1", NAN, 0.0, 0.0, FIELD(unit),
      "of the heights where the file says none; m if absent", .type = LAC_TEXT,
@@ -163,17 +241,38 @@ static const lac_param file_params[] = {
     {"taper", "1", 0.0, 0.0, 0.5, FIELD(taper),
      "part of each side over which the heights fade to zero at either end, after detrending",
      .type = LAC_REAL},
+    {"lower", "1", NAN, 0.0, 0.0, FIELD(lower),
+     "the lower face, in any of the formats; `path` is then the upper one", .type = LAC_PATH,
+     .flags = LAC_OPTIONAL},
+    {"lower_view", "1", LAC_LOWER_SAME_FRAME, 0.0, 2.0, FIELD(lower_view),
+     "how `lower` was measured: in the frame of the upper face, heights upwards in both "
+     "(same-frame: composite = lower - upper), or each face looked at, peaks up, the joint opened "
+     "like a book so that x or y runs backwards in `lower` (composite = upper + lower)",
+     .type = LAC_CHOICE, .choices = view_words},
+    {"offset", "m", 0.0, -1e9, 1e9, FIELD(offset),
+     "by which the lower face is moved along x, the direction of slip", .type = LAC_REAL},
+    {"lower_unit", "1", NAN, 0.0, 0.0, FIELD(lower_unit),
+     "of the heights of `lower` where it says none; `unit` if absent", .type = LAC_TEXT,
+     .flags = LAC_OPTIONAL},
+    {"lower_lateral_unit", "1", NAN, 0.0, 0.0, FIELD(lower_lateral_unit),
+     "of the spacing of `lower` where it says none; `lateral_unit` if absent", .type = LAC_TEXT,
+     .flags = LAC_OPTIONAL},
+    {"lower_spacing", "m", NAN, 0.0, 1e9, FIELD(lower_spacing),
+     "of the samples of `lower` where it says none; `spacing` if absent",
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
 };
 
 const lac_surface_source lac_surface_from_file = {
     .about =
         {
             .name = "file",
-            .summary = "measured heights, read from a file",
+            .summary = "measured heights, read from a file, or from two, one a face",
             .reference = "",
             .params = file_params,
             .param_count = sizeof file_params / sizeof file_params[0],
             .params_size = sizeof(lac_surface_file),
+            .fault = fault,
         },
     .generate = generate,
+    .generate_measured = generate_measured,
 };

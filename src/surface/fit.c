@@ -9,6 +9,10 @@
 
 // Spacings that agree to this part are one.
 static const double agreement = 1e-3;
+// How near to a sample a cell is on it [samples].
+static const double on_sample = 1e-9;
+// How far from the cells the samples of the second face may lie [cells].
+static const double off_cell = 0.01;
 
 typedef struct frontier {
     lac_height_map *map;
@@ -73,7 +77,43 @@ typedef struct side {
     char name;
     size_t samples, cells;
     double spacing, cell; ///< [m]; spacing is NaN where it is not known
+    double centre;        ///< sample at the centre of the interface
+    double step;          ///< samples from cell to cell; negative where the map runs backwards
 } side;
+
+double lac_fit_spacing(double spacing, size_t n, int fit, size_t cells, double cell)
+{
+    if (!isnan(spacing)) {
+        return spacing;
+    }
+    return fit == LAC_FIT_RESAMPLE ? (double)cells * cell / (double)n : cell;
+}
+
+static double centred(size_t samples, size_t cells, int fit)
+{
+    double middle = 0.5 * ((double)samples - (double)cells);
+    return fit == LAC_FIT_RESAMPLE ? 0.5 * (double)(samples - 1)
+                                   : floor(middle) + 0.5 * (double)(cells - 1);
+}
+
+lac_placement lac_place_centred(const lac_height_map *map, int fit, const lac_grid *grid)
+{
+    return (lac_placement){.fit = fit,
+                           .centre_x = centred(map->nx, grid->nx, fit),
+                           .centre_y = centred(map->ny, grid->ny, fit)};
+}
+
+static side side_of(char name, const lac_height_map *map, const lac_placement *place,
+                    const lac_grid *grid)
+{
+    side s = name == 'x' ? (side){'x', map->nx, grid->nx, map->dx, grid->dx, place->centre_x, 1.0}
+                         : (side){'y', map->ny, grid->ny, map->dy, grid->dy, place->centre_y, 1.0};
+    if (place->fit == LAC_FIT_RESAMPLE) {
+        s.step = s.cell / lac_fit_spacing(s.spacing, s.samples, place->fit, s.cells, s.cell);
+    }
+    s.step = (name == 'x' ? place->mirror_x : place->mirror_y) ? -s.step : s.step;
+    return s;
+}
 
 static lac_status check_spacing(const char *path, const side *s, lac_error *err)
 {
@@ -87,18 +127,15 @@ static lac_status check_spacing(const char *path, const side *s, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status check_side(const char *path, const side *s, int fit, lac_error *err)
+static lac_status check_size(const char *path, const side *s, int fit, lac_error *err)
 {
     double extent = (double)s->samples * s->spacing;
     double wanted = (double)s->cells * s->cell;
-    if (fit == LAC_FIT_RESAMPLE) {
-        if (s->cells > 1 && extent < wanted * (1.0 - agreement)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: it covers %g m along %c, but the interface is %g m; make the "
-                            "interface smaller, or use `fit: pad` with cells of %g m",
-                            path, extent, s->name, wanted, s->spacing);
-        }
-        return LAC_OK;
+    if (fit == LAC_FIT_RESAMPLE && s->cells > 1 && extent < wanted * (1.0 - agreement)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: it covers %g m along %c, but the interface is %g m; make the "
+                        "interface smaller, or use `fit: pad` with cells of %g m",
+                        path, extent, s->name, wanted, s->spacing);
     }
     if (fit == LAC_FIT_CROP && s->samples < s->cells) {
         return lac_fail(err, LAC_EINPUT,
@@ -107,7 +144,32 @@ static lac_status check_side(const char *path, const side *s, int fit, lac_error
                         path, s->samples, s->name, s->cells,
                         isnan(s->spacing) ? " or `fit: resample`" : "");
     }
-    return check_spacing(path, s, err);
+    return fit == LAC_FIT_RESAMPLE ? LAC_OK : check_spacing(path, s, err);
+}
+
+// A map away from the centre may leave part of the interface bare, or lie between its cells.
+static lac_status check_place(const char *path, const side *s, int fit, lac_error *err)
+{
+    double half = 0.5 * (double)s->cells * fabs(s->step);
+    double below = s->centre + 0.5;
+    double above = (double)s->samples - 0.5 - s->centre;
+    double first = s->centre - 0.5 * (double)(s->cells - 1) * s->step;
+    if (fit != LAC_FIT_PAD && s->cells > 1 && fmin(below, above) < half * (1.0 - agreement)) {
+        double metres = s->cell / fabs(s->step);
+        double low = s->step > 0.0 ? half - below : half - above;
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: it lies from %g to %g m along %c of the interface, which goes from 0 "
+                        "to %g m; make the interface or the offset smaller",
+                        path, low * metres, (low + (double)s->samples) * metres, s->name,
+                        (double)s->cells * s->cell);
+    }
+    if (fit != LAC_FIT_RESAMPLE && fabs(first - round(first)) > off_cell) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: its samples lie %g of a cell off the cells along %c, where those of "
+                        "the other face lie; use `fit: resample`, or another offset",
+                        path, fabs(first - round(first)), s->name);
+    }
+    return LAC_OK;
 }
 
 // The samples on either side of a cell's centre, and the weight of the second.
@@ -116,16 +178,13 @@ typedef struct weight {
     double part;
 } weight;
 
-// Centre on centre; beyond the map its edge goes on.
+// Beyond the map its edge goes on.
 static weight sample_at(const side *s, int fit, size_t cell)
 {
-    double last = (double)(s->samples - 1);
-    double ratio = isnan(s->spacing) ? (double)s->samples / (double)s->cells : s->cell / s->spacing;
-    double middle = 0.5 * ((double)s->samples - (double)s->cells);
-    double u = fit != LAC_FIT_RESAMPLE
-                   ? (double)cell + floor(middle)
-                   : ((double)cell + 0.5 - 0.5 * (double)s->cells) * ratio + 0.5 * last;
-    u = fmin(fmax(u, 0.0), last);
+    double u = s->centre + ((double)cell - 0.5 * (double)(s->cells - 1)) * s->step;
+    // lengths carry rounding: a cell on a sample takes nothing of the next, which may be masked
+    u = fit != LAC_FIT_RESAMPLE || fabs(u - round(u)) < on_sample ? round(u) : u;
+    u = fmin(fmax(u, 0.0), (double)(s->samples - 1));
     weight w = {.low = (size_t)u};
     w.part = u - (double)w.low;
     w.high = w.part > 0.0 ? w.low + 1 : w.low;
@@ -138,20 +197,21 @@ static double mix(double a, double b, double part)
     return part > 0.0 ? a + part * (b - a) : a;
 }
 
-lac_status lac_fit_map(const char *path, const lac_height_map *map, int fit, const lac_grid *grid,
-                       double *heights, lac_error *err)
+lac_status lac_fit_map(const char *path, const lac_height_map *map, const lac_placement *place,
+                       const lac_grid *grid, double *heights, lac_error *err)
 {
     lac_status status;
-    const side x = {'x', map->nx, grid->nx, map->dx, grid->dx};
-    const side y = {'y', map->ny, grid->ny, map->dy, grid->dy};
-    LAC_TRY(check_side(path, &x, fit, err));
-    LAC_TRY(check_side(path, &y, fit, err));
+    const side sides[2] = {side_of('x', map, place, grid), side_of('y', map, place, grid)};
+    for (size_t k = 0; k < 2; k++) {
+        LAC_TRY(check_size(path, &sides[k], place->fit, err));
+        LAC_TRY(check_place(path, &sides[k], place->fit, err));
+    }
     for (size_t j = 0; j < grid->ny; j++) {
-        weight wy = sample_at(&y, fit, j);
+        weight wy = sample_at(&sides[1], place->fit, j);
         const double *low = map->heights + wy.low * map->nx;
         const double *high = map->heights + wy.high * map->nx;
         for (size_t i = 0; i < grid->nx; i++) {
-            weight wx = sample_at(&x, fit, i);
+            weight wx = sample_at(&sides[0], place->fit, i);
             heights[j * grid->nx + i] = mix(mix(low[wx.low], low[wx.high], wx.part),
                                             mix(high[wx.low], high[wx.high], wx.part), wy.part);
         }

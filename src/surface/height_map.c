@@ -24,12 +24,29 @@ bool lac_bytes_begin(const lac_bytes *bytes, const char *word)
     return bytes->size >= n && memcmp(bytes->data, word, n) == 0;
 }
 
+// IEEE 754 binary16: a sign, five bits of exponent, ten of fraction.
+static double half_number(unsigned bits)
+{
+    int exponent = (int)(bits >> 10 & 0x1fU);
+    double fraction = (double)(bits & 0x3ffU);
+    double size;
+    if (exponent == 0x1f) {
+        size = fraction == 0.0 ? (double)INFINITY : (double)NAN;
+    } else {
+        size = exponent == 0 ? ldexp(fraction, -24) : ldexp(1024.0 + fraction, exponent - 25);
+    }
+    return (bits & 0x8000U) != 0 ? -size : size;
+}
+
 double lac_bytes_number(const unsigned char *data, lac_number_type type)
 {
     uint64_t bits = 0;
     for (size_t i = 0; i < type.width; i++) {
         size_t at = type.big_endian ? i : type.width - 1 - i;
         bits = bits << 8 | data[at];
+    }
+    if (type.kind == 'f' && type.width == 2) {
+        return half_number((unsigned)bits);
     }
     if (type.kind == 'f' && type.width == 4) {
         uint32_t half = (uint32_t)bits;
@@ -143,8 +160,9 @@ lac_status lac_height_map_parse(const lac_bytes *bytes, lac_height_map **out, la
         LAC_TRY(lac_fail_memory(err));
     }
     callers = uselocale(plain);
-    map->dx = map->dy = (double)NAN;
+    map->dx = map->dy = map->x = map->y = (double)NAN;
     LAC_TRY(recognise(bytes, &format, err));
+    map->format = format->name;
     LAC_TRY(format->read(bytes, map, err));
     LAC_TRY(count_masked(map, bytes->path, err));
     *out = map;

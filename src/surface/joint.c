@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
-#include "surface/band.h"
 #include "surface/registry.h"
+#include "surface/synthesis.h"
 
 #define TWO_PI 6.283185307179586476925286766559
 
@@ -46,29 +46,32 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
                            lac_error *err)
 {
     const lac_joint *p = params;
-    size_t n = lac_grid_cells(grid);
-    if (n == 1) {
+    if (lac_grid_cells(grid) == 1) {
         heights[0] = 0.0; // one cell has no roughness
         return LAC_OK;
     }
-    lac_fft *fft = NULL;
+    lac_grid whole;
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
-    lac_waves waves = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
+    lac_waves stated = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
     lac_status status;
-    LAC_TRY(lac_band_of(&waves, grid, &f.band, err));
+    const lac_synthesis how = {"joint", p->sampling, p->margin, !isnan(p->shortest), false};
+    LAC_TRY(lac_synthesis_whole(&how, grid, &whole, err));
+    LAC_TRY(lac_band_of(&stated, &whole, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
     f.q_mating = isnan(p->mating) ? 0.0 : TWO_PI / p->mating * (1.0 + 1e-9);
     LAC_TRY(check(p, &f, err));
     f.scale = p->rms_height / sqrt(lac_band_sum(&f.band, 0));
-    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
-    lac_band_fill(fft, mode, &f);
-    lac_fft_inverse(fft);
-    for (size_t i = 0; i < n; i++) {
-        heights[i] = fft->real[i];
-    }
+    LAC_TRY(lac_synthesise(&how, &f.band, grid, mode, &f, heights, err));
 out:
-    lac_fft_free(fft);
     return status;
+}
+
+// Mated waves are left by the offset alone: no power law.
+static lac_wave_range waves(const void *params, const lac_grid *grid)
+{
+    const lac_joint *p = params;
+    (void)grid;
+    return (lac_wave_range){fmin(p->rolloff, p->mating), p->shortest};
 }
 
 #define FIELD(name) offsetof(lac_joint, name)
@@ -94,6 +97,15 @@ static const lac_param joint_params[] = {
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
     {"offset", "m", 0.0, -1e9, 1e9, FIELD(offset),
      "by which the lower face is moved along x, the direction of slip", .type = LAC_REAL},
+    {"sampling", "1", LAC_SAMPLING_LOW_PASS, 0.0, 2.0, FIELD(sampling),
+     "of waves too short for the grid: left out (low-pass), folded back as taking every m-th "
+     "height of a finer grid does (point), or averaged over the cell (block-mean); the last two "
+     "need shortest",
+     .type = LAC_CHOICE, .choices = lac_sampling_words},
+    {"margin", "1", 0.0, 0.0, 7.0, FIELD(margin),
+     "sides by which the surface goes on beyond the interface before it repeats: 1 or more makes "
+     "opposite sides of free boundaries strangers",
+     .type = LAC_INTEGER},
 };
 
 const lac_surface_source lac_surface_joint = {
@@ -107,4 +119,5 @@ const lac_surface_source lac_surface_joint = {
             .params_size = sizeof(lac_joint),
         },
     .generate = generate,
+    .waves = waves,
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/measure.h"
+
 #include <math.h>
 
 #include "base/fft.h"
-#include "lacuna/surface.h"
 
 #define TWO_PI 6.283185307179586476925286766559
 
@@ -12,6 +13,9 @@ enum { SHELLS = 256, PER_OCTAVE = 4 };
 typedef struct radial {
     double power[SHELLS], log_q[SHELLS], modes[SHELLS];
     double q_low, q_high;
+    double dimensions; // 2, 1 for a line
+    double tied;       // neighbouring waves that a window makes one
+    double smear;      // by a window: see window_gain [rad2/m2]
 } radial;
 
 static lac_status check(const lac_grid *grid, const double *heights, lac_error *err)
@@ -103,19 +107,27 @@ static void add_modes(const lac_grid *grid, const lac_fft *fft, radial *r)
     }
 }
 
+// Log of what Hann's window makes of a power law q^-fall. It mixes the power of a wave with those
+// of its neighbours along either direction, as 1/6, 2/3, 1/6: to second order 1 + the Laplacian
+// / 6.
+static double window_gain(const radial *r, double fall, double log_q)
+{
+    return log1p(r->smear * fall * (fall + 2.0 - r->dimensions) * exp(-2.0 * log_q));
+}
+
 // Weighted least squares of log power on log q. The mean power of n waves scatters by 1/sqrt(n)
 // of itself and its log lies 1/(2n) low; `tied` waves of a window count as one.
-static void fit(const radial *r, double tied, double dimensions, lac_surface_measures *m)
+static void fit(const radial *r, double fall, lac_surface_measures *m)
 {
     double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0, wyy = 0.0;
     int shells = 0;
     for (size_t s = 0; s < SHELLS; s++) {
-        double n = r->modes[s] / tied;
+        double n = r->modes[s] / r->tied;
         if (n < 2.0 || r->power[s] <= 0.0) {
             continue;
         }
         double x = r->log_q[s] / r->modes[s];
-        double y = log(r->power[s] / r->modes[s]) + 0.5 / n;
+        double y = log(r->power[s] / r->modes[s]) + 0.5 / n - window_gain(r, fall, x);
         w += n;
         wx += n * x;
         wy += n * y;
@@ -130,49 +142,92 @@ static void fit(const radial *r, double tied, double dimensions, lac_surface_mea
     double sxx = wxx - wx * wx / w;
     double slope = (wxy - wx * wy / w) / sxx;
     double misfit = (wyy - wy * wy / w - slope * slope * sxx) / (shells - 2);
-    m->hurst = -0.5 * (slope + dimensions);
+    m->hurst = -0.5 * (slope + r->dimensions);
     m->hurst_error = 0.5 * sqrt(fmax(1.0, misfit) / sxx);
+    m->hurst_misfit = misfit;
 }
 
-static lac_status measure_hurst(const lac_grid *grid, lac_fft *fft, const lac_wave_range *range,
-                                lac_surface_measures *m, lac_error *err)
+// A quarter of the shorter side to four cells.
+static lac_wave_range usual_range(const lac_grid *grid)
 {
     double lx = grid->nx > 1 ? (double)grid->nx * grid->dx : INFINITY;
     double ly = grid->ny > 1 ? (double)grid->ny * grid->dy : INFINITY;
     double cell = fmax(grid->nx > 1 ? grid->dx : 0.0, grid->ny > 1 ? grid->dy : 0.0);
-    m->fit_longest = range == NULL || isnan(range->longest) ? fmin(lx, ly) / 4 : range->longest;
-    m->fit_shortest = range == NULL || isnan(range->shortest) ? 4.0 * cell : range->shortest;
-    if (range != NULL && !(range->shortest > 0.0 && range->longest > range->shortest)) {
-        if (!isnan(range->shortest) && !isnan(range->longest)) {
-            return lac_fail(err, LAC_EINPUT, "no waves are between %g and %g m", range->longest,
-                            range->shortest);
-        }
-    }
+    return (lac_wave_range){fmin(lx, ly) / 4.0, 4.0 * cell};
+}
+
+static void measure_hurst(const lac_grid *grid, lac_fft *fft, lac_surface_measures *m)
+{
     if (!(m->fit_longest > m->fit_shortest && m->fit_shortest > 0.0)) {
-        return LAC_OK; // too small a grid: hurst stays NaN
+        return; // too small a grid: hurst stays NaN
     }
     radial r = {.q_low = TWO_PI / m->fit_longest * (1.0 - 1e-9),
-                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9)};
-    bool line = grid->nx == 1 || grid->ny == 1;
+                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9),
+                .dimensions = grid->nx == 1 || grid->ny == 1 ? 1.0 : 2.0,
+                .tied = 1.0};
     if (!grid->periodic) {
+        const double tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
+        double dqx = grid->nx > 1 ? TWO_PI / ((double)grid->nx * grid->dx) : 0.0;
+        double dqy = grid->ny > 1 ? TWO_PI / ((double)grid->ny * grid->dy) : 0.0;
+        r.tied = pow(tie, r.dimensions);
+        r.smear = (dqx * dqx + dqy * dqy) / (6.0 * r.dimensions);
         window(grid, fft->real);
     }
     lac_fft_forward(fft);
     add_modes(grid, fft, &r);
-    const double hann_tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
-    double tied = grid->periodic ? 1.0 : (line ? hann_tie : hann_tie * hann_tie);
-    fit(&r, tied, line ? 1.0 : 2.0, m);
-    return LAC_OK;
+    enum { PASSES = 4 }; // each with the power law of the last; the gain changes little by it
+    for (int pass = 0; pass < PASSES; pass++) {
+        double fall = pass > 0 ? 2.0 * m->hurst + r.dimensions : 0.0;
+        fit(&r, fmax(fall, 0.0), m);
+    }
 }
 
-lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
-                               const lac_wave_range *range, lac_surface_measures *out,
-                               lac_error *err)
+static double tse_cruden(double z2) { return z2 > 0.0 ? 32.2 + 32.47 * log10(z2) : (double)NAN; }
+
+// rms slope along x between cells `lag` apart
+static double lagged_slope(const lac_grid *grid, const double *h, size_t lag)
+{
+    size_t last = grid->periodic ? grid->nx : grid->nx - lag;
+    double sum = 0.0;
+    for (size_t j = 0; j < grid->ny; j++) {
+        const double *row = h + j * grid->nx;
+        for (size_t i = 0; i < last; i++) {
+            double d = row[(i + lag) % grid->nx] - row[i];
+            sum += d * d;
+        }
+    }
+    return sqrt(sum / (double)(last * grid->ny)) / ((double)lag * grid->dx);
+}
+
+// The usual steps that a whole number of cells makes, to a tenth.
+static void measure_profiles(const lac_grid *grid, const double *h, lac_surface_measures *m)
+{
+    static const double steps[LAC_PROFILE_STEPS] = {0.25e-3, 0.5e-3, 1e-3};
+    const double fits = 0.1;
+    for (size_t k = 0; k < LAC_PROFILE_STEPS; k++) {
+        double lag = round(steps[k] / grid->dx);
+        double step = lag * grid->dx;
+        if (lag < 1.0 || lag >= (double)grid->nx || fabs(step / steps[k] - 1.0) > fits) {
+            continue;
+        }
+        lac_profile_measure *profile = &m->profile[m->profiles++];
+        profile->step = step;
+        profile->z2 = lagged_slope(grid, h, (size_t)lag);
+        profile->jrc = tse_cruden(profile->z2);
+        profile->jrc_yu = k == 0 ? 60.32 * profile->z2 - 4.51 : (double)NAN;
+    }
+}
+
+static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_range range,
+                          lac_surface_measures *out, lac_error *err)
 {
     lac_fft *fft = NULL;
     lac_status status;
-    lac_surface_measures m = {.hurst = NAN, .hurst_error = NAN, .jrc = NAN};
-    LAC_TRY(check(grid, heights, err));
+    lac_surface_measures m = {.hurst = NAN,
+                              .hurst_error = NAN,
+                              .hurst_misfit = NAN,
+                              .fit_longest = range.longest,
+                              .fit_shortest = range.shortest};
     LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
     size_t n = lac_grid_cells(grid);
     detrend(grid, heights, fft->real);
@@ -185,12 +240,49 @@ lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
     m.rms_slope_y = rms_difference(grid, fft->real, false);
     m.z2 = m.rms_slope_x;
     m.z2_step = grid->dx;
-    if (m.z2 > 0.0) {
-        m.jrc = 32.2 + 32.47 * log10(m.z2);
-    }
-    LAC_TRY(measure_hurst(grid, fft, range, &m, err));
+    m.jrc = tse_cruden(m.z2);
+    measure_profiles(grid, fft->real, &m);
+    measure_hurst(grid, fft, &m);
     *out = m;
 out:
     lac_fft_free(fft);
+    return status;
+}
+
+lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
+                               const lac_wave_range *range, lac_surface_measures *out,
+                               lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(check(grid, heights, err));
+    lac_wave_range taken = usual_range(grid);
+    if (range != NULL && !isnan(range->longest)) {
+        taken.longest = range->longest;
+    }
+    if (range != NULL && !isnan(range->shortest)) {
+        taken.shortest = range->shortest;
+    }
+    bool both = range != NULL && !isnan(range->longest) && !isnan(range->shortest);
+    if (both && !(taken.shortest > 0.0 && taken.longest > taken.shortest)) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "no waves are between %g and %g m", taken.longest,
+                         taken.shortest));
+    }
+    LAC_TRY(measure(grid, heights, taken, out, err));
+out:
+    return status;
+}
+
+lac_status lac_surface_measure_within(const lac_grid *grid, const double *heights,
+                                      const lac_wave_range *known, lac_surface_measures *out,
+                                      lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(check(grid, heights, err));
+    lac_wave_range usual = usual_range(grid);
+    LAC_TRY(measure(grid, heights,
+                    (lac_wave_range){fmin(usual.longest, known->longest),
+                                     fmax(usual.shortest, known->shortest)},
+                    out, err));
+out:
     return status;
 }

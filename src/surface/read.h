@@ -17,7 +17,7 @@ typedef struct lac_bytes {
 typedef struct lac_map_format {
     const char *name;
     bool (*is)(const lac_bytes *bytes);
-    /// Fills a map that is zero but for spacings of NaN.
+    /// Fills a map that is zero but for spacings and a place of NaN.
     lac_status (*read)(const lac_bytes *bytes, lac_height_map *map, lac_error *err);
 } lac_map_format;
 

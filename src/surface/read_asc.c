@@ -5,7 +5,7 @@
 
 #include "surface/scan.h"
 
-// Keys of the header; the corners are accepted and not used.
+// Keys of the header.
 enum { NCOLS, NROWS, CELLSIZE, DX, DY, NODATA, XLLCORNER, YLLCORNER, XLLCENTER, YLLCENTER, KEYS };
 
 static const char *const keys[KEYS] = {"ncols",     "nrows",        "cellsize",  "dx",
@@ -17,7 +17,13 @@ typedef struct asc {
     uint64_t count[2];  ///< columns, rows
     double value[KEYS]; ///< NaN where absent
     size_t line[KEYS];  ///< 0 where absent
+    size_t lines;       ///< of numbers
+    size_t width;       ///< numbers in each of them
+    bool uneven;        ///< they hold different counts
 } asc;
+
+// What stands for no data where the header does not say.
+static const double usual_nodata = -9999.0;
 
 static int key_of(lac_word word)
 {
@@ -71,7 +77,8 @@ out:
 
 static bool begins_number(lac_word word)
 {
-    return strchr("0123456789+-.", word.text[0]) != NULL || lac_word_is(word, "nan");
+    return strchr("0123456789+-.", word.text[0]) != NULL || lac_word_is(word, "nan") ||
+           lac_word_is(word, "na");
 }
 
 // The header up to the first line of numbers.
@@ -125,25 +132,22 @@ static lac_status check_header(const asc *file, lac_height_map *map, lac_error *
     }
     map->dx = pair ? file->value[DX] : file->value[CELLSIZE];
     map->dy = pair ? file->value[DY] : file->value[CELLSIZE];
+    map->x = isnan(file->value[XLLCENTER]) ? file->value[XLLCORNER] + 0.5 * map->dx
+                                           : file->value[XLLCENTER];
+    map->y = isnan(file->value[YLLCENTER]) ? file->value[YLLCORNER] + 0.5 * map->dy
+                                           : file->value[YLLCENTER];
     return LAC_OK;
 }
 
-// The numbers of one line; a row of the grid may go over several, but ends where a line ends.
+// The numbers of one line. Rows need not end where lines end: ncols alone says where they do.
 static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_error *err)
 {
     lac_status status;
     lac_scan *scan = &file->scan;
     lac_word word;
-    bool any = false;
+    size_t before = *count;
     while (lac_scan_word(scan, &word)) {
         char shown[40];
-        if (any && *count % map->nx == 0) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s:%zu: \"%s\" follows the %zu numbers of a row; a line must end "
-                            "after each row of ncols numbers",
-                            scan->path, scan->line, lac_word_show(word, shown, sizeof shown),
-                            map->nx);
-        }
         if (*count == map->nx * map->ny) {
             return lac_fail(
                 err, LAC_EINPUT, "%s:%zu: \"%s\" comes after all ncols x nrows = %zu x %zu numbers",
@@ -152,11 +156,30 @@ static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_e
         double value = NAN;
         LAC_TRY(lac_scan_number(scan, word, &value, err));
         map->heights[(*count)++] = value == file->value[NODATA] ? (double)NAN : value;
-        any = true;
+    }
+    if (*count > before) {
+        file->uneven = file->uneven || (file->lines > 0 && file->width != *count - before);
+        file->width = *count - before;
+        file->lines++;
     }
     return LAC_OK;
 out:
     return status;
+}
+
+// Lines of one length that are no rows, nor parts of one, nor several: a wrong header.
+static lac_status check_lines(const asc *file, const lac_height_map *map, lac_error *err)
+{
+    size_t width = file->width;
+    bool exchanged = width == map->ny && file->lines == map->nx && map->nx != map->ny;
+    bool rows = map->nx % width == 0 || width % map->nx == 0;
+    if (file->uneven || file->lines < 2 || (rows && !exchanged)) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "%s: its %zu lines hold %zu numbers each, which are no rows of ncols = %zu%s",
+                    file->scan.path, file->lines, width, map->nx,
+                    exchanged ? ": ncols and nrows are exchanged" : "");
 }
 
 static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
@@ -167,7 +190,11 @@ static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_erro
     for (int k = 0; k < KEYS; k++) {
         file.value[k] = (double)NAN;
     }
+    lac_scan_decimal(&file.scan, "");
     LAC_TRY(read_header(&file, err));
+    if (file.line[NODATA] == 0) {
+        file.value[NODATA] = usual_nodata;
+    }
     LAC_TRY(check_header(&file, map, err));
     // a number takes two bytes at least, its blank included
     size_t most = (size_t)(file.scan.end - file.scan.at) / 2 + 1;
@@ -181,6 +208,7 @@ static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_erro
                          "%zu",
                          bytes->path, file.scan.line, count, map->nx, map->ny));
     }
+    LAC_TRY(check_lines(&file, map, err));
     lac_map_flip(map);
 out:
     return status;

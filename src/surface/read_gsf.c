@@ -12,6 +12,7 @@ typedef struct gsf {
     lac_scan scan;
     uint64_t nx, ny;
     double lx, ly; ///< NaN where absent
+    double x, y;   ///< of the corner; NaN where absent
 } gsf;
 
 static bool is_gsf(const lac_bytes *bytes) { return lac_bytes_begin(bytes, magic); }
@@ -57,6 +58,12 @@ static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_e
     if (lac_word_is(key, "YReal")) {
         return lac_scan_length(scan, "YReal", value, &file->ly, err);
     }
+    if (lac_word_is(key, "XOffset")) {
+        return lac_scan_number(scan, value, &file->x, err);
+    }
+    if (lac_word_is(key, "YOffset")) {
+        return lac_scan_number(scan, value, &file->y, err);
+    }
     if (lac_word_is(key, "XYUnits")) {
         return take_unit(file, "XYUnits", value, map->lateral_unit, sizeof map->lateral_unit, err);
     }
@@ -84,7 +91,11 @@ static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_erro
 {
     lac_status status;
     static const lac_number_type type = {4, 'f', false};
-    gsf file = {.scan = lac_scan_begin(bytes), .lx = (double)NAN, .ly = (double)NAN};
+    gsf file = {.scan = lac_scan_begin(bytes),
+                .lx = (double)NAN,
+                .ly = (double)NAN,
+                .x = (double)NAN,
+                .y = (double)NAN};
     const char *nul = memchr(bytes->data, '\0', bytes->size);
     if (nul == NULL) {
         return lac_fail(err, LAC_EINPUT,
@@ -110,6 +121,8 @@ static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_erro
     lac_map_flip(map);
     map->dx = file.lx / (double)map->nx;
     map->dy = file.ly / (double)map->ny;
+    map->x = file.x + 0.5 * map->dx;
+    map->y = file.y + 0.5 * map->dy;
 out:
     return status;
 }

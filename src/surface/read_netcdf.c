@@ -7,10 +7,11 @@
 #include <string.h>
 #include <strings.h>
 
-#include "surface/read.h"
+#include "surface/classic.h"
 
 typedef struct grid_file {
     const char *path;
+    size_t most; ///< heights that the file can hold
     int id;
     int var;
     int dim[2]; ///< of the variable, slowest first
@@ -112,11 +113,12 @@ static void take_text(const grid_file *file, int var, const char *name, char *te
     }
 }
 
+// CF says units, SurfaceTopography unit or, in old files, length_unit.
 static void take_unit(const grid_file *file, int var, char *unit, size_t size)
 {
-    take_text(file, var, "units", unit, size);
-    if (unit[0] == '\0') {
-        take_text(file, var, "unit", unit, size);
+    static const char *const names[] = {"units", "unit", "length_unit"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && unit[0] == '\0'; i++) {
+        take_text(file, var, names[i], unit, size);
     }
 }
 
@@ -134,9 +136,9 @@ static double take_number(const grid_file *file, const char *name, double fallba
     return value;
 }
 
-// The spacing of the coordinate of a dimension, negative where it falls; NaN where there is none.
-static lac_status take_spacing(const grid_file *file, size_t k, double *spacing, char *unit,
-                               lac_error *err)
+// The coordinate of a dimension. `spacing` is negative where it falls; NaN where there is none.
+static lac_status take_axis(const grid_file *file, size_t k, double *first, double *spacing,
+                            char *unit, lac_error *err)
 {
     lac_status status = LAC_OK;
     char name[NC_MAX_NAME + 1] = "";
@@ -158,6 +160,7 @@ static lac_status take_spacing(const grid_file *file, size_t k, double *spacing,
     }
     LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
     *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
+    *first = fmin(x[0], x[n - 1]);
     for (size_t i = 0; i < n; i++) {
         double off = x[i] - (x[0] + (double)i * *spacing);
         if (!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing)) {
@@ -172,16 +175,42 @@ out:
     return status;
 }
 
+// What netCDF itself puts where nothing was written; bytes have no such value.
+static double default_fill(const grid_file *file)
+{
+    nc_type type = NC_NAT;
+    (void)nc_inq_vartype(file->id, file->var, &type);
+    switch (type) {
+    case NC_SHORT:
+        return NC_FILL_SHORT;
+    case NC_INT:
+        return NC_FILL_INT;
+    case NC_FLOAT:
+        return (double)NC_FILL_FLOAT;
+    case NC_DOUBLE:
+        return NC_FILL_DOUBLE;
+    case NC_USHORT:
+        return NC_FILL_USHORT;
+    case NC_UINT:
+        return NC_FILL_UINT;
+    case NC_INT64:
+        return (double)NC_FILL_INT64;
+    case NC_UINT64:
+        return (double)NC_FILL_UINT64;
+    default:
+        return (double)NAN;
+    }
+}
+
 // Stored numbers to heights: missing ones to NaN, packed ones unpacked.
 static void unpack(const grid_file *file, double *h, size_t n)
 {
-    double fill = take_number(file, "_FillValue", (double)NAN);
+    double fill = take_number(file, "_FillValue", default_fill(file));
     double missing = take_number(file, "missing_value", (double)NAN);
     double scale = take_number(file, "scale_factor", 1.0);
     double offset = take_number(file, "add_offset", 0.0);
     for (size_t i = 0; i < n; i++) {
-        bool none = h[i] == fill || h[i] == missing || h[i] == NC_FILL_DOUBLE ||
-                    h[i] == (double)NC_FILL_FLOAT;
+        bool none = h[i] == fill || h[i] == missing;
         h[i] = none ? (double)NAN : scale * h[i] + offset;
     }
 }
@@ -235,10 +264,9 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
     LAC_TRY(find_variable(file, err));
     LAC_TRY(find_dimensions(file, err));
     size_t x = file->transposed ? 0 : 1;
-    // compressed or never written data may be larger than the file: only the limit bounds them
-    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], SIZE_MAX, err));
-    LAC_TRY(take_spacing(file, x, &map->dx, map->lateral_unit, err));
-    LAC_TRY(take_spacing(file, 1 - x, &map->dy, other, err));
+    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
+    LAC_TRY(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
+    LAC_TRY(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
     bool one = map->lateral_unit[0] == '\0' || other[0] == '\0';
     if (!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit",
@@ -248,6 +276,10 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
         memcpy(map->lateral_unit, other, sizeof other);
     }
     take_unit(file, file->var, map->height_unit, sizeof map->height_unit);
+    if (map->height_unit[0] == '\0' && strcmp(file->name, "heights") == 0) {
+        // old files of SurfaceTopography: one unit for all lengths, said with the coordinates
+        memcpy(map->height_unit, map->lateral_unit, sizeof map->height_unit);
+    }
     LAC_TRY(check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
     unpack(file, map->heights, map->nx * map->ny);
     LAC_TRY(arrange(file, map, err));
@@ -257,7 +289,16 @@ out:
 
 static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    grid_file file = {.path = bytes->path};
+    // compressed or never written data of netCDF-4 may be larger than the file: only the limit
+    // of all files bounds them
+    bool classic = lac_bytes_begin(bytes, "CDF");
+    grid_file file = {.path = bytes->path, .most = classic ? bytes->size : SIZE_MAX};
+    if (classic) {
+        lac_status sound = lac_classic_check(bytes, err);
+        if (sound != LAC_OK) {
+            return sound;
+        }
+    }
     // netCDF does not write to memory opened for reading; its own name tells it nothing
     int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
     if (code != NC_NOERR) {

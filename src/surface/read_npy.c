@@ -64,12 +64,12 @@ static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
         width = descr[3];
     }
     bool sound = strchr("<>|=", order) != NULL && order != 0 && kind != 0 && width != 0 &&
-                 strchr(kind == 'f' ? "48" : "1248", width) != NULL && strchr("fiu", kind) != NULL;
+                 strchr(kind == 'f' ? "248" : "1248", width) != NULL && strchr("fiu", kind) != NULL;
     if (!sound) {
         int shown = descr != NULL ? (int)strcspn(descr, "}\n") : 0;
         return lac_fail(err, LAC_EINPUT,
-                        "%s: byte 10: the type %.*s; must be 'descr' of f4, f8 or i1 to i8, u1 to "
-                        "u8",
+                        "%s: byte 10: the type %.*s; must be 'descr' of f2 to f8, i1 to i8 or "
+                        "u1 to u8",
                         bytes->path, shown < 40 ? shown : 40, descr != NULL ? descr : "");
     }
     file->type = (lac_number_type){(size_t)(width - '0'), kind, order == '>'};
@@ -83,7 +83,7 @@ static lac_status take_shape(const lac_bytes *bytes, npy *file, lac_error *err)
     uint64_t side[2] = {0, 0};
     size_t sides = 0;
     bool sound = at != NULL && *at == '(';
-    for (at = sound ? at + 1 : ""; sound && *at != ')'; at += strspn(at, ", ")) {
+    for (at = sound ? at + 1 : ""; sound && *at != ')'; at += strspn(at, ", L")) {
         char *end = NULL;
         sound = *at >= '0' && *at <= '9' && sides < 2;
         if (sound) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ISO 25178-71 .sdf (and its forerunner BCR): a header, the heights as numbers of zscale, a
-// trailer.
+// ISO 25178-71 .sdf, versions 1 and 2, and its forerunners BCR and NIST: a header, the heights as
+// numbers of zscale, profile after profile in the order of rising y, a trailer.
 #include <math.h>
 #include <string.h>
 
 #include "surface/scan.h"
 
-enum { BINARY_HEADER = 81, TYPES = 8 };
+// Binary headers: 32-bit counts take four bytes more; Olympus writes eight more.
+enum { BINARY_HEADER = 81, WIDE_COUNTS = 4, OLYMPUS = 8, TYPES = 8 };
 
 // Data types by their number in the header.
 static const lac_number_type types[TYPES] = {
@@ -15,14 +16,19 @@ static const lac_number_type types[TYPES] = {
 };
 
 typedef struct sdf {
-    uint64_t nx, ny, compression, type;
+    uint64_t nx, ny, compression, type, check;
     double dx, dy, dz;
 } sdf;
 
 static bool is_sdf(const lac_bytes *bytes)
 {
-    return lac_bytes_begin(bytes, "aISO-1.0") || lac_bytes_begin(bytes, "bISO-1.0") ||
-           lac_bytes_begin(bytes, "aBCR-1.0") || lac_bytes_begin(bytes, "bBCR-1.0");
+    static const char *const versions[] = {"ISO-1.0", "ISO-2.0", "BCR-1.0", "BCR-0.0", "NIST-1."};
+    const lac_bytes version = {bytes->path, bytes->data + 1, bytes->size > 0 ? bytes->size - 1 : 0};
+    bool known = false;
+    for (size_t i = 0; i < sizeof versions / sizeof versions[0]; i++) {
+        known = known || lac_bytes_begin(&version, versions[i]);
+    }
+    return known && (bytes->data[0] == 'a' || bytes->data[0] == 'b');
 }
 
 static lac_status check_header(const lac_bytes *bytes, const sdf *file, lac_height_map *map,
@@ -38,6 +44,10 @@ static lac_status check_header(const lac_bytes *bytes, const sdf *file, lac_heig
         return lac_fail(err, LAC_EINPUT, "%s: Compression must be 0, not %llu", bytes->path,
                         (unsigned long long)file->compression);
     }
+    if (file->check != 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: CheckType must be 0, not %llu", bytes->path,
+                        (unsigned long long)file->check);
+    }
     if (file->type >= TYPES) {
         return lac_fail(err, LAC_EINPUT, "%s: DataType must be 0 to 7, not %llu", bytes->path,
                         (unsigned long long)file->type);
@@ -49,41 +59,51 @@ static lac_status check_header(const lac_bytes *bytes, const sdf *file, lac_heig
     return LAC_OK;
 }
 
-// The value that stands for no measurement: NaN, the largest float, the least of signed integers.
+// The value that stands for no measurement: NaN, the largest or least float, the least of signed
+// integers, the largest of unsigned ones of more than a byte.
 static bool is_invalid(double value, lac_number_type type)
 {
     if (type.kind == 'f') {
         return !(fabs(value) < (type.width == 4 ? 0x1.fffffep127 : 0x1.fffffffffffffp1023));
     }
-    return type.kind == 'i' && value == -ldexp(1.0, (int)(8 * type.width) - 1);
+    int bits = (int)(8 * type.width);
+    return type.kind == 'i' ? value == -ldexp(1.0, bits - 1)
+                            : type.width > 1 && value == ldexp(1.0, bits) - 1.0;
 }
 
 static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
     lac_status status;
-    if (bytes->size < BINARY_HEADER) {
+    bool wide = lac_bytes_begin(bytes, "bISO-2");
+    size_t header = wide ? BINARY_HEADER + WIDE_COUNTS : BINARY_HEADER;
+    if (bytes->size < header) {
         return lac_fail(err, LAC_EINPUT,
-                        "%s: byte %zu: the file ends inside its header of %d bytes", bytes->path,
-                        bytes->size, BINARY_HEADER);
+                        "%s: byte %zu: the file ends inside its header of %zu bytes", bytes->path,
+                        bytes->size, header);
     }
-    const unsigned char *at = bytes->data;
-    const lac_number_type count = types[1];
+    const lac_number_type count = types[wide ? 2 : 1];
     const lac_number_type real = types[7];
+    const unsigned char *at = bytes->data + 42 + 2 * count.width; // behind the counts
     sdf file = {
-        .nx = (uint64_t)lac_bytes_number(at + 42, count),
-        .ny = (uint64_t)lac_bytes_number(at + 44, count),
-        .dx = lac_bytes_number(at + 46, real),
-        .dy = lac_bytes_number(at + 54, real),
-        .dz = lac_bytes_number(at + 62, real),
-        .compression = at[78],
-        .type = at[79],
+        .nx = (uint64_t)lac_bytes_number(at - 2 * count.width, count),
+        .ny = (uint64_t)lac_bytes_number(at - count.width, count),
+        .dx = lac_bytes_number(at, real),
+        .dy = lac_bytes_number(at + 8, real),
+        .dz = lac_bytes_number(at + 16, real),
+        .compression = at[32],
+        .type = at[33],
+        .check = at[34],
     };
     LAC_TRY(check_header(bytes, &file, map, err));
     lac_number_type type = types[file.type];
-    size_t most = (bytes->size - BINARY_HEADER) / type.width;
+    size_t most = (bytes->size - header) / type.width;
     LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
-    for (size_t i = 0; i < map->nx * map->ny; i++) {
-        double value = lac_bytes_number(at + BINARY_HEADER + i * type.width, type);
+    size_t n = map->nx * map->ny;
+    bool olympus =
+        lac_bytes_begin(bytes, "bISO-1") && bytes->size == header + n * type.width + OLYMPUS;
+    const unsigned char *data = bytes->data + header + (olympus ? OLYMPUS : 0);
+    for (size_t i = 0; i < n; i++) {
+        double value = lac_bytes_number(data + i * type.width, type);
         map->heights[i] = is_invalid(value, type) ? (double)NAN : value * file.dz;
     }
 out:
@@ -110,35 +130,50 @@ static lac_status take_value(const lac_scan *scan, lac_word key, lac_word value,
     if (lac_word_is(key, "Zscale")) {
         return lac_scan_length(scan, "Zscale", value, &file->dz, err);
     }
-    if (lac_word_is(key, "Compression")) {
+    if (lac_word_is(key, "Compression") || lac_word_is(key, "CheckType")) {
+        uint64_t *flag = lac_word_is(key, "CheckType") ? &file->check : &file->compression;
         status = lac_scan_number(scan, value, &number, err);
-        file->compression = number == 0.0 ? 0 : 1;
+        *flag = number == 0.0 ? 0 : 1;
     }
     return status;
 }
 
-// Lines `key = value` up to one of a star alone.
+// `key = value` or `key value`; false where there is no value.
+static bool split(lac_word line, lac_word *key, lac_word *value)
+{
+    lac_scan rest = {.at = line.text, .end = line.text + line.length};
+    const char *equals = memchr(line.text, '=', line.length);
+    if (equals != NULL) {
+        lac_scan part = {.at = line.text, .end = equals};
+        *key = lac_scan_rest(&part);
+        rest.at = equals + 1;
+    } else if (!lac_scan_word(&rest, key)) {
+        return false;
+    }
+    *value = lac_scan_rest(&rest);
+    return equals != NULL || value->length > 0;
+}
+
+// Lines `key = value` up to one of a star alone; remarks begin with a semicolon.
 static lac_status read_header(lac_scan *scan, sdf *file, lac_error *err)
 {
     lac_status status = LAC_OK;
     while (lac_scan_line(scan)) {
         lac_word line = lac_scan_rest(scan);
-        const char *equals = line.length > 0 ? memchr(line.text, '=', line.length) : NULL;
+        lac_word key = {0};
+        lac_word value = {0};
         if (lac_word_is(line, "*")) {
             return LAC_OK;
         }
-        if (line.length == 0) {
+        if (line.length == 0 || line.text[0] == ';') {
             continue;
         }
-        if (equals == NULL) {
+        if (!split(line, &key, &value)) {
             char shown[40];
             return lac_fail(err, LAC_EINPUT, "%s:%zu: \"%s\" is neither key = value nor *",
                             scan->path, scan->line, lac_word_show(line, shown, sizeof shown));
         }
-        lac_scan part = {.at = line.text, .end = equals};
-        lac_word key = lac_scan_rest(&part);
-        part = (lac_scan){.at = equals + 1, .end = line.text + line.length};
-        LAC_TRY(take_value(scan, key, lac_scan_rest(&part), file, err));
+        LAC_TRY(take_value(scan, key, value, file, err));
     }
     status = lac_fail(err, LAC_EINPUT, "%s:%zu: the file ends without the * that closes the header",
                       scan->path, scan->line);
@@ -163,6 +198,10 @@ static lac_status read_text(const lac_bytes *bytes, lac_height_map *map, lac_err
     lac_scan scan = lac_scan_begin(bytes);
     lac_word word;
     sdf file = {.nx = 0};
+    lac_scan body = scan; // the first line has a point
+    (void)lac_scan_line(&body);
+    lac_scan_decimal(&body, ";");
+    scan.decimal = body.decimal;
     LAC_TRY(read_header(&scan, &file, err));
     LAC_TRY(check_header(bytes, &file, map, err));
     size_t most = (size_t)(scan.end - scan.at) / 2 + 1;

@@ -30,7 +30,13 @@ typedef struct axis {
     uint64_t n;
 } axis;
 
-static bool is_remark(lac_word word) { return word.length > 0 && strchr("#;%!", word.text[0]); }
+// Beginnings of a remark.
+static const char remarks[] = "#;%!";
+
+static bool is_remark(lac_word word)
+{
+    return word.length > 0 && word.text[0] != '\0' && strchr(remarks, word.text[0]) != NULL;
+}
 
 static bool is_numeric(char c) { return strchr("0123456789+-.", c) != NULL && c != '\0'; }
 
@@ -46,6 +52,12 @@ static bool is_xyz(const lac_bytes *bytes)
         }
     } while (lac_scan_line(&scan));
     return false;
+}
+
+static bool has_blank(lac_word word)
+{
+    return memchr(word.text, ' ', word.length) != NULL ||
+           memchr(word.text, '\t', word.length) != NULL;
 }
 
 // Three fields between blanks, or between two commas or semicolons.
@@ -64,9 +76,7 @@ static size_t split(lac_word line, lac_word field[4])
                 break;
             }
         }
-        bool blank = n == 3 && (memchr(field[0].text, ' ', field[0].length) != NULL ||
-                                memchr(field[1].text, ' ', field[1].length) != NULL);
-        if (n == 3 && !blank) {
+        if (n == 3 && !has_blank(field[0]) && !has_blank(field[1]) && !has_blank(field[2])) {
             return n;
         }
     }
@@ -120,6 +130,7 @@ out:
 static lac_status read_points(const lac_bytes *bytes, points *p, lac_error *err)
 {
     lac_scan scan = lac_scan_begin(bytes);
+    lac_scan_decimal(&scan, remarks);
     do {
         lac_word line = lac_scan_rest(&scan);
         bool header = p->n == 0 && line.length > 0 && (line.text[0] | 0x20) == 'x';
@@ -208,7 +219,8 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
         if (!node_of(a, p->at[i].x[k], &node)) {
             LAC_TRY(lac_fail(err, LAC_EINPUT,
                              "%s:%zu: %c = %g is off the grid from %g in steps of %g; points must "
-                             "be gridded at a regular spacing",
+                             "be gridded at a regular spacing along x and y (turn a grid that is "
+                             "rotated)",
                              bytes->path, p->at[i].line, a->name, p->at[i].x[k], a->first,
                              a->spacing));
         }
@@ -231,13 +243,20 @@ static lac_status place(const lac_bytes *bytes, const points *p, const axis a[2]
         (void)node_of(&a[0], p->at[i].x[0], &ix);
         (void)node_of(&a[1], p->at[i].x[1], &iy);
         size_t at = iy * map->nx + ix;
+        double old = map->heights[at];
+        double new = p->at[i].x[2];
+        if (taken[at] != 0 && (old == new || (isnan(old) && isnan(new)))) {
+            continue; // measured twice, alike
+        }
         if (taken[at] != 0) {
             return lac_fail(err, LAC_EINPUT,
-                            "%s:%zu: the point x = %g, y = %g stands in line %zu already",
-                            bytes->path, p->at[i].line, p->at[i].x[0], p->at[i].x[1], taken[at]);
+                            "%s:%zu: the point x = %g, y = %g stands in line %zu already, with "
+                            "another height, %g, not %g",
+                            bytes->path, p->at[i].line, p->at[i].x[0], p->at[i].x[1], taken[at],
+                            old, new);
         }
         taken[at] = p->at[i].line;
-        map->heights[at] = p->at[i].x[2];
+        map->heights[at] = new;
     }
     return LAC_OK;
 }
@@ -253,11 +272,12 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(find_axis(bytes, &p, 1, &a[1], err));
     size_t most = NODES_PER_POINT * p.n;
     if (a[0].n > most || a[1].n > most || a[0].n * a[1].n > most) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded, "
-                         "with a point on one node in %d at least",
-                         bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
-                         NODES_PER_POINT));
+        LAC_TRY(lac_fail(
+            err, LAC_EINPUT,
+            "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded "
+            "along x and y (turn a grid that is rotated), with a point on one node in %d at least",
+            bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
+            NODES_PER_POINT));
     }
     LAC_TRY(lac_map_size(map, bytes->path, a[0].n, a[1].n, most, err));
     taken = calloc(map->nx * map->ny, sizeof *taken);
@@ -267,6 +287,8 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(place(bytes, &p, a, taken, map, err));
     map->dx = a[0].n > 1 ? a[0].spacing : (double)NAN;
     map->dy = a[1].n > 1 ? a[1].spacing : (double)NAN;
+    map->x = a[0].first;
+    map->y = a[1].first;
 out:
     free(taken);
     free(p.at);

@@ -16,7 +16,32 @@ lac_scan lac_scan_begin(const lac_bytes *bytes)
 {
     const char *text = (const char *)bytes->data;
     size_t mark = lac_bytes_begin(bytes, "\xef\xbb\xbf") ? 3 : 0;
-    return (lac_scan){.path = bytes->path, .at = text + mark, .end = text + bytes->size, .line = 1};
+    return (lac_scan){.path = bytes->path,
+                      .at = text + mark,
+                      .end = text + bytes->size,
+                      .line = 1,
+                      .decimal = '.'};
+}
+
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+void lac_scan_decimal(lac_scan *scan, const char *remarks)
+{
+    lac_scan text = *scan;
+    bool comma = false;
+    do {
+        lac_word line = lac_scan_rest(&text);
+        if (line.length == 0 || strchr(remarks, line.text[0]) != NULL) {
+            continue;
+        }
+        if (memchr(line.text, '.', line.length) != NULL) {
+            return;
+        }
+        for (size_t i = 1; !comma && i + 1 < line.length; i++) {
+            comma = line.text[i] == ',' && is_digit(line.text[i - 1]) && is_digit(line.text[i + 1]);
+        }
+    } while (lac_scan_line(&text));
+    scan->decimal = comma ? ',' : '.';
 }
 
 bool lac_scan_word(lac_scan *scan, lac_word *word)
@@ -84,24 +109,35 @@ static lac_status refuse(const lac_scan *scan, lac_word word, const char *why, l
                     lac_word_show(word, shown, sizeof shown), why);
 }
 
+static bool is_nan(lac_word word)
+{
+    if (word.length > 0 && (word.text[0] == '-' || word.text[0] == '+')) {
+        word.text++;
+        word.length--;
+    }
+    return lac_word_is(word, "nan") || lac_word_is(word, "na");
+}
+
 lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err)
 {
     char text[NUMBER_MAX];
-    if (lac_word_is(word, "nan")) {
+    if (is_nan(word)) {
         *value = NAN;
         return LAC_OK;
     }
-    if (word.length > 0 && memchr(word.text, ',', word.length) != NULL) {
-        return refuse(scan, word, "has a comma; numbers must have a decimal point, as in 1.5", err);
+    if (scan->decimal != ',' && word.length > 0 && memchr(word.text, ',', word.length) != NULL) {
+        return refuse(scan, word,
+                      "has a comma; numbers must have a decimal point, as in 1.5, where any has",
+                      err);
     }
     size_t length = word.length < sizeof text ? word.length : 0;
     for (size_t i = 0; i < length; i++) {
         // strtod would also take hexadecimal and infinity
-        if (word.text[i] == '\0' || strchr("0123456789+-.eE", word.text[i]) == NULL) {
+        text[i] = word.text[i] == scan->decimal ? '.' : word.text[i];
+        if (text[i] == '\0' || strchr("0123456789+-.eE", text[i]) == NULL) {
             length = 0;
         }
     }
-    memcpy(text, word.text, length);
     text[length] = '\0';
     char *end = text;
     *value = strtod(text, &end);

@@ -8,7 +8,8 @@
 typedef struct lac_scan {
     const char *path;
     const char *at, *end;
-    size_t line; ///< 1-based
+    size_t line;  ///< 1-based
+    char decimal; ///< mark of decimals, '.' or ','
 } lac_scan;
 
 /// Part of a text.
@@ -19,6 +20,10 @@ typedef struct lac_word {
 
 /// The beginning of a text, beyond a byte order mark.
 lac_scan lac_scan_begin(const lac_bytes *bytes);
+
+/// Finds the mark of decimals in what is left of a text: a comma where a digit stands on either
+/// side of one and no line but remarks (after one of `remarks`) has a point.
+void lac_scan_decimal(lac_scan *scan, const char *remarks);
 
 /// The next word of this line; false at its end.
 bool lac_scan_word(lac_scan *scan, lac_word *word);
@@ -35,7 +40,7 @@ bool lac_word_is(lac_word word, const char *text);
 /// Copies a word, cut to fit and fit for a message.
 const char *lac_word_show(lac_word word, char *shown, size_t size);
 
-/// A finite number; NaN where the word is "nan".
+/// A finite number; NaN where the word is "nan", with or without a sign, or "NA".
 /// @pre    the thread's locale is "C"
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
-#include "surface/band.h"
 #include "surface/registry.h"
+#include "surface/synthesis.h"
 
 // What the amplitude of a mode depends on.
 typedef struct synthesis {
@@ -39,6 +39,11 @@ static lac_status check(const lac_self_affine *p, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "self-affine: give rms_height or rms_slope, %s",
                         isnan(p->rms_height) ? "one of them" : "not both");
     }
+    if (p->skewness != 0.0 && p->sampling == LAC_SAMPLING_BLOCK_MEAN) {
+        return lac_fail(err, LAC_EINPUT,
+                        "self-affine: skewness is of heights at points; sampling must not be "
+                        "block-mean");
+    }
     return LAC_OK;
 }
 
@@ -73,7 +78,7 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
 {
     const lac_self_affine *p = params;
     size_t n = lac_grid_cells(grid);
-    lac_fft *fft = NULL;
+    lac_grid whole;
     lac_status status;
     LAC_TRY(check(p, err));
     if (n == 1) {
@@ -81,24 +86,28 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
         return LAC_OK;
     }
     synthesis y = {.seed = (uint64_t)p->seed};
-    lac_waves waves = {"self-affine", p->hurst,      p->rolloff,
-                       p->shortest,   p->anisotropy, p->direction};
-    LAC_TRY(lac_band_of(&waves, grid, &y.band, err));
+    lac_waves stated = {"self-affine", p->hurst,      p->rolloff,
+                        p->shortest,   p->anisotropy, p->direction};
+    const lac_synthesis how = {"self-affine", p->sampling, p->margin, !isnan(p->shortest),
+                               p->skewness != 0.0};
+    LAC_TRY(lac_synthesis_whole(&how, grid, &whole, err));
+    LAC_TRY(lac_band_of(&stated, &whole, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
-    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
-    lac_band_fill(fft, mode, &y);
-    lac_fft_inverse(fft);
-    for (size_t i = 0; i < n; i++) {
-        heights[i] = fft->real[i];
-    }
+    LAC_TRY(lac_synthesise(&how, &y.band, grid, mode, &y, heights, err));
     if (p->skewness != 0.0) {
         translate(p->skewness, rms, heights, n);
     }
 out:
-    lac_fft_free(fft);
     return status;
+}
+
+static lac_wave_range waves(const void *params, const lac_grid *grid)
+{
+    const lac_self_affine *p = params;
+    (void)grid;
+    return (lac_wave_range){p->rolloff, p->shortest * p->anisotropy};
 }
 
 #define FIELD(name) offsetof(lac_self_affine, name)
@@ -129,6 +138,15 @@ static const lac_param self_affine_params[] = {
     {"skewness", "1", 0.0, -2.0, 2.0, FIELD(skewness),
      "of the heights expected of the full band; 0: Gaussian, otherwise shifted lognormal",
      .type = LAC_REAL},
+    {"sampling", "1", LAC_SAMPLING_LOW_PASS, 0.0, 2.0, FIELD(sampling),
+     "of waves too short for the grid: left out (low-pass), folded back as taking every m-th "
+     "height of a finer grid does (point), or averaged over the cell (block-mean); the last two "
+     "need shortest",
+     .type = LAC_CHOICE, .choices = lac_sampling_words},
+    {"margin", "1", 0.0, 0.0, 7.0, FIELD(margin),
+     "sides by which the surface goes on beyond the interface before it repeats: 1 or more makes "
+     "opposite sides of free boundaries strangers",
+     .type = LAC_INTEGER},
 };
 
 const lac_surface_source lac_surface_self_affine = {
@@ -145,4 +163,5 @@ const lac_surface_source lac_surface_self_affine = {
             .params_size = sizeof(lac_self_affine),
         },
     .generate = generate,
+    .waves = waves,
 };

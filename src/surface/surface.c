@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "surface/measure.h"
+
 // The value of a numeric parameter; NaN where it is absent or not a number.
 static double number(const lac_param *param, const void *params)
 {
@@ -49,8 +51,7 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
     return LAC_OK;
 }
 
-lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
-                                lac_error *err)
+static lac_status check(const lac_slot *slot, const lac_grid *grid, lac_error *err)
 {
     if (slot->about == NULL) {
         return lac_fail(err, LAC_EINPUT, "no surface was chosen");
@@ -58,9 +59,47 @@ lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, doub
     lac_status status;
     LAC_TRY(check_grid(grid, err));
     LAC_TRY(check_params(slot->about, slot->params, err));
-    // The descriptor is the first member of its row.
-    const lac_surface_source *source = (const lac_surface_source *)slot->about;
+    const char *fault = slot->about->fault != NULL ? slot->about->fault(slot->params) : NULL;
+    if (fault != NULL) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s", slot->about->name, fault));
+    }
+out:
+    return status;
+}
+
+// The descriptor is the first member of its row.
+static const lac_surface_source *source_of(const lac_slot *slot)
+{
+    return (const lac_surface_source *)slot->about;
+}
+
+lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
+                                lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(check(slot, grid, err));
+    LAC_TRY(source_of(slot)->generate(slot->params, grid, heights, err));
+out:
+    return status;
+}
+
+lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *grid,
+                                         double *heights, lac_surface_report *report,
+                                         lac_error *err)
+{
+    lac_status status;
+    *report = (lac_surface_report){.measured = LAC_MEASURED_INTERFACE};
+    LAC_TRY(check(slot, grid, err));
+    const lac_surface_source *source = source_of(slot);
+    if (source->generate_measured != NULL) {
+        return source->generate_measured(slot->params, grid, heights, report, err);
+    }
     LAC_TRY(source->generate(slot->params, grid, heights, err));
+    lac_wave_range range = {NAN, NAN};
+    if (source->waves != NULL) {
+        range = source->waves(slot->params, grid);
+    }
+    LAC_TRY(lac_surface_measure_within(grid, heights, &range, &report->measures, err));
 out:
     return status;
 }

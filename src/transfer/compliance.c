@@ -13,9 +13,9 @@ struct lac_compliance {
     size_t n;
     size_t *at; // [n] index of each contact cell in the transform's grid
     lac_fft *fft;
-    double *stiffness; // [ny * nkx] S/N of each mode [Pa/m], 0 for the mean
+    double *stiffness; // [nkx * ny] S/N of each mode [Pa/m], 0 for the mean
     double
-        *compliance; // [ny * nkx] 1/(S N) of each mode [m/Pa], 0 for the mean; free: see fill_free
+        *compliance; // [nkx * ny] 1/(S N) of each mode [m/Pa], 0 for the mean; free: see fill_free
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
 };
 
@@ -31,8 +31,8 @@ static void fill_modes(lac_compliance *c, const lac_grid *grid, double g, double
             double kx = tau * (double)i / ((double)fft->nx * grid->dx);
             double k = hypot(kx, ky);
             double s = k > 0 ? g / 2 * (ky * ky + kx * kx / (1 - nu)) / k : 0;
-            c->stiffness[j * fft->nkx + i] = s / cells;
-            c->compliance[j * fft->nkx + i] = s > 0 ? 1 / (s * cells) : 0;
+            c->stiffness[i * fft->ny + j] = s / cells;
+            c->compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
         }
     }
 }
@@ -94,8 +94,10 @@ static lac_status fill_free(lac_compliance *c, const lac_grid *grid, double g, d
     free(low);
     lac_fft_forward(c->fft);
     double cells = (double)fft->nx * (double)fft->ny;
-    for (size_t i = 0; i < fft->ny * fft->nkx; i++) {
-        c->compliance[i] = creal(fft->spectrum[i]) / cells;
+    for (size_t i = 0; i < fft->nkx; i++) {
+        for (size_t j = 0; j < fft->ny; j++) {
+            c->compliance[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
+        }
     }
     return LAC_OK;
 }
@@ -136,6 +138,7 @@ lac_status lac_compliance_create(const lac_domain *domain, double shear_modulus,
     if (!grid->periodic) {
         LAC_TRY(fill_free(c, grid, shear_modulus, poisson, err));
     }
+    LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
     *out = c;
     c = NULL;
 out:
@@ -180,15 +183,11 @@ static double dot(size_t n, const double *x, const double *y)
 static void filter(lac_compliance *c, const double *symbol, const double *x, double *y)
 {
     lac_fft *fft = c->fft;
-    memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
+    memset(fft->real, 0, fft->nx * fft->rows * sizeof *fft->real);
     for (size_t i = 0; i < c->n; i++) {
         fft->real[c->at[i]] = x[i];
     }
-    lac_fft_forward(fft);
-    for (size_t i = 0; i < fft->ny * fft->nkx; i++) {
-        fft->spectrum[i] *= symbol[i];
-    }
-    lac_fft_inverse(fft);
+    lac_fft_filter(fft, symbol);
     for (size_t i = 0; i < c->n; i++) {
         y[i] = fft->real[c->at[i]];
     }

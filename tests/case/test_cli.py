@@ -565,9 +565,52 @@ class Contact(Case):
         self.assertAlmostEqual(done["delta_s"], 2 - slope, delta=0.005)
         self.assertGreater(done["delta_s_error"], 0)
 
+    def test_what_the_surface_is_like(self):
+        done = json.loads(self.expect(0, "contact", "joint.yaml", "--json").stdout)["surface"]
+        self.assertEqual((done["measured"], done["files"]), ("interface", []))
+        self.assertLess(abs(done["hurst"] - 0.8), 3 * done["hurst_error"])
+        self.assertGreater(done["rms_height_m"], 3e-4)
+        self.assertAlmostEqual(done["jrc"], 32.2 + 32.47 * math.log10(done["z2"]), delta=1e-9)
+        out = self.expect(0, "contact", "joint.yaml", "--force").stdout
+        for label in ("rms height", "rms slopes x, y", "Hurst exponent", "Z2, JRC"):
+            self.assertIn(label, out)
+
+    def test_two_measured_faces(self):
+        def grid(heights):
+            lines = "".join(" ".join(map(str, row)) + "\n" for row in heights)
+            return f"ncols {len(heights[0])}\nnrows {len(heights)}\ncellsize 0,5\n" + lines
+        rows = [[(3 * i * i + 5 * j * i + 7 * j) % 11 for i in range(17)] for j in range(16)]
+        self.write("upper.asc", grid([[-h for h in row[:16]] for row in rows]))
+        self.write("lower.asc", grid(rows))
+        faces = ["--set", "interface={size: 8 mm, levels: 4, surface: {file: {path: upper.asc, "
+                 "lower: lower.asc, unit: um, lateral_unit: mm, offset: -0.25 mm, fit: resample, "
+                 "detrend: none}}}"]
+        done = json.loads(self.expect(0, "contact", "joint.yaml", "--json", *faces).stdout)
+        surface = done["surface"]
+        self.assertEqual(surface["measured"], "composite")
+        self.assertEqual([f["nx"] for f in surface["files"]], [16, 17])
+        self.assertEqual(surface["files"][1]["path"], "lower.asc")
+        self.assertEqual([f["height_unit"] for f in surface["files"]], ["um", "um"])
+        self.assertEqual([p["step_m"] for p in surface["profiles"]], [0.0005, 0.001])
+        out = self.expect(0, "contact", "joint.yaml", "--force", *faces).stdout
+        self.assertRegex(out, r"upper face +upper.asc \(ESRI ASCII grid\)\n +16 x 16 samples "
+                              r"500 um apart, heights in um; resampled\n")
+        self.assertIn("both faces on the interface", out)
+        head = subprocess.run(["ncdump", "-h", self.path("joint-contact.nc")],
+                              capture_output=True, check=False).stdout.decode()
+        if head:
+            self.assertIn('surface_measured = "composite"', head)
+            self.assertIn('surface_lower_path = "lower.asc"', head)
+        self.expect_line(2, "lower.asc: is read by this case, must not be the output", "contact",
+                         "joint.yaml", "--force", "-o", "lower.asc", *faces)
+        line = self.expect(2, "check", "joint.yaml", "--set",
+                           "interface.surface={file: {path: upper.asc, offset: 1 mm}}").stderr
+        self.assertIn("need lower", line)
+
     def test_a_block_has_no_surface(self):
         done = json.loads(self.expect(0, "contact", "block.yaml", "--json").stdout)
         self.assertEqual(done["n_cells"], 1)
+        self.assertIsNone(done["surface"])
         self.assertIsNone(done["iterations"])
         self.assertIsNone(done["d_box"])
 

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 // cmocka needs the headers above first
@@ -11,7 +12,15 @@
 
 #include <math.h>
 
-#include "lacuna/case.h"
+#include "lacuna/scene.h"
+
+#define HISTORY(keys) \
+    "load: {normal: {pressure: 1e5}, history: {" keys "steps: [{ratio_x: 0.3}]}}\n"
+
+#define JOINT                                                                        \
+    "lacuna: 1\n"                                                                    \
+    "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n" \
+    "material: {shear_modulus: 1e9}\n"
 
 #define CONTACT                                                                      \
     "lacuna: 1\n"                                                                    \
@@ -117,13 +126,109 @@ static void text_of_a_static_case_reads_back(void **state)
     lac_case_free(again);
 }
 
+// A history is statics: a case that has one and no time is checked as such, and a run refuses it.
+static void a_history_makes_a_case_static(void **state)
+{
+    (void)state;
+    static const char law[] = "friction: {aging: {f0: 0.7, a: 0.01, b: 0.015, dc: 1e-4}}\n";
+    char first[500];
+    char text[1000];
+    static const lac_case_purpose purposes[] = {LAC_FOR_CHECK, LAC_FOR_CONTACT};
+    for (size_t i = 0; i < 2; i++) {
+        lac_case *c = read_for(JOINT HISTORY("friction: 0.5, "), purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        assert_true(c->history.friction == 0.5 && isnan(c->run.end));
+        lac_case_free(c);
+        (void)snprintf(text, sizeof text, "%s%s", JOINT HISTORY(""), law);
+        c = read_for(text, purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        assert_true(c->history.friction == 0.7);
+        lac_case_free(c);
+        refused(JOINT HISTORY(""), purposes[i],
+                "x.yaml:4: load.history.friction: is missing: Coulomb's coefficient, which no "
+                "friction law gives either");
+    }
+    refused(
+        JOINT "load: {normal: {approach: 1}, history: {friction: 0.5, steps: [{ratio_x: 0.3}]}}\n",
+        LAC_FOR_CONTACT,
+        "x.yaml:4: load.normal.approach: \"1\" is no load, from which load.history could start: "
+        "pressure, depth or slope");
+    refused(JOINT HISTORY("friction: 0.5, "), LAC_FOR_RUN,
+            "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
+    (void)snprintf(text, sizeof text, "%stime: {end: 1}\n", JOINT HISTORY("friction: 0.5, "));
+    refused(text, LAC_FOR_CHECK,
+            "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
+}
+
+// An approach names a case as static, to `check` too; a run has no use for it.
+static void an_approach_is_static(void **state)
+{
+    (void)state;
+    const char *const text =
+        "lacuna: 1\n"
+        "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n"
+        "material: {shear_modulus: 1e9}\n"
+        "load: {normal: {approach: 1e-3}}\n";
+    char first[500];
+    const lac_case_purpose purposes[] = {LAC_FOR_CONTACT, LAC_FOR_CHECK};
+    for (size_t i = 0; i < 2; i++) {
+        lac_case *c = read_for(text, purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        const lac_normal_load *normal = (const void *)c->normal.about;
+        assert_true(normal->approach(c->normal.params) == 1e-3);
+        assert_true(isnan(normal->pressure(c->normal.params, 2700)));
+        lac_case_free(c);
+    }
+    assert_null(read_for(text, LAC_FOR_RUN, first, sizeof first));
+}
+
+// Read for statics, such a case makes no scene to run.
+static void a_static_case_makes_no_scene(void **state)
+{
+    (void)state;
+    char first[500];
+    lac_error err = {""};
+    lac_scene *scene = NULL;
+    lac_case *c = read_for(CONTACT, LAC_FOR_CONTACT, first, sizeof first);
+    assert_int_equal(lac_scene_create(c, &scene, &err), LAC_EINPUT);
+    assert_string_equal(err.message, "friction: is missing: a static case cannot be run");
+    assert_null(scene);
+    lac_case_free(c);
+}
+
+static void is_grid(lac_interface_def def, size_t nx, size_t ny, double dx, double dy)
+{
+    lac_grid grid = lac_interface_grid(&def);
+    assert_true(grid.nx == nx && grid.ny == ny && grid.dx == dx && grid.dy == dy);
+    assert_true(grid.periodic == (def.boundary == LAC_PERIODIC));
+}
+
+static void interfaces_are_grids(void **state)
+{
+    (void)state;
+    const int64_t none = INT64_MIN;
+    is_grid((lac_interface_def){8, NAN, 5, none, none, LAC_PLANE, LAC_PERIODIC}, 32, 32, 0.25,
+            0.25);
+    is_grid((lac_interface_def){8, 16, 5, none, none, LAC_PLANE, LAC_FREE}, 32, 32, 0.25, 0.5);
+    is_grid((lac_interface_def){9, NAN, none, 3, none, LAC_PLANE, LAC_FREE}, 3, 3, 3, 3);
+    is_grid((lac_interface_def){9, NAN, none, 3, 7, LAC_PLANE, LAC_PERIODIC}, 3, 7, 3, 3);
+    is_grid((lac_interface_def){9, 14, none, 3, 7, LAC_PLANE, LAC_FREE}, 3, 7, 3, 2);
+    is_grid((lac_interface_def){9, NAN, none, 3, none, LAC_LINE, LAC_PERIODIC}, 3, 1, 3, 1);
+    is_grid((lac_interface_def){8, NAN, 4, none, none, LAC_LINE, LAC_PERIODIC}, 16, 1, 0.5, 1);
+    is_grid((lac_interface_def){.size = 2}, 1, 1, 2, 2); // a block
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(statics_leave_out_what_a_run_needs),
         cmocka_unit_test(each_part_of_a_run_may_be_absent_alone),
         cmocka_unit_test(what_is_there_must_be_right),
+        cmocka_unit_test(an_approach_is_static),
+        cmocka_unit_test(a_static_case_makes_no_scene),
+        cmocka_unit_test(interfaces_are_grids),
         cmocka_unit_test(text_of_a_static_case_reads_back),
+        cmocka_unit_test(a_history_makes_a_case_static),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

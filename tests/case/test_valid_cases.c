@@ -23,7 +23,7 @@ static lac_case *read_or_fail(const char *path, const lac_override *overrides, s
     lac_case *c = NULL;
     lac_case_report report;
     lac_error err = {""};
-    const lac_case_request how = {.overrides = overrides, .count = count};
+    const lac_case_request how = {.purpose = LAC_FOR_CHECK, .overrides = overrides, .count = count};
     if (lac_case_read(path, &how, &c, &report, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
@@ -124,6 +124,33 @@ static void every_key_reads(void **state)
     lac_case_free(c);
 }
 
+static void a_history_reads(void **state)
+{
+    (void)state;
+    const lac_override overrides[] = {{"load.history.steps.0.ratio_x", "0.4"},
+                                      {"load.history.steps.4.pressure", "5 kPa"},
+                                      {"load.history.fields", "none"}};
+    lac_case *c = read_or_fail(VALID "/history.yaml", NULL, 0);
+    const lac_history_step *step = c->history.step;
+    assert_true(c->history.method == LAC_HISTORY_DIRECT && c->history.fields == LAC_HISTORY_LAST);
+    assert_true(c->history.friction == 0.7); // f0 of the friction law
+    assert_int_equal(c->history.count, 4);
+    is_nearly(step[0].ratio[0], 0.3);
+    assert_true(isnan(step[0].ratio[1]) && isnan(step[0].pressure) && step[0].count == 1);
+    is_nearly(step[1].pressure, 4e3);
+    is_nearly(step[1].shear[0], 1e3);
+    assert_true(step[1].shear[1] == 0.0 && isnan(step[1].shift[0]) && isnan(step[1].ratio[0]));
+    is_nearly(step[2].shift[0], 1e-3);
+    assert_int_equal(step[2].count, 10);
+    assert_true(step[3].ratio[1] == -0.5 && step[3].shear[0] == 0.0);
+    lac_case_free(c);
+
+    c = read_or_fail(VALID "/history.yaml", overrides, 3);
+    assert_true(c->history.step[0].ratio[0] == 0.4 && c->history.step[4].pressure == 5e3);
+    assert_true(c->history.count == 5 && c->history.fields == LAC_HISTORY_NONE);
+    lac_case_free(c);
+}
+
 static void same_param(const lac_param *param, const void *a, const void *b)
 {
     const char *x = (const char *)a + param->offset;
@@ -193,6 +220,10 @@ static void same_case(const lac_case *a, const lac_case *b)
     for (size_t i = 0; i < a->pore.count; i++) {
         same_slot(&a->pore.item[i], &b->pore.item[i]);
     }
+    assert_int_equal(a->history.count, b->history.count);
+    for (size_t i = 0; i < a->history.count; i++) {
+        same_section(LAC_SECTION_STEP, &a->history.step[i], &b->history.step[i]);
+    }
     same_spreads(&a->friction_spread, &b->friction_spread);
     same_spreads(&a->initial_spread, &b->initial_spread);
     assert_int_equal(a->initial.state, b->initial.state);
@@ -214,8 +245,9 @@ static void reads_back(const char *path)
     lac_case *again = NULL;
     lac_case_report report;
     lac_error err = {""};
+    const lac_case_request how = {.purpose = LAC_FOR_CHECK};
     assert_non_null(text);
-    if (lac_case_read_text(path, text, strlen(text), NULL, &again, &report, &err) != LAC_OK) {
+    if (lac_case_read_text(path, text, strlen(text), &how, &again, &report, &err) != LAC_OK) {
         fail_msg("the text of %s: %s\n%s", path, err.message, text);
     }
     char *second = lac_case_text(again);
@@ -378,6 +410,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_example_reads_in_si),
         cmocka_unit_test(every_key_reads),
+        cmocka_unit_test(a_history_reads),
         cmocka_unit_test(resolved_text_is_the_same_case),
         cmocka_unit_test(overrides_apply),
         cmocka_unit_test(wrong_overrides_are_blamed),

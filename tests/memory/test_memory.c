@@ -64,6 +64,30 @@ out:
     return status;
 }
 
+// What `lacuna contact` does.
+static lac_status whole_contact(const lac_case *c, const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_scene_contact contact = {0};
+    lac_scene_measure_def how = lac_scene_measure_default();
+    how.scaling.coarsest = 8;
+    how.boxes.largest = 16;
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
+    const lac_provenance provenance = {.title = c->title, .seed = 1};
+    const lac_contact_view view = {.grid = &contact.grid,
+                                   .heights = contact.heights,
+                                   .pressure = contact.pressure,
+                                   .boxes = &contact.boxes,
+                                   .clusters = &contact.fractal.clusters,
+                                   .scaling = &contact.fractal.scaling};
+    assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
+    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+out:
+    lac_scene_contact_clear(&contact);
+    return status;
+}
+
 // Case to netCDF file.
 static lac_status whole_run(const char *path, lac_error *err)
 {
@@ -82,6 +106,7 @@ static lac_status whole_run(const char *path, lac_error *err)
     free(resolved);
     LAC_TRY(lac_scene_create(c, &scene, err));
     LAC_TRY(store_run(c, scene, path, err));
+    LAC_TRY(whole_contact(c, path, err));
 out:
     lac_scene_free(scene);
     lac_case_free(c);
@@ -89,7 +114,104 @@ out:
     return status;
 }
 
-static void every_allocation_fails(bool for_good)
+// A joint of 8 x 8 cells, pressed and sheared in every way
+static lac_status whole_shear(const char *path, lac_error *err)
+{
+    double heights[64];
+    double pressure[64];
+    lac_status status = LAC_OK;
+    lac_tangential *t = NULL;
+    lac_superposed_error error;
+    lac_first_slip first;
+    const double load[2] = {1e-4, 1e-4};
+    const lac_tangential_target target = {{LAC_SHEAR_LOAD, LAC_SHEAR_SHIFT}, {1e-4, 1e-4}};
+    lac_contact_def normal = lac_contact_default();
+    lac_tangential_def def = lac_tangential_default();
+    (void)path;
+    for (size_t i = 0; i < 64; i++) {
+        heights[i] = 1e-3 * (double)(i * i % 17);
+    }
+    def.grid = normal.grid = (lac_grid){8, 8, 0.125, 0.125, true};
+    def.heights = normal.heights = heights;
+    def.e_star = normal.e_star = 1.0;
+    def.poisson = 0.25;
+    def.friction = 0.5;
+    normal.mean_pressure = 1e-2;
+    LAC_TRY(lac_contact_solve(&normal, pressure, NULL, NULL, err));
+    LAC_TRY(lac_tangential_create(&def, &t, err));
+    LAC_TRY(lac_tangential_step(t, pressure, &target, NULL, err));
+    LAC_TRY(lac_tangential_first_slip(&def, pressure, load, NULL, &first, err));
+    LAC_TRY(lac_superposed_measure(&def, 1e-2, load, 4, &error, err));
+out:
+    lac_tangential_free(t);
+    return status;
+}
+
+static const char sheared[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load:\n"
+    "  normal: {pressure: 1e6}\n"
+    "  history: {friction: 0.5, steps: [{ratio_x: 0.5}, {pressure: 8e5}, {shift_y: 1e-4}]}\n";
+
+static lac_status put_step(void *context, const lac_history_record *record, lac_error *err)
+{
+    return lac_history_store_step(context, record, err);
+}
+
+static lac_status put_maps(void *context, const lac_history_maps *maps, lac_error *err)
+{
+    return lac_history_store_maps(context, maps, err);
+}
+
+static lac_status store_history(const lac_case *c, const lac_scene_contact *contact,
+                                const char *path, lac_error *err)
+{
+    lac_history_store *store = NULL;
+    lac_history_result result;
+    lac_status status = LAC_OK;
+    const lac_history_store_def def = {.path = path,
+                                       .force = true,
+                                       .provenance = {.title = "sheared", .seed = 1},
+                                       .contact = {.grid = &contact->grid,
+                                                   .heights = contact->heights,
+                                                   .gap = contact->gap,
+                                                   .pressure = contact->pressure,
+                                                   .report = &contact->report},
+                                       .friction = c->history.friction,
+                                       .method = "direct",
+                                       .keep = LAC_KEEP_ALL,
+                                       .pressed = true};
+    LAC_TRY(lac_history_store_create(&def, &store, err));
+    const lac_history_sink sink = {.context = store, .step = put_step, .maps = put_maps};
+    LAC_TRY(lac_scene_history_run(c, contact, &sink, &result, err));
+    LAC_TRY(lac_history_store_finish(store, "complete", err));
+out:
+    lac_history_store_free(store);
+    return status;
+}
+
+// Case to netCDF file, through a history of loads.
+static lac_status whole_history(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
+    LAC_TRY(lac_case_read_text("case.yaml", sheared, sizeof sheared - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(store_history(c, &contact, path, err));
+out:
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
+                                   bool for_good)
 {
     char path[] = "/tmp/lacuna-memory-XXXXXX";
     int fd = mkstemp(path);
@@ -99,7 +221,7 @@ static void every_allocation_fails(bool for_good)
     for (;; k++) {
         lac_error err = {""};
         fail_allocation(k, for_good);
-        lac_status status = whole_run(path, &err);
+        lac_status status = whole(path, &err);
         if (!stop_failing()) {
             assert_int_equal(status, LAC_OK);
             break;
@@ -116,13 +238,17 @@ static void every_allocation_fails(bool for_good)
 static void one_fails(void **state)
 {
     (void)state;
-    every_allocation_fails(false);
+    every_allocation_fails(whole_run, false);
+    every_allocation_fails(whole_shear, false);
+    every_allocation_fails(whole_history, false);
 }
 
 static void all_fail_from_one_on(void **state)
 {
     (void)state;
-    every_allocation_fails(true);
+    every_allocation_fails(whole_run, true);
+    every_allocation_fails(whole_shear, true);
+    every_allocation_fails(whole_history, true);
 }
 
 int main(void)

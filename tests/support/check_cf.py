@@ -27,7 +27,9 @@ RUN_GLOBALS = ["case"]
 ENDED_GLOBALS = ["wall_time_s", "failed"]
 STATUS = {"running", "complete", "failed", "interrupted"}
 STANDARD_NAMES = {"time": "s", "cell_area": "m2"}  # the names in use, with their canonical units
-MAY_BE_MISSING = {"step_size", "order"}
+MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local_dimension",
+                  "cycle_start", "cycle_dissipation", "cycle_shift", "highest_ratio", "highest_x",
+                  "highest_y"}
 CELL_METHOD = re.compile(
     r"^(?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum)"
     r"(?: (?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum))*$")
@@ -109,10 +111,22 @@ class Checker:
             self.check_coordinate(data, var, measure)
         if hasattr(var, "cell_methods") and not CELL_METHOD.match(var.cell_methods):
             self.fault(f"{name}: cell_methods {var.cell_methods!r}")
+        if "flag_values" in attributes or "flag_meanings" in attributes:
+            self.check_flags(var)
         if var.dimensions == (name,) and "_FillValue" in attributes:
             self.fault(f"{name}: a coordinate has no missing values")
         if "_FillValue" in attributes and getattr(var, "_FillValue").dtype != var.dtype:
             self.fault(f"{name}: _FillValue is of another type")
+
+    def check_flags(self, var):
+        values = numpy.atleast_1d(getattr(var, "flag_values", []))
+        meanings = str(getattr(var, "flag_meanings", "")).split()
+        if len(values) != len(meanings) or len(set(values.tolist())) != len(values):
+            self.fault(f"{var.name}: flag_values and flag_meanings do not pair")
+        elif values.dtype != var.dtype:
+            self.fault(f"{var.name}: flag_values are of another type")
+        elif not numpy.all(numpy.isin(var[:], values)):
+            self.fault(f"{var.name}: holds a value that is no flag")
 
     def check_standard_name(self, var, unit):
         standard = getattr(var, "standard_name", None)

@@ -52,6 +52,15 @@ static void wrong_input_is_refused(void **state)
     refuse(f, "rms height");
 }
 
+static void heights_without_a_number_are_refused(void **state)
+{
+    fixture *f = *state;
+    for (size_t i = 0; i < 64; i++) {
+        f->h[i] = NAN;
+    }
+    refuse(f, "cell (0, 0) is nan");
+}
+
 static void no_convergence_says_how_far_it_got(void **state)
 {
     fixture *f = *state;
@@ -87,6 +96,33 @@ static void one_cell_carries_everything(void **state)
     must_solve(f);
     assert_true(f->p[0] == 1e6);
     assert_true(f->gap[0] == 0.0);
+}
+
+// One free cell: the pressure is the load, the approach its own sinking, 4 (a asinh(b/a) +
+// b asinh(a/b)) p/(pi E*) with half sides a, b.
+static void one_free_cell_carries_everything(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){1, 1, 2.0, 3.0, false};
+    f->def.e_star = 1.0;
+    f->def.mean_pressure = 5.0;
+    must_solve(f);
+    assert_true(fabs(f->p[0] - 5.0) < 1e-14 && f->gap[0] == 0.0);
+    double sinks = 4.0 * (asinh(1.5) + 1.5 * asinh(1.0 / 1.5)) * 5.0 / 3.14159265358979;
+    assert_true(fabs(f->report.approach + sinks) < 1e-12);
+}
+
+// Cells a million times longer than wide, free: hard to solve but not wrong.
+static void needle_shaped_cells(void **state)
+{
+    fixture *f = *state;
+    f->def.grid = (lac_grid){48, 40, 1.0, 1e6, false};
+    fill_random(f, 9);
+    for (double load = 1e-9; load < 1e-2; load *= 100.0) {
+        f->def.mean_pressure = load * f->def.e_star;
+        must_solve(f);
+        check_solution(f);
+    }
 }
 
 // One cell stands out so far that it alone touches.
@@ -337,9 +373,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(wrong_input_is_refused),
+        TEST(heights_without_a_number_are_refused),
         TEST(no_convergence_says_how_far_it_got),
         TEST(flat_surface_is_in_full_contact),
         TEST(one_cell_carries_everything),
+        TEST(one_free_cell_carries_everything),
+        TEST(needle_shaped_cells),
         TEST(single_asperity),
         TEST(two_asperities),
         TEST(penetration_alone_keeps_it_going),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The source `file`: a map of known heights onto grids of all sorts.
+// The source `file`: a map of known_heights heights onto grids of all sorts.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,28 +12,10 @@
 #include <math.h>
 
 #include "lacuna/surface.h"
+#include "support/height_files.h"
 #include "support/scratch.h"
 
 static scratch files;
-
-static const double known[6] = {1, 2, 3, 4, 5, 6};
-
-#define ASC "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 0.5\nNODATA_value -9999\n"
-#define SDF_HEAD                                                                                 \
-    "aBCR-1.0\nManufacID = test\nNumPoints = 3\nNumProfiles = 2\nXscale = 1e-3\nYscale = 2e-3\n" \
-    "Zscale = 0.5\nZresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n"
-#define SDF SDF_HEAD "*\n"
-
-static const lac_surface_source *source(void)
-{
-    for (size_t i = 0; lac_surface_source_at(i) != NULL; i++) {
-        if (strcmp(lac_surface_source_at(i)->about.name, "file") == 0) {
-            return lac_surface_source_at(i);
-        }
-    }
-    fail_msg("no source is named file");
-    return NULL;
-}
 
 // What a source makes of a text, with options; `path` and `unit` are filled in here.
 static lac_status make(const char *text, lac_surface_file options, const lac_grid *grid, double *h,
@@ -42,10 +24,11 @@ static lac_status make(const char *text, lac_surface_file options, const lac_gri
     char path[160];
     (void)snprintf(path, sizeof path, "%s", scratch_write(&files, "map", text, strlen(text)));
     options.path = path;
-    return lac_surface_generate(&(lac_slot){&source()->about, &options}, grid, h, err);
+    return lac_surface_generate(&(lac_slot){&surface_source("file")->about, &options}, grid, h,
+                                err);
 }
 
-static const lac_surface_file plain = {.spacing = NAN, .nodata = 0, .fit = 0, .detrend = 0};
+static const lac_surface_file plain = {.spacing = NAN, .lower_spacing = NAN};
 
 static void makes(const char *text, lac_surface_file options, lac_grid grid, const double *expected)
 {
@@ -71,14 +54,14 @@ static void is_refused(const char *text, lac_surface_file options, lac_grid grid
     }
 }
 
-#define MAP ASC "4 5 6\n1 2 3\n"
+#define MAP HEIGHTS_ASC "4 5 6\n1 2 3\n"
 
 static void map_goes_onto_the_grid(void **state)
 {
     (void)state;
     const lac_grid same = {3, 2, 0.5, 0.5, true};
     lac_surface_file o = plain;
-    makes(MAP, o, same, known);
+    makes(MAP, o, same, known_heights);
     makes(MAP, o, (lac_grid){1, 1, 0.5, 0.5, true}, (double[]){2});
     o.detrend = 1;
     makes(MAP, o, same, (double[]){-2.5, -1.5, -0.5, 0.5, 1.5, 2.5});
@@ -115,16 +98,16 @@ static void units_gaps_and_tapers(void **state)
     is_refused(MAP, o, (lac_grid){4, 2, 0.5, 0.5, true}, "covers 1.5 m along x");
     o = plain;
     o.unit = "mm";
-    is_refused(SDF "2 4 6\n8 10 12", o, same, "unit is mm");
+    is_refused(HEIGHTS_SDF "2 4 6\n8 10 12", o, same, "unit is mm");
     o = plain;
-    const char *gap = ASC "4 5 6\n-9999 2 3\n";
+    const char *gap = HEIGHTS_ASC "4 5 6\n-9999 2 3\n";
     is_refused(gap, o, same, "nodata: nearest");
     makes(gap, o, (lac_grid){1, 1, 0.5, 0.5, true}, (double[]){2});
     o.nodata = 2;
     makes(gap, o, same, (double[]){4, 2, 3, 4, 5, 6});
     o.nodata = 1;
-    makes(ASC "4 5 6\n-9999 -9999 -9999\n", o, same, (double[]){4, 5, 6, 4, 5, 6});
-    is_refused(ASC "4 5 6\n1 2 1e30\n", o, same, "within 1e9 m");
+    makes(HEIGHTS_ASC "4 5 6\n-9999 -9999 -9999\n", o, same, (double[]){4, 5, 6, 4, 5, 6});
+    is_refused(HEIGHTS_ASC "4 5 6\n1 2 1e30\n", o, same, "within 1e9 m");
     o.taper = 0.5;
     makes("ncols 4\nnrows 1\ncellsize 1\n1 1 1 1\n", o, (lac_grid){4, 1, 1.0, 1.0, true},
           (double[]){0.5 - sqrt(0.125), 0.5 + sqrt(0.125), 0.5 + sqrt(0.125), 0.5 - sqrt(0.125)});

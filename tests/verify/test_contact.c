@@ -10,7 +10,6 @@
 #include <cmocka.h>
 
 #include <math.h>
-#include <omp.h>
 
 #include "lacuna/contact.h"
 #include "support/benchmark_surface.h"
@@ -327,30 +326,6 @@ static void sequence_of_loads_from_warm_starts(void **state)
     free(warm.h);
 }
 
-// The same bits whatever the number of threads.
-static void threads_do_not_matter(void **state)
-{
-    (void)state;
-    const int most = omp_get_max_threads();
-    for (int periodic = 0; periodic < 2; periodic++) {
-        fixture one = make(128, 4.9e-3);
-        fixture more = make(128, 4.9e-3);
-        assert_int_equal(benchmark_surface(128, one.h), 0);
-        memcpy(more.h, one.h, 128 * 128 * sizeof(double));
-        one.def.grid.periodic = more.def.grid.periodic = periodic == 1;
-        omp_set_num_threads(1);
-        solve(&one);
-        for (int threads = 2; threads <= 5; threads++) {
-            omp_set_num_threads(threads);
-            solve(&more);
-            assert_memory_equal(one.h, more.h, 3 * 128 * 128 * sizeof(double));
-        }
-        free(one.h);
-        free(more.h);
-    }
-    omp_set_num_threads(most);
-}
-
 // Pressures of the same problem by other codes, where the reference is at hand:
 // LACUNA_CONTACT_DATA, or shared/data/contact beside the source.
 static void rough_surface_against_reference(void **state)
@@ -422,7 +397,6 @@ int main(void)
         cmocka_unit_test(rough_surface_at_default_tolerance),
         cmocka_unit_test(rough_surface_at_every_load),
         cmocka_unit_test(sequence_of_loads_from_warm_starts),
-        cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(rough_surface_against_reference),
         cmocka_unit_test(joint_at_several_resolutions),
     };

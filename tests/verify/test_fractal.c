@@ -206,6 +206,7 @@ static void rough_contact(void **state)
     assert_true(fabs((double)report.n_cells / CELLS - 0.046990) < 2e-6);
     assert_true(fabs(r.dimension - 1.481) < 0.01);
     assert_true(fabs(r.dimension - 1.481) < r.error);
+    assert_true(fabs(r.regression_error - 0.005) < 1e-3);
 }
 
 static void range_and_seed_are_obeyed(void **state)

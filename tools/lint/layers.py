@@ -41,6 +41,7 @@ HEADERS = {
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
+    "tangential": "contact",
     "lacuna": "cli",
 }
 
@@ -50,7 +51,7 @@ HOMES = [
     (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
-    (r"fftw3\.h", "src/base/fft.c"),
+    (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),
     (r"Random123/.*", "src/base/rng.c"),
     (r"gsl/.*", "src/"),
 ]

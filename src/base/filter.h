@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_FILTER_H
+#define LACUNA_BASE_FILTER_H
+
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+/// A convolution of a real field, in single or double precision: rows are filled and transformed,
+/// columns go forth, through a symbol and back, rows are transformed back and taken.
+///
+/// Two real rows travel as the real and the imaginary part of one complex transform. The field sits
+/// in the corner of a transform that may be longer, zeros around it. Rows and columns are shared
+/// out among threads; results are the same bits for any number of them.
+typedef struct lac_filter lac_filter;
+
+/// The precision of a field and its transform.
+typedef enum lac_precision { LAC_SINGLE, LAC_DOUBLE } lac_precision;
+
+/// Fills or takes row j of the field: nx floats or doubles. Called by several threads at once.
+typedef void (*lac_filter_row)(void *context, size_t j, void *row);
+
+/// Writes the real factors of column k of the spectrum, for the wavenumbers 0 ... my/2 along y
+/// (the others are their mirror images): floats or doubles. Called by several threads at once.
+typedef void (*lac_filter_symbol)(const void *context, size_t k, void *factor);
+
+/// Plans (ESTIMATE: reproducible) for ny rows of nx in a transform of my rows of mx.
+/// Uses as many threads as omp_get_max_threads says, one on small grids.
+/// @pre   mx >= nx, my >= ny
+/// @return LAC_OK; LAC_EINPUT (too long to transform); LAC_ENOMEM
+lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_filter **out,
+                             lac_error *err);
+
+/// Frees; NULL is fine.
+void lac_filter_free(lac_filter *f);
+
+/// Fills all rows and transforms them along x. Each row begins undefined.
+void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context);
+
+/// Multiplies the spectrum of what was filled by a symbol, unnormalised.
+void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context);
+
+/// Sum over all wavenumbers of symbol |F x|^2 of what was filled, which stays.
+double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context);
+
+/// Transforms the rows back, unnormalised, and gives a copy of each to the caller; they stay, to
+/// be taken again.
+void lac_filter_take(lac_filter *f, lac_filter_row take, void *context);
+
+/// Takes each row and fills it anew, in the precision of before.
+void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context);
+
+/// The precision of what was filled last.
+lac_precision lac_filter_precision(const lac_filter *f);
+
+/// In how many threads a pass runs.
+int lac_filter_threads(const lac_filter *f);
+
+#endif

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// load.history: reading its steps, and what is wrong with them taken one after the other.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+enum { MOST_STEPS = 10000 }; // of all entries with their counts
+
+static const char *const axis_names[2] = {"x", "y"};
+
+static const char *axis_key(char *text, size_t size, const char *what, int axis)
+{
+    (void)snprintf(text, size, "%s_%s", what, axis_names[axis]);
+    return text;
+}
+
+// Of ratio, shear and shift along an axis at most one.
+static void check_axis(lac_reader *reader, const lac_node *node, int axis)
+{
+    static const char *const controls[] = {"ratio", "shear", "shift"};
+    const lac_node *first = NULL;
+    for (size_t i = 0; i < sizeof controls / sizeof controls[0]; i++) {
+        char key[16];
+        const lac_node *given = lac_node_child(node, axis_key(key, sizeof key, controls[i], axis));
+        if (given != NULL && first != NULL) {
+            lac_blame(reader, given, "is given beside %s; exactly one is allowed along %s",
+                      first->key, axis_names[axis]);
+        }
+        first = first == NULL ? given : first;
+    }
+}
+
+static void read_step(lac_reader *reader, const lac_node *node, lac_history_step *step)
+{
+    lac_table table = lac_section_table(LAC_SECTION_STEP);
+    size_t errors = reader->report->errors;
+    lac_table_reset(&table, step);
+    if (!lac_expect_map(reader, node, "a mapping such as {ratio_x: 0.3}")) {
+        return;
+    }
+    lac_read_table(reader, node, &table, step);
+    check_axis(reader, node, 0);
+    check_axis(reader, node, 1);
+    bool nothing = isnan(step->pressure);
+    for (int i = 0; i < 2; i++) {
+        nothing =
+            nothing && isnan(step->ratio[i]) && isnan(step->shear[i]) && isnan(step->shift[i]);
+    }
+    if (nothing && reader->report->errors == errors) {
+        lac_blame(reader, node, "must name what changes, such as {ratio_x: 0.3}");
+    }
+}
+
+static void read_steps(lac_reader *reader, const lac_node *node, lac_history_def *history)
+{
+    int64_t total = 0;
+    if (node->kind != LAC_NODE_LIST || node->count == 0) {
+        lac_blame(reader, node, "must be a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
+        return;
+    }
+    history->step = calloc(node->count, sizeof *history->step);
+    if (history->step == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    history->count = node->count;
+    for (size_t i = 0; i < node->count; i++) {
+        read_step(reader, node->child[i], &history->step[i]);
+        total += history->step[i].count;
+    }
+    if (total > MOST_STEPS) {
+        lac_blame(reader, node, "makes %lld steps with all counts; at most %d are allowed",
+                  (long long)total, MOST_STEPS);
+    }
+}
+
+void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    lac_table table = lac_section_table(LAC_SECTION_HISTORY);
+    if (node->bad || !lac_expect_map(reader, node, "a mapping such as {steps: [{ratio_x: 0.3}]}")) {
+        return;
+    }
+    lac_read_table(reader, node, &table, c);
+    const lac_node *steps = lac_node_child(node, "steps");
+    if (steps != NULL) {
+        read_steps(reader, steps, &c->history);
+    } else if (!lac_key_misspelt(node, &table, "steps")) {
+        lac_blame_missing(reader, node, "steps",
+                          "is missing: a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
+    }
+}
+
+static bool present(const lac_reader *reader, const char *key)
+{
+    return lac_node_at(reader->root, key) != NULL;
+}
+
+// What is pressed and sheared.
+static void check_joint(lac_reader *reader, const lac_case *c)
+{
+    if (present(reader, "load.normal.approach")) {
+        lac_blame_key(reader, "load.normal.approach",
+                      "is no load, from which load.history could start: pressure, depth or slope");
+    }
+    if (!present(reader, "interface.surface") && !present(reader, "interface.domain")) {
+        lac_blame_key(reader, "load.history",
+                      "needs interface.surface or interface.domain: a single block has no cells "
+                      "that stick or slip");
+    }
+    if (present(reader, "interface.domain") && !present(reader, "material.shear_modulus")) {
+        lac_blame_key(reader, "material.shear_modulus",
+                      "is missing: needed by load.history; must be a pressure such as \"20 GPa\"");
+    }
+    if (c->history.method == LAC_HISTORY_SUPERPOSED && !present(reader, "interface.surface")) {
+        lac_blame_key(reader, "load.history.method",
+                      "superposes contacts under other loads and needs interface.surface");
+    }
+}
+
+// f0 of the friction law where the history has no coefficient of its own; NaN where there is none.
+static void find_friction(lac_reader *reader, lac_case *c)
+{
+    if (present(reader, "load.history.friction")) {
+        return;
+    }
+    if (c->friction.about == NULL) {
+        if (!present(reader, "friction") && !lac_needs_run(reader)) {
+            lac_blame_key(reader, "load.history.friction",
+                          "is missing: Coulomb's coefficient, which no friction law gives either");
+        }
+        return;
+    }
+    c->history.friction = ((const lac_friction_params *)c->friction.params)->f0;
+    if (!(c->history.friction > 0)) {
+        lac_blame_key(reader, "load.history.friction",
+                      "is missing, and f0 of the friction law is %g; must be > 0",
+                      c->history.friction);
+        c->history.friction = NAN;
+    }
+    for (size_t i = 0; i < c->friction_spread.count; i++) {
+        if (strcmp(c->friction_spread.item[i].key, "f0") == 0) {
+            lac_warn(reader, "load.history",
+                     "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");
+        }
+    }
+}
+
+// Load along the way; the shear load of an axis under shift control is not known and counts as 0.
+typedef struct way {
+    double pressure, shear[2];
+} way;
+
+static void follow(way *at, const lac_history_step *step, double f)
+{
+    at->pressure = isnan(step->pressure) ? at->pressure : step->pressure;
+    for (int i = 0; i < 2; i++) {
+        if (!isnan(step->ratio[i])) {
+            at->shear[i] = step->ratio[i] * f * at->pressure;
+        } else if (!isnan(step->shear[i])) {
+            at->shear[i] = step->shear[i];
+        } else if (!isnan(step->shift[i])) {
+            at->shear[i] = 0;
+        }
+    }
+}
+
+static void check_limit(lac_reader *reader, const lac_node *node, const way *at, double f)
+{
+    double shear = hypot(at->shear[0], at->shear[1]);
+    if (!(shear < f * at->pressure)) {
+        char high[64];
+        char low[64];
+        lac_blame(reader, node,
+                  "shears by %s, which must be below f P = %s, where the joint slides as a whole",
+                  lac_units_format(shear, "Pa", high, sizeof high),
+                  lac_units_format(f * at->pressure, "Pa", low, sizeof low));
+    }
+}
+
+// Superposition holds for shear that only grows, in one direction, at constant pressure.
+static void check_superposed(lac_reader *reader, const lac_node *node, const way *before,
+                             const way *after)
+{
+    static const char any[] = "method: direct takes any history";
+    const double tolerance = 1e-9;
+    const double *p = before->shear;
+    const double *q = after->shear;
+    double size = hypot(p[0], p[1]);
+    bool shifted = false;
+    for (int i = 0; i < 2; i++) {
+        char key[16];
+        const lac_node *shift = lac_node_child(node, axis_key(key, sizeof key, "shift", i));
+        if (shift != NULL) {
+            lac_blame(reader, shift, "is no load, as method: superposed needs it; %s", any);
+            shifted = true;
+        }
+    }
+    if (shifted) {
+        return;
+    }
+    if (fabs(after->pressure - before->pressure) > tolerance * before->pressure) {
+        lac_blame(reader, lac_node_child(node, "pressure"),
+                  "differs from before, where method: superposed holds it; %s", any);
+    } else if (fabs(p[0] * q[1] - p[1] * q[0]) > tolerance * size * hypot(q[0], q[1])) {
+        lac_blame(reader, node,
+                  "turns the shear load, where method: superposed keeps it in one "
+                  "direction; %s",
+                  any);
+    } else if (p[0] * q[0] + p[1] * q[1] < (1 - tolerance) * size * size) {
+        lac_blame(reader, node,
+                  "unloads or reverses the shear load, which method: superposed "
+                  "cannot follow; %s",
+                  any);
+    }
+}
+
+void lac_check_history(lac_reader *reader, lac_case *c, double pressure)
+{
+    const lac_node *steps = lac_node_at(reader->root, "load.history.steps");
+    check_joint(reader, c);
+    find_friction(reader, c);
+    double f = c->history.friction;
+    way at = {.pressure = pressure};
+    for (size_t i = 0; isfinite(f) && isfinite(pressure) && i < c->history.count; i++) {
+        const way before = at;
+        follow(&at, &c->history.step[i], f);
+        check_limit(reader, steps->child[i], &at, f);
+        if (c->history.method == LAC_HISTORY_SUPERPOSED) {
+            check_superposed(reader, steps->child[i], &before, &at);
+        }
+    }
+}

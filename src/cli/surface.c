@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/surface.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "cli/words.h"
+
+// Words for lac_measured, and for the fit of a file.
+static const char *const measured_words[] = {"the interface", "the file as read",
+                                             "the file, as far as it lies on the interface",
+                                             "both faces on the interface"};
+static const char *const measured_keys[] = {"interface", "file", "part", "composite"};
+static const char *const fit_words[] = {"cropped", "padded", "resampled"};
+
+// A misfit that scatter does not explain: one in a thousand at eight shells.
+static const double bad_misfit = 3.7;
+
+static void print_file(const lac_file_report *file, const char *label)
+{
+    char step[32];
+    char gaps[64] = "";
+    char apart[64] = "";
+    if (!isnan(file->dx)) {
+        (void)snprintf(apart, sizeof apart, " %s apart",
+                       cli_quantity(file->dx, "m", step, sizeof step));
+    }
+    if (file->masked > 0) {
+        (void)snprintf(gaps, sizeof gaps, ", %zu without height", file->masked);
+    }
+    cli_row(label, "%s (%s)", file->path, file->format);
+    cli_row("", "%zu x %zu samples%s, heights in %s%s; %s", file->nx, file->ny, apart,
+            file->height_unit, gaps, fit_words[file->fit]);
+}
+
+static void print_hurst(const lac_surface_measures *m)
+{
+    char longest[32];
+    char shortest[32];
+    if (isnan(m->hurst)) {
+        cli_row("Hurst exponent", "none: too few waves");
+        return;
+    }
+    cli_row("Hurst exponent", "%.3f +/- %.3f (waves of %s to %s%s)", m->hurst, m->hurst_error,
+            cli_quantity(m->fit_shortest, "m", shortest, sizeof shortest),
+            cli_quantity(m->fit_longest, "m", longest, sizeof longest),
+            m->hurst_misfit > bad_misfit || m->hurst < 0.0 || m->hurst > 1.0
+                ? "; no self-affine range"
+                : "");
+}
+
+static const char *range_words(double jrc)
+{
+    if (isnan(jrc)) {
+        return "none: flat";
+    }
+    return jrc < 0.0 ? " (below 0: smoother than it was found for)"
+                     : (jrc > 20.0 ? " (above 20: rougher than it was found for)" : "");
+}
+
+static void print_jrc(double z2, double step, double jrc)
+{
+    char text[32];
+    char number[32] = "";
+    if (!isnan(jrc)) {
+        (void)snprintf(number, sizeof number, "%.1f", jrc);
+    }
+    cli_row("Z2, JRC", "%.4g at %s: %s%s", z2, cli_quantity(step, "m", text, sizeof text), number,
+            range_words(jrc));
+}
+
+void cli_surface_print(const lac_surface_report *surface)
+{
+    const lac_surface_measures *m = &surface->measures;
+    for (size_t i = 0; i < surface->files; i++) {
+        print_file(&surface->file[i],
+                   surface->files < 2 ? "heights" : (i == 0 ? "upper face" : "lower face"));
+    }
+    cli_row("measured", "%s", measured_words[surface->measured]);
+    cli_row_quantity("rms height", m->rms_height, "m");
+    cli_row("rms slopes x, y", "%.4g, %.4g", m->rms_slope_x, m->rms_slope_y);
+    print_hurst(m);
+    print_jrc(m->z2, m->z2_step, m->jrc);
+    for (size_t k = 0; k < m->profiles; k++) {
+        if (m->profile[k].step != m->z2_step) {
+            print_jrc(m->profile[k].z2, m->profile[k].step, m->profile[k].jrc);
+        }
+    }
+}
+
+static void write_profiles(cli_json *json, const lac_surface_measures *m)
+{
+    cli_json_open(json, "profiles", '[');
+    for (size_t k = 0; k < m->profiles; k++) {
+        const lac_profile_measure *profile = &m->profile[k];
+        cli_json_open(json, NULL, '{');
+        cli_json_number(json, "step_m", profile->step);
+        cli_json_number(json, "z2", profile->z2);
+        cli_json_number(json, "jrc", profile->jrc);
+        cli_json_number(json, "jrc_yu_vayssade", profile->jrc_yu);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_files(cli_json *json, const lac_surface_report *surface)
+{
+    cli_json_open(json, "files", '[');
+    for (size_t i = 0; i < surface->files; i++) {
+        const lac_file_report *file = &surface->file[i];
+        cli_json_open(json, NULL, '{');
+        cli_json_text(json, "path", file->path);
+        cli_json_text(json, "format", file->format);
+        cli_json_integer(json, "nx", (int64_t)file->nx);
+        cli_json_integer(json, "ny", (int64_t)file->ny);
+        cli_json_number(json, "dx_m", file->dx);
+        cli_json_number(json, "dy_m", file->dy);
+        cli_json_text(json, "height_unit", file->height_unit);
+        cli_json_text(json, "lateral_unit", file->lateral_unit);
+        cli_json_integer(json, "without_height", (int64_t)file->masked);
+        cli_json_text(json, "fit", fit_words[file->fit]);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+void cli_surface_json(cli_json *json, const lac_surface_report *surface)
+{
+    if (surface == NULL) {
+        cli_json_null(json, "surface");
+        return;
+    }
+    const lac_surface_measures *m = &surface->measures;
+    cli_json_open(json, "surface", '{');
+    cli_json_text(json, "measured", measured_keys[surface->measured]);
+    cli_json_number(json, "rms_height_m", m->rms_height);
+    cli_json_number(json, "rms_slope_x", m->rms_slope_x);
+    cli_json_number(json, "rms_slope_y", m->rms_slope_y);
+    cli_json_number(json, "hurst", m->hurst);
+    cli_json_number(json, "hurst_error", m->hurst_error);
+    cli_json_number(json, "hurst_misfit", m->hurst_misfit);
+    cli_json_number(json, "hurst_shortest_m", m->fit_shortest);
+    cli_json_number(json, "hurst_longest_m", m->fit_longest);
+    cli_json_number(json, "z2", m->z2);
+    cli_json_number(json, "z2_step_m", m->z2_step);
+    cli_json_number(json, "jrc", m->jrc);
+    cli_json_boolean(json, "jrc_in_range", m->jrc >= 0.0 && m->jrc <= 20.0);
+    write_profiles(json, m);
+    write_files(json, surface);
+    cli_json_close(json, '}');
+}

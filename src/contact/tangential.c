@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/tangential.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contact/tangential_solve.h"
+#include "contact/tangential_state.h"
+
+#define PI 3.1415926535897932384626433832795
+
+// One step on the contact cells, in tractions of order one.
+typedef struct step {
+    lac_shear_problem p;
+    double unit; // of tractions, a power of two [Pa]
+    uint32_t *cell;
+    double *work; // limit, before, tau, u
+    uint8_t *limited;
+} step;
+
+lac_tangential_def lac_tangential_default(void)
+{
+    return (lac_tangential_def){.tolerance = 1e-8, .max_iterations = 2000};
+}
+
+lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err)
+{
+    const lac_grid *grid = &def->grid;
+    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
+        !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX) {
+        return lac_fail(err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible",
+                        grid->nx, grid->ny, grid->dx, grid->dy);
+    }
+    if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
+        return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
+    }
+    if (!(def->poisson >= 0.0 && def->poisson <= 0.5)) {
+        return lac_fail(err, LAC_EINPUT, "Poisson's ratio must lie between 0 and 0.5, not %g",
+                        def->poisson);
+    }
+    if (!(def->friction > 0.0 && isfinite(def->friction))) {
+        return lac_fail(err, LAC_EINPUT, "the friction coefficient must be > 0, not %g",
+                        def->friction);
+    }
+    if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
+        return lac_fail(err, LAC_EINPUT, "the tolerance must lie between 0 and 1, not %g",
+                        def->tolerance);
+    }
+    if (def->max_iterations < 1) {
+        return lac_fail(err, LAC_EINPUT, "at least one iteration must be allowed");
+    }
+    double softness = lac_tangential_softness(def);
+    if (!(softness > 0.0 && isfinite(softness))) {
+        return lac_fail(err, LAC_EINPUT,
+                        "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx,
+                        grid->dy, def->e_star);
+    }
+    return LAC_OK;
+}
+
+double lac_tangential_softness(const lac_tangential_def *def)
+{
+    const lac_grid *grid = &def->grid;
+    double length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);
+    return length / (PI * (1.0 - def->poisson) * def->e_star);
+}
+
+lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential **out,
+                                 lac_error *err)
+{
+    lac_status status;
+    lac_tangential *t = NULL;
+    *out = NULL;
+    LAC_TRY(lac_tangential_check(def, err));
+    t = calloc(1, sizeof *t);
+    if (t == NULL) {
+        return lac_fail_memory(err);
+    }
+    const size_t cells = lac_grid_cells(&def->grid);
+    t->def = *def;
+    t->softness = lac_tangential_softness(def);
+    t->used[0] = t->used[1] = def->poisson > 0.0;
+    const bool direct = def->method == LAC_SHEAR_DIRECT;
+    t->tau = calloc(2 * cells, sizeof *t->tau);
+    t->u = calloc(direct ? 2 * cells : 1, sizeof *t->u);
+    t->slip = calloc(2 * cells, sizeof *t->slip);
+    t->state = calloc(cells, sizeof *t->state);
+    if (t->tau == NULL || t->u == NULL || t->slip == NULL || t->state == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    if (direct) {
+        LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
+    }
+    *out = t;
+    return LAC_OK;
+out:
+    lac_tangential_free(t);
+    return status;
+}
+
+void lac_tangential_free(lac_tangential *t)
+{
+    if (t == NULL) {
+        return;
+    }
+    lac_shear_space_free(t->space);
+    free(t->tau);
+    free(t->u);
+    free(t->slip);
+    free(t->state);
+    free(t->superposed.pressure);
+    free(t->superposed.reduced);
+    free(t->superposed.gap);
+    free(t);
+}
+
+lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const double *pressure,
+                                         lac_pressed *pressed, lac_error *err)
+{
+    const lac_grid *grid = &def->grid;
+    const size_t cells = lac_grid_cells(grid);
+    *pressed = (lac_pressed){0};
+    for (size_t i = 0; i < cells; i++) {
+        if (!(pressure[i] >= 0.0 && isfinite(pressure[i]))) {
+            return lac_fail(err, LAC_EINPUT,
+                            "the pressure of cell (%zu, %zu) must be finite and >= 0, not %g",
+                            i % grid->nx, i / grid->nx, pressure[i]);
+        }
+        pressed->n += pressure[i] > 0.0 ? 1 : 0;
+        pressed->mean += pressure[i] / (double)cells;
+        pressed->most = fmax(pressed->most, pressure[i]);
+    }
+    if (pressed->n == 0) {
+        return lac_fail(err, LAC_EINPUT, "no cell is in contact: there is nothing to shear");
+    }
+    double strength = def->friction * pressed->most;
+    if (!(strength >= DBL_MIN && strength <= 1e-4 * DBL_MAX / (double)cells)) {
+        return lac_fail(err, LAC_EINPUT, "a friction of %g times %g Pa is beyond numbers",
+                        def->friction, pressed->most);
+    }
+    return LAC_OK;
+}
+
+static lac_status check_target(const lac_tangential_target *target, lac_error *err)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        if (!isfinite(target->value[axis])) {
+            return lac_fail(err, LAC_EINPUT, "the shear %s along %c must be finite, not %g",
+                            target->control[axis] == LAC_SHEAR_LOAD ? "load" : "shift",
+                            axis == 0 ? 'x' : 'y', target->value[axis]);
+        }
+    }
+    return LAC_OK;
+}
+
+// Friction must hold the load: at |Q| = f P already all slide, any shift does.
+static lac_status check_strength(const lac_tangential_def *def, const lac_tangential_target *target,
+                                 double mean_pressure, lac_error *err)
+{
+    double load = 0.0;
+    for (int axis = 0; axis < 2; axis++) {
+        if (target->control[axis] == LAC_SHEAR_LOAD) {
+            load = hypot(load, target->value[axis]);
+        }
+    }
+    double strength = def->friction * mean_pressure;
+    if (load > 0.0 && !(load < strength * (1.0 - 1e-12))) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a shear load of %.10g Pa is not below the friction f p = %g x %.10g = "
+                        "%.10g Pa: all cells slide, and only a given shift says how far",
+                        load, def->friction, mean_pressure, strength);
+    }
+    return LAC_OK;
+}
+
+static void free_step(step *s)
+{
+    free(s->cell);
+    free(s->work);
+    free(s->limited);
+}
+
+static lac_status allocate_step(step *s, size_t n, lac_error *err)
+{
+    s->p.n = n;
+    s->cell = malloc(n * sizeof *s->cell);
+    s->work = calloc(7 * n, sizeof *s->work);
+    s->limited = calloc(n, sizeof *s->limited);
+    bool enough = s->cell != NULL && s->work != NULL && s->limited != NULL;
+    return enough ? LAC_OK : lac_fail_memory(err);
+}
+
+// Contact cells, their limits and what they remember, in units of s->unit
+static void fill_step(const lac_tangential *t, const double *pressure, double most, step *s)
+{
+    const size_t cells = lac_grid_cells(&t->def.grid);
+    const size_t n = s->p.n;
+    int exponent;
+    (void)frexp(t->def.friction * most, &exponent);
+    s->unit = ldexp(1.0, exponent);
+    double *limit = s->work;
+    double *before = limit + n;
+    double *tau = before + 2 * n;
+    size_t k = 0;
+    for (size_t i = 0; i < cells; i++) {
+        if (pressure[i] > 0.0) {
+            s->cell[k] = (uint32_t)i;
+            // so far below the rest that it makes no difference, but still to be divided by
+            limit[k] = fmax(t->def.friction * (pressure[i] / s->unit), 1e-150);
+            for (size_t axis = 0; axis < 2; axis++) {
+                before[axis * n + k] = t->u[axis * cells + i] / s->unit;
+                tau[axis * n + k] = t->tau[axis * cells + i] / s->unit;
+            }
+            k++;
+        }
+    }
+    s->p.cell = s->cell;
+    s->p.limit = limit;
+    s->p.before = before;
+    s->p.tau = tau;
+    s->p.u = tau + 2 * n;
+    s->p.limited = s->limited;
+}
+
+static lac_status fill_target(lac_tangential *t, const lac_tangential_target *target, step *s,
+                              lac_error *err)
+{
+    const double cells = (double)lac_grid_cells(&t->def.grid);
+    s->p.space = t->space;
+    s->p.tolerance = t->def.tolerance;
+    s->p.max_iterations = t->def.max_iterations;
+    for (int axis = 0; axis < 2; axis++) {
+        bool held = target->control[axis] == LAC_SHEAR_LOAD;
+        s->p.held[axis] = held;
+        s->p.load[axis] = held ? target->value[axis] / s->unit * cells : 0.0;
+        s->p.shift[axis] =
+            held ? 0.0 : (target->value[axis] - t->shift[axis]) / t->softness / s->unit;
+        if (!isfinite(s->p.shift[axis] * s->p.shift[axis])) {
+            return lac_fail(err, LAC_EINPUT, "a shift of %g m is beyond numbers",
+                            target->value[axis]);
+        }
+        t->space->used[axis] = t->used[axis] || target->value[axis] != 0.0;
+    }
+    return LAC_OK;
+}
+
+static void take_displacements(lac_tangential *t, double unit)
+{
+    const size_t nx = t->def.grid.nx;
+    const size_t ny = t->def.grid.ny;
+    for (size_t axis = 0; axis < 2; axis++) {
+        const lac_fft *fft = t->space->fft[axis];
+        for (size_t j = 0; j < ny && t->space->used[axis]; j++) {
+            for (size_t i = 0; i < nx; i++) {
+                t->u[(axis * ny + j) * nx + i] = fft->real[j * fft->nx + i] * unit;
+            }
+        }
+    }
+}
+
+// Slip of this step [m] and state of contact cell k. It slips where friction is at its limit and
+// the slip along it is more than what no slip is held to.
+static lac_cell_state slip_of(const lac_tangential *t, const step *s, size_t k, double slip[2])
+{
+    const lac_shear_problem *p = &s->p;
+    double along = 0.0;
+    for (size_t axis = 0; axis < 2; axis++) {
+        size_t at = axis * p->n + k;
+        slip[axis] = p->shift[axis] - (p->u[at] - p->before[at]);
+        along += slip[axis] * (p->tau[at] / p->limit[k]);
+        slip[axis] *= s->unit * t->softness;
+    }
+    return p->limited[k] && along > p->tolerance * p->scale ? LAC_CELL_SLIP : LAC_CELL_STICK;
+}
+
+void lac_tangential_count(lac_tangential_report *report, lac_cell_state state, double ratio,
+                          size_t cell)
+{
+    report->contact_cells++;
+    report->slip_cells += state == LAC_CELL_SLIP ? 1 : 0;
+    report->stick_cells += state == LAC_CELL_STICK ? 1 : 0;
+    if (state == LAC_CELL_STICK && ratio > report->highest_ratio) {
+        report->highest_ratio = ratio;
+        report->highest_cell = cell;
+    }
+}
+
+// Everything of a step that has converged into the memory
+static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *report)
+{
+    const size_t cells = lac_grid_cells(&t->def.grid);
+    const lac_shear_problem *p = &s->p;
+    const double area = lac_grid_cell_area(&t->def.grid);
+    size_t k = 0;
+    for (size_t i = 0; i < cells; i++) {
+        if (k == p->n || s->cell[k] != i) {
+            t->state[i] = LAC_CELL_OPEN;
+            t->tau[i] = t->tau[cells + i] = 0.0;
+            t->slip[i] = t->slip[cells + i] = 0.0;
+            continue;
+        }
+        double slip[2];
+        lac_cell_state state = slip_of(t, s, k, slip);
+        t->state[i] = (uint8_t)state;
+        for (size_t axis = 0; axis < 2; axis++) {
+            double tau = p->tau[axis * p->n + k] * s->unit;
+            double moved = state == LAC_CELL_SLIP ? slip[axis] : 0.0;
+            t->tau[axis * cells + i] = tau;
+            t->slip[axis * cells + i] += moved;
+            report->traction[axis] += tau / (double)cells;
+            report->dissipation += area * tau * moved;
+        }
+        lac_tangential_count(report, state, hypot(p->tau[k], p->tau[p->n + k]) / p->limit[k], i);
+        k++;
+    }
+}
+
+static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_target *target,
+                       lac_tangential_report *report)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        t->used[axis] = t->space->used[axis];
+        if (s->p.held[axis]) {
+            t->shift[axis] += s->p.shift[axis] * s->unit * t->softness;
+            report->traction[axis] = target->value[axis];
+        } else {
+            t->shift[axis] = target->value[axis];
+        }
+        report->shift[axis] = t->shift[axis];
+    }
+}
+
+static lac_status direct_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
+                              const lac_tangential_target *target, lac_tangential_report *report,
+                              lac_error *err)
+{
+    lac_status status;
+    step s = {0};
+    LAC_TRY(check_strength(&t->def, target, pressed->mean, err));
+    LAC_TRY(allocate_step(&s, pressed->n, err));
+    fill_step(t, pressure, pressed->most, &s);
+    LAC_TRY(fill_target(t, target, &s, err));
+    LAC_TRY(lac_shear_solve(&s.p, err));
+    report->residual = s.p.residual;
+    report->iterations = s.p.iterations;
+    report->products = s.p.products;
+    if (!(s.p.residual <= t->def.tolerance)) {
+        status = lac_fail(err, LAC_ENUMERIC,
+                          "no convergence of the shear tractions to %g after %lld iterations: "
+                          "%.3g of the displacements",
+                          t->def.tolerance, (long long)s.p.iterations, s.p.residual);
+        goto out;
+    }
+    take_displacements(t, s.unit);
+    keep_step(t, &s, report);
+    keep_shift(t, &s, target, report);
+out:
+    free_step(&s);
+    return status;
+}
+
+lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
+                               const lac_tangential_target *target, lac_tangential_report *report,
+                               lac_error *err)
+{
+    lac_status status;
+    lac_pressed pressed;
+    lac_tangential_report r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
+    LAC_TRY(lac_tangential_check_pressure(&t->def, pressure, &pressed, err));
+    LAC_TRY(check_target(target, err));
+    if (t->def.method == LAC_SHEAR_DIRECT) {
+        LAC_TRY(direct_step(t, pressure, &pressed, target, &r, err));
+    } else {
+        LAC_TRY(lac_superposed_step(t, pressure, &pressed, target, &r, err));
+    }
+out:
+    r.highest_ratio = fmax(r.highest_ratio, 0.0);
+    if (report != NULL) {
+        *report = r;
+    }
+    return status;
+}
+
+const double *lac_tangential_traction(const lac_tangential *t, int axis)
+{
+    return &t->tau[(size_t)axis * lac_grid_cells(&t->def.grid)];
+}
+
+const double *lac_tangential_slip(const lac_tangential *t, int axis)
+{
+    return &t->slip[(size_t)axis * lac_grid_cells(&t->def.grid)];
+}
+
+const uint8_t *lac_tangential_state(const lac_tangential *t) { return t->state; }

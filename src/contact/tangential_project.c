@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
+#include <math.h>
+
+#include "contact/tangential_solve.h"
+
+// lambda is the minimum of the convex function of two variables
+//   Phi = sum h(|y_i + lambda|) - load.lambda,  h(v) = v^2/2 inside the disc, r v - r^2/2 beyond,
+// whose gradient F = sum disc(y_i + lambda) - load has to vanish. Newton's method, damped by a
+// multiple of 1 that follows F down to 0 and how well the last step went.
+
+typedef struct state {
+    double phi, size;  // Phi, and the sum of its terms' sizes
+    double f[2];       // F along the axes held, else 0
+    double xx, yy, xy; // Jacobian
+} state;
+
+static state evaluate(const lac_shear_problem *p, const double *restrict y, const double lambda[2])
+{
+    const double *restrict limit = p->limit;
+    const size_t n = p->n;
+    const double lx = lambda[0];
+    const double ly = lambda[1];
+    double phi = 0.0;
+    double fx = 0.0;
+    double fy = 0.0;
+    double xx = 0.0;
+    double yy = 0.0;
+    double xy = 0.0;
+#pragma omp simd reduction(+ : phi, fx, fy, xx, yy, xy)
+    for (size_t i = 0; i < n; i++) {
+        double vx = y[i] + lx;
+        double vy = y[n + i] + ly;
+        double v = sqrt(vx * vx + vy * vy);
+        double c = v > limit[i] ? limit[i] / v : 1.0;
+        double w = v > limit[i] ? c / (v * v) : 0.0;
+        phi += c * v * (v - 0.5 * c * v);
+        fx += c * vx;
+        fy += c * vy;
+        xx += c - w * vx * vx;
+        yy += c - w * vy * vy;
+        xy -= w * vx * vy;
+    }
+    double given = p->load[0] * lx + p->load[1] * ly;
+    state s = {phi - given, phi + fabs(given), {fx - p->load[0], fy - p->load[1]}, xx, yy, xy};
+    s.f[0] = p->held[0] ? s.f[0] : 0.0;
+    s.f[1] = p->held[1] ? s.f[1] : 0.0;
+    return s;
+}
+
+static double size(const state *s) { return hypot(s->f[0], s->f[1]); }
+
+// d = -(J + damping)^-1 F along the axes held
+static void newton(const lac_shear_problem *p, const state *s, double damping, double d[2])
+{
+    double xx = s->xx + damping;
+    double yy = s->yy + damping;
+    double xy = p->held[0] && p->held[1] ? s->xy : 0.0;
+    double det = xx * yy - xy * xy;
+    if (!(det > 0.0)) {
+        xy = 0.0;
+        det = xx * yy;
+    }
+    d[0] = (-yy * s->f[0] + xy * s->f[1]) / det;
+    d[1] = (xy * s->f[0] - xx * s->f[1]) / det;
+}
+
+// Without limits: F is linear
+static void spread(const lac_shear_problem *p, const double *y, double lambda[2])
+{
+    for (size_t axis = 0; axis < 2; axis++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < p->n; i++) {
+            sum += y[axis * p->n + i];
+        }
+        lambda[axis] = p->held[axis] ? (p->load[axis] - sum) / (double)p->n : lambda[axis];
+    }
+}
+
+static void find_lambda(const lac_shear_problem *p, const double *y, double lambda[2])
+{
+    enum { MOST = 200 };
+    double strength = 0.0;
+    for (size_t i = 0; i < p->n; i++) {
+        strength += p->limit[i];
+    }
+    if (!isfinite(strength)) {
+        spread(p, y, lambda);
+        return;
+    }
+    const double enough = 4.0 * DBL_EPSILON * strength;
+    double damping = 0.01 * (double)p->n / strength;
+    state s = evaluate(p, y, lambda);
+    for (int k = 0; k < MOST && size(&s) > enough; k++) {
+        double d[2];
+        newton(p, &s, damping * size(&s) + DBL_MIN, d);
+        double at[2] = {lambda[0] + d[0], lambda[1] + d[1]};
+        if (at[0] == lambda[0] && at[1] == lambda[1]) {
+            break;
+        }
+        state next = evaluate(p, y, at);
+        if (next.phi < s.phi || (next.phi <= s.phi + 1e-12 * s.size && size(&next) < size(&s))) {
+            lambda[0] = at[0];
+            lambda[1] = at[1];
+            s = next;
+            damping *= 0.1;
+        } else {
+            damping *= 100.0;
+        }
+    }
+}
+
+void lac_shear_project(const lac_shear_problem *p, const double *y, double *tau, uint8_t *limited,
+                       double lambda[2])
+{
+    if (p->held[0] || p->held[1]) {
+        find_lambda(p, y, lambda);
+    }
+    for (size_t i = 0; i < p->n; i++) {
+        double vx = y[i] + lambda[0];
+        double vy = y[p->n + i] + lambda[1];
+        double v = hypot(vx, vy);
+        limited[i] = v >= p->limit[i];
+        double c = v > p->limit[i] ? p->limit[i] / v : 1.0;
+        tau[i] = c * vx;
+        tau[p->n + i] = c * vy;
+    }
+}

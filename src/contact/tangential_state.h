@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CONTACT_TANGENTIAL_STATE_H
+#define LACUNA_CONTACT_TANGENTIAL_STATE_H
+
+#include "contact/tangential_space.h"
+#include "lacuna/tangential.h"
+
+/// What a superposed history must not change, and what it goes on from.
+typedef struct lac_superposed {
+    double *pressure;    ///< [cells] of the first step [Pa]; NULL before
+    double *reduced;     ///< [cells] p(P - Q/f), of the last step [Pa]
+    double *gap;         ///< [cells] there [m]
+    double approach;     ///< under the first step's pressures [m]
+    double direction[2]; ///< of the load; (0, 0) before any
+    double load;         ///< mean traction of the last step [Pa]
+} lac_superposed;
+
+struct lac_tangential {
+    lac_tangential_def def;
+    lac_shear_space *space; ///< NULL where superposed
+    double softness;        ///< displacements in the unit of space to metres [m/Pa]
+    double *tau;            ///< [2 * cells] tractions [Pa]
+    double *u;              ///< [2 * cells] displacements, in the unit of space; direct only
+    double *slip;           ///< [2 * cells] [m]
+    uint8_t *state;         ///< [cells]
+    double shift[2];        ///< [m]
+    bool used[2];           ///< axes that have ever been loaded, or are coupled to one that has
+    lac_superposed superposed;
+};
+
+/// The pressures of a contact: how many press, their mean and the highest.
+typedef struct lac_pressed {
+    size_t n;
+    double mean, most;
+} lac_pressed;
+
+/// What all that shears demands of a def.
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err);
+
+/// @return LAC_OK; LAC_EINPUT (a pressure that is none, no contact, friction beyond numbers)
+lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const double *pressure,
+                                         lac_pressed *pressed, lac_error *err);
+
+/// Displacements in the unit of lac_shear_space to metres [m/Pa].
+double lac_tangential_softness(const lac_tangential_def *def);
+
+/// Counts a contact cell in a report whose highest_ratio was -1 before the first.
+void lac_tangential_count(lac_tangential_report *report, lac_cell_state state, double ratio,
+                          size_t cell);
+
+/// lac_tangential_step where the method is superposed, its pressures and target being numbers.
+lac_status lac_superposed_step(lac_tangential *t, const double *pressure,
+                               const lac_pressed *pressed, const lac_tangential_target *target,
+                               lac_tangential_report *report, lac_error *err);
+
+#endif

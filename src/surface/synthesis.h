@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SURFACE_SYNTHESIS_H
+#define LACUNA_SURFACE_SYNTHESIS_H
+
+#include "surface/band.h"
+
+/// What a cell holds of a surface of which the grid may not resolve all waves.
+enum { LAC_SAMPLING_LOW_PASS, LAC_SAMPLING_POINT, LAC_SAMPLING_BLOCK_MEAN };
+
+/// The words of these, for parameter tables; NULL at their end.
+extern const char *const lac_sampling_words[];
+
+/// How heights are taken from a band.
+typedef struct lac_synthesis {
+    const char *source; ///< its name, for messages
+    int sampling;       ///< LAC_SAMPLING_...
+    int64_t margin;     ///< sides by which the surface goes on before it repeats
+    bool bounded;       ///< the shortest wave is stated, not that of the grid
+    bool with_mean;     ///< leave the heights the mean that they have on this grid
+} lac_synthesis;
+
+/// The grid after which a surface repeats: that of the interface and its margin.
+/// @return LAC_OK; LAC_EINPUT for a margin on a periodic grid
+lac_status lac_synthesis_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
+                               lac_error *err);
+
+/// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
+/// @param band  of the whole grid
+/// @param mode  as lac_band_fill
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where the sampling needs a band that is not stated, or
+///         one of too many waves
+lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
+                          double _Complex (*mode)(const void *of, double kx, double ky),
+                          const void *of, double *heights, lac_error *err);
+
+#endif
