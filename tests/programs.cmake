@@ -77,3 +77,27 @@ add_test(NAME case.test_fractal
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
+
+# The cascade through the program.
+add_test(NAME case.test_rg
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_rg.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_rg PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
+# Cases for `lacuna rg`: each checks, runs, and its file meets CF.
+file(GLOB rg_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/rg/*.yaml)
+foreach(bundled ${rg_cases})
+  get_filename_component(name ${bundled} NAME_WE)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-rg.nc)
+  add_test(NAME case.rg.${name}.check COMMAND lacuna_program check -q ${bundled})
+  add_test(NAME case.rg.${name}.run
+           COMMAND lacuna_program rg ${bundled} -o ${output} --force --set interface.levels=7)
+  add_test(NAME case.rg.${name}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                   --status complete ${output})
+  set_tests_properties(case.rg.${name}.check case.rg.${name}.run case.rg.${name}.cf
+                       PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+  set_tests_properties(case.rg.${name}.run PROPERTIES FIXTURES_SETUP rg_${name})
+  set_tests_properties(case.rg.${name}.cf PROPERTIES FIXTURES_REQUIRED rg_${name})
+endforeach()

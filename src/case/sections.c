@@ -26,9 +26,9 @@ static const lac_param case_rows[] = {
     {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
 };
 
-static const char *const case_own[] = {"lacuna",   "interface", "material", "load",
-                                       "friction", "initial",   "transfer", "time",
-                                       "solver",   "output",    "compare",  "rg",   NULL};
+static const char *const case_own[] = {"lacuna",  "interface", "material", "load",   "friction",
+                                       "initial", "transfer",  "time",     "solver", "output",
+                                       "rg",      "compare",   NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
@@ -451,8 +451,8 @@ static const struct {
                             NULL},
     [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
                             output_own},
-    [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)", lac_rg_rows,
-                         LAC_RG_ROWS},
+    [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)",
+                         lac_rg_rows, LAC_RG_ROWS},
                         lac_rg_own},
     [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
                               cadence_rows, COUNT(cadence_rows)},

@@ -7,17 +7,6 @@
 
 #include "scene/internal.h"
 
-// eta = G/(2 cs); no shear speed and no density: no damping.
-static double damping_of(const lac_material_def *material)
-{
-    double g = material->shear_modulus;
-    double cs = material->shear_speed;
-    if (isnan(cs) && !isnan(material->density)) {
-        cs = sqrt(g / material->density);
-    }
-    return isnan(g) || isnan(cs) ? 0.0 : 0.5 * g / cs;
-}
-
 static lac_status make_friction(const lac_case *c, const lac_domain *domain, lac_friction **out,
                                 lac_error *err)
 {
@@ -129,7 +118,7 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
         return lac_fail_memory(err);
     }
     scene->source = c;
-    scene->damping = damping_of(&c->material);
+    scene->damping = lac_damping_of(&c->material);
     scene->loads = (lac_load_set){.shear = c->shear.item,
                                   .shear_count = c->shear.count,
                                   .pore = c->pore.item,

@@ -29,7 +29,9 @@ STATUS = {"running", "complete", "failed", "interrupted"}
 STANDARD_NAMES = {"time": "s", "cell_area": "m2"}  # the names in use, with their canonical units
 MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local_dimension",
                   "cycle_start", "cycle_dissipation", "cycle_shift", "highest_ratio", "highest_x",
-                  "highest_y"}
+                  "highest_y", "critical_fraction", "critical_fraction_error", "map_slope",
+                  "map_slope_error", "map_intercept", "exponent", "exponent_error",
+                  "cluster_exponent", "strength", "slip_load"}
 CELL_METHOD = re.compile(
     r"^(?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum)"
     r"(?: (?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum))*$")

@@ -26,8 +26,8 @@ USES = {
     "series": [],
     "model": ["contact", "hierarchy", "friction", "transfer", "load"],
     "run": ["model"],
-    "store": ["run", "fractal"],
-    "case": ["surface", "fractal", "series", "store"],
+    "store": ["run", "fractal", "rg"],
+    "case": ["surface", "fractal", "series", "store", "rg"],
     "scene": ["case"],
     "cli": ["scene"],
 }
@@ -41,6 +41,8 @@ HEADERS = {
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
+    "scene_rg": "scene",
+    "store_rg": "store",
     "tangential": "contact",
     "lacuna": "cli",
 }

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the cascade gave: tables and JSON.
+#include <math.h>
+#include <stdio.h>
+
+#include "cli/rg.h"
+#include "cli/words.h"
+
+const char *cli_rg_rule(const lac_case *c)
+{
+    static const char *const names[] = {"fix", "cons", "lump"};
+    return names[c->rg.rule];
+}
+
+const char *cli_rg_field(const lac_case *c)
+{
+    return c->rg.field == LAC_RG_EQUAL ? "equal" : "elastic";
+}
+
+static const char *with_error(double value, double error, char *text, size_t size)
+{
+    if (isnan(value)) {
+        (void)snprintf(text, size, "none");
+    } else if (isnan(error)) {
+        (void)snprintf(text, size, "%.4f", value);
+    } else {
+        (void)snprintf(text, size, "%.4f +/- %.4f", value, error);
+    }
+    return text;
+}
+
+static void print_law(const char *label, const lac_rg_power *law)
+{
+    if (law->holds) {
+        cli_row(label, "~ (1 - Q/Q_crit)^-%.2f +/- %.2f", law->exponent, law->error);
+    } else {
+        cli_row(label, "no power law over this range (slope %.2f, bent by %.1f errors)",
+                law->exponent, fabs(law->curvature));
+    }
+}
+
+static void print_levels(const lac_rg_result *r, const lac_grid *grid)
+{
+    char side[32];
+    printf("\n  %12s %10s %16s %16s\n", "block", "N_tot", "N_slip at Q_crit", "strength (Pa)");
+    for (size_t level = 0; level <= r->levels; level++) {
+        printf("  %12s %10.1f %16.1f %16.4g\n",
+               cli_quantity(ldexp(fmax(grid->dx, grid->dy), (int)level), "m", side, sizeof side),
+               r->blocks[level], r->slipping[level], r->size[level].strength);
+    }
+}
+
+static void print_curve(const lac_rg_result *r)
+{
+    printf("\n  %8s", "Q/Q_nom");
+    for (size_t level = 0; level <= r->levels; level++) {
+        printf("  level %zu", level);
+    }
+    printf("\n");
+    for (size_t i = 0; i < r->loads; i++) {
+        printf("  %8.4f", r->load[i]);
+        for (size_t level = 0; level <= r->levels; level++) {
+            printf(" %8.4f", r->fraction[i * (r->levels + 1) + level]);
+        }
+        printf("\n");
+    }
+}
+
+static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
+{
+    const lac_rg_result *r = rg->result[k];
+    char text[64];
+    printf("\n");
+    cli_row("beta", from_law ? "%.4f (from the friction law, mean)" : "%.4g", rg->beta[k]);
+    (void)with_error(r->critical, r->critical_error, text, sizeof text);
+    if (r->joints > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces, %.4f among places)", text,
+                r->critical_sd, r->place_sd);
+    } else {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among places)", text, r->place_sd);
+    }
+    cli_row("fixed point C", "%s",
+            with_error(r->fixed_point.value, r->fixed_point.error, text, sizeof text));
+    cli_row("lambda", "%s", with_error(r->lambda.value, r->lambda.error, text, sizeof text));
+    cli_row("nu", "%s", with_error(r->nu.value, r->nu.error, text, sizeof text));
+    print_law("xi of clusters", &r->cluster_law);
+    print_law("xi of blocks", &r->block_law);
+    if (verbose) {
+        print_levels(r, &rg->grid);
+        print_curve(r);
+    }
+}
+
+void cli_rg_print(const lac_case *c, const lac_scene_rg *rg, bool verbose)
+{
+    cli_row("rule, field", "%s, %s", cli_rg_rule(c), cli_rg_field(c));
+    cli_row("interfaces", "%zu of %zu x %zu cells, the blocks at %zu places of each", rg->seeds,
+            rg->grid.nx, rg->grid.ny, rg->result[0]->places);
+    cli_row("contact", "%.3g %% of the area", 100 * rg->contact_fraction);
+    if (isfinite(rg->dimension)) {
+        cli_row("D_box", "%.3f", rg->dimension);
+    }
+    cli_row_quantity("f p", rg->strength, "Pa");
+    for (size_t k = 0; k < rg->betas; k++) {
+        print_result(rg, k, c->rg.betas == 0, verbose);
+    }
+}
+
+static void write_interval(cli_json *json, const char *key, const lac_rg_estimate *e)
+{
+    cli_json_open(json, key, '[');
+    cli_json_number(json, NULL, e->low);
+    cli_json_number(json, NULL, e->high);
+    cli_json_close(json, ']');
+}
+
+static void write_law(cli_json *json, const char *key, const lac_rg_power *law)
+{
+    cli_json_open(json, key, '{');
+    cli_json_boolean(json, "power_law", law->holds);
+    cli_json_number(json, "exponent", law->exponent);
+    cli_json_number(json, "exponent_error", law->error);
+    cli_json_number(json, "curvature_over_error", law->curvature);
+    cli_json_close(json, '}');
+}
+
+static void write_levels(cli_json *json, const lac_rg_result *r, const lac_grid *grid)
+{
+    cli_json_open(json, "levels", '[');
+    for (size_t level = 0; level <= r->levels; level++) {
+        cli_json_open(json, NULL, '{');
+        cli_json_integer(json, "level", (int64_t)level);
+        cli_json_number(json, "block_size_m", ldexp(fmax(grid->dx, grid->dy), (int)level));
+        cli_json_number(json, "n_tot", r->blocks[level]);
+        cli_json_number(json, "n_slip_at_q_crit", r->slipping[level]);
+        bool any = r->size[level].blocks > 0;
+        cli_json_number(json, "strength_Pa", any ? r->size[level].strength : NAN);
+        cli_json_number(json, "strength_spread_Pa", any ? r->size[level].spread : NAN);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *rg, size_t k)
+{
+    const lac_rg_result *r = rg->result[k];
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "rule", cli_rg_rule(c));
+    cli_json_text(json, "field", cli_rg_field(c));
+    cli_json_number(json, "beta", rg->beta[k]);
+    cli_json_number(json, "q_crit_over_q_nom", r->critical);
+    cli_json_number(json, "q_crit_error", r->critical_error);
+    cli_json_number(json, "q_crit_sd", r->critical_sd);
+    cli_json_number(json, "q_crit_sd_of_places", r->place_sd);
+    cli_json_number(json, "critical_fraction", r->fixed_point.value);
+    cli_json_number(json, "critical_fraction_error", r->fixed_point.error);
+    write_interval(json, "critical_fraction_interval95", &r->fixed_point);
+    cli_json_number(json, "lambda", r->lambda.value);
+    cli_json_number(json, "lambda_error", r->lambda.error);
+    write_interval(json, "lambda_interval95", &r->lambda);
+    cli_json_number(json, "exponent", r->nu.value);
+    cli_json_number(json, "exponent_error", r->nu.error);
+    write_interval(json, "exponent_interval95", &r->nu);
+    cli_json_integer(json, "map_points", (int64_t)r->map.points);
+    write_law(json, "cluster_length", &r->cluster_law);
+    write_law(json, "block_length", &r->block_law);
+    write_levels(json, r, &rg->grid);
+    cli_json_close(json, '}');
+}
+
+void cli_rg_json(cli_json *json, const lac_case *c, const lac_scene_rg *rg)
+{
+    const lac_rg_result *r = rg->result[0];
+    cli_json_text(json, "rule", cli_rg_rule(c));
+    cli_json_text(json, "field", cli_rg_field(c));
+    cli_json_number(json, "beta", rg->beta[0]);
+    cli_json_number(json, "q_crit_over_q_nom", r->critical);
+    cli_json_number(json, "critical_fraction", r->fixed_point.value);
+    cli_json_integer(json, "interfaces", (int64_t)rg->seeds);
+    cli_json_integer(json, "places", (int64_t)r->places);
+    cli_json_number(json, "contact_fraction", rg->contact_fraction);
+    cli_json_number(json, "d_box", rg->dimension);
+    cli_json_number(json, "q_nom_Pa", rg->strength);
+    cli_json_open(json, "results", '[');
+    for (size_t k = 0; k < rg->betas; k++) {
+        write_result(json, c, rg, k);
+    }
+    cli_json_close(json, ']');
+}

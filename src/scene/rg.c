@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cascade of a case: interface by interface, the contact under falling load, then the blocks.
+#include "lacuna/scene_rg.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/internal.h"
+
+// One interface.
+typedef struct joint {
+    lac_scene_contact contact;
+    double *strength, *drop; // [n] [Pa]
+    lac_rg_path *path;
+} joint;
+
+static void joint_clear(joint *j)
+{
+    lac_scene_contact_clear(&j->contact);
+    lac_rg_path_free(j->path);
+    free(j->strength);
+    free(j->drop);
+    *j = (joint){0};
+}
+
+// The field of a slot's parameters that holds its seed; NULL where it has none.
+static int64_t *seed_of(const lac_slot *slot)
+{
+    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
+        const lac_param *param = &slot->about->params[i];
+        if (strcmp(param->key, "seed") == 0 && param->type == LAC_INTEGER) {
+            return (int64_t *)(void *)((char *)slot->params + param->offset);
+        }
+    }
+    return NULL;
+}
+
+// Pressures under the falling load, and the gaps that follow.
+static lac_status elastic_path(joint *j, double friction, lac_error *err)
+{
+    const lac_scene_contact *contact = &j->contact;
+    const size_t n = contact->domain->n;
+    double part[LAC_RG_LOADS];
+    double *pressure = malloc(LAC_RG_LOADS * n * sizeof *pressure);
+    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    lac_contact_def def = lac_contact_default();
+    def.grid = contact->grid;
+    def.heights = contact->heights;
+    def.e_star = contact->e_star;
+    def.mean_pressure = contact->mean_pressure;
+    LAC_TRY(lac_rg_series_solve(&def, contact->domain, pressure, err));
+    lac_rg_loads(part);
+    const lac_rg_series series = {n, LAC_RG_LOADS, part, pressure, friction};
+    LAC_TRY(lac_rg_path_elastic(&series, &j->path, err));
+out:
+    free(pressure);
+    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact under less load");
+}
+
+static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(lac_scene_contact_solve(c, true, &j->contact, err));
+    const lac_domain *domain = j->contact.domain;
+    j->strength = malloc(domain->n * sizeof *j->strength);
+    j->drop = malloc(domain->n * sizeof *j->drop);
+    status = j->strength != NULL && j->drop != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    for (size_t i = 0; i < domain->n; i++) {
+        j->strength[i] = c->rg.friction * domain->pressure[i];
+    }
+    if (c->rg.field == LAC_RG_EQUAL) {
+        LAC_TRY(lac_rg_path_equal(domain->n, j->strength, &j->path, err));
+    } else {
+        LAC_TRY(elastic_path(j, c->rg.friction, err));
+    }
+out:
+    return status;
+}
+
+// 1 - beta after arrest under friction without healing: the larger root of
+// x = (b/f0) ln[x f0 p/(eta v0)]; NaN where there is none up to 1. docs/theory/rg.md eq. 5.
+static double drop_after_arrest(const lac_friction_params *law, double strength, double damping)
+{
+    const double s = law->b / law->f0;
+    const double k = strength / (damping * law->v0);
+    // f(x) = x - s ln(k x) falls to x = s and rises beyond, where Newton's steps stay on the right.
+    if (!(s > 0.0 && s < 1.0 && s - s * log(k * s) < 0.0 && 1.0 - s * log(k) >= 0.0)) {
+        return NAN;
+    }
+    double x = 1.0;
+    for (int i = 0; i < 100; i++) {
+        double next = x - (x - s * log(k * x)) / (1.0 - s / x);
+        if (!(next < x)) {
+            break;
+        }
+        x = next;
+    }
+    return x;
+}
+
+static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, lac_error *err)
+{
+    const lac_friction_params *law = c->friction.params;
+    const double damping = lac_damping_of(&c->material);
+    const lac_domain *domain = j->contact.domain;
+    for (size_t i = 0; i < domain->n; i++) {
+        double x = drop_after_arrest(law, law->f0 * domain->pressure[i], damping);
+        if (!(x > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "rg.beta: from-friction: a cell under %.4g Pa arrests at no strength "
+                            "between 0 and f0 p, with b/f0 = %.4g, v0 = %.4g m/s and a damping of "
+                            "%.4g Pa s/m",
+                            domain->pressure[i], law->b / law->f0, law->v0, damping);
+        }
+        j->drop[i] = x * j->strength[i];
+        *sum += (1.0 - x) / (double)domain->n;
+    }
+    return LAC_OK;
+}
+
+static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_error *err)
+{
+    const lac_domain *domain = j->contact.domain;
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < out->betas; k++) {
+        if (c->rg.betas == 0) {
+            LAC_TRY(drops_from_friction(c, j, &out->beta[k], err));
+        }
+        for (size_t i = 0; i < domain->n && c->rg.betas > 0; i++) {
+            j->drop[i] = (1.0 - out->beta[k]) * j->strength[i];
+        }
+        const lac_rg_joint part = {domain, j->strength, j->drop, j->path};
+        LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
+    }
+    double total = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        total += j->strength[i];
+    }
+    double cells = (double)lac_grid_cells(&domain->grid);
+    out->strength += total / cells;
+    out->contact_fraction += (double)domain->n / cells;
+    out->dimension += j->contact.counted ? j->contact.boxes.dimension : NAN;
+out:
+    return status;
+}
+
+static lac_status create_studies(const lac_case *c, lac_scene_rg *out, lac_error *err)
+{
+    lac_rg_study_def def = lac_rg_study_default();
+    lac_status status = LAC_OK;
+    def.rule = (lac_rg_rule)c->rg.rule;
+    def.places = (size_t)c->rg.shifts;
+    def.loads = (size_t)c->rg.loads;
+    out->betas = c->rg.betas > 0 ? c->rg.betas : 1;
+    for (size_t k = 0; k < out->betas; k++) {
+        out->beta[k] = c->rg.betas > 0 ? c->rg.beta[k] : 0.0;
+        LAC_TRY(lac_rg_study_create(&def, &out->study[k], err));
+    }
+out:
+    return status;
+}
+
+static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_t *seed,
+                            lac_scene_rg *out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    joint j = {0};
+    for (size_t i = 0; i < out->seeds; i++) {
+        if (watch != NULL && !watch->go_on(watch->context, i, out->seeds)) {
+            status = lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i,
+                              out->seeds);
+            goto out;
+        }
+        LAC_TRY(make_joint(c, &j, err));
+        LAC_TRY(add_joint(c, &j, out, err));
+        if (i + 1 == out->seeds) {
+            out->domain = j.contact.domain;
+            j.contact.domain = NULL;
+        }
+        joint_clear(&j);
+        if (seed != NULL) {
+            ++*seed;
+        }
+    }
+out:
+    joint_clear(&j);
+    return status;
+}
+
+// The case with parameters of its own for what makes the interface, so that its seed can be set.
+static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
+{
+    *own = *c;
+    *slot = c->surface.about != NULL ? &own->surface : &own->domain;
+    size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
+    void *params = malloc(size + 1);
+    if (params == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (size > 0) {
+        memcpy(params, (*slot)->params, size); // its texts stay the case's
+    }
+    (*slot)->params = params;
+    return LAC_OK;
+}
+
+lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
+                            lac_error *err)
+{
+    lac_case own;
+    lac_slot *slot = NULL;
+    lac_status status = own_source(c, &own, &slot, err);
+    *out = (lac_scene_rg){.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
+    if (status != LAC_OK) {
+        return status;
+    }
+    LAC_TRY(create_studies(c, out, err));
+    LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
+    double n = (double)out->seeds;
+    out->strength /= n;
+    out->contact_fraction /= n;
+    out->dimension /= n;
+    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
+    for (size_t k = 0; k < out->betas; k++) {
+        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
+    }
+out:
+    free(slot->params);
+    if (status != LAC_OK) {
+        lac_scene_rg_clear(out);
+    }
+    return status;
+}
+
+void lac_scene_rg_clear(lac_scene_rg *rg)
+{
+    for (size_t k = 0; k < rg->betas; k++) {
+        lac_rg_study_free(rg->study[k]);
+    }
+    lac_domain_free(rg->domain);
+    *rg = (lac_scene_rg){0};
+}

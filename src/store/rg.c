@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file of a cascade: what slips at which load, level by level, and what was fitted to it.
+#include "lacuna/store_rg.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "store/nc.h"
+
+enum { BETA, LOAD, LEVEL, CELL, DIMENSIONS };
+
+typedef struct writer {
+    const lac_nc *file;
+    const lac_rg_view *view;
+    const lac_rg_result *first; // all have the same loads and levels
+    int dim[DIMENSIONS];
+    size_t length[DIMENSIONS];
+    double *row; // [all lengths multiplied that any variable has]
+} writer;
+
+// One variable: its dimensions, -1 after the last, and where row k of its betas comes from.
+typedef struct variable {
+    lac_nc_var var;
+    int dims[3];
+    void (*fill)(const writer *w, const lac_rg_result *r, size_t k, double *out);
+} variable;
+
+static void copy(size_t n, const double *from, double *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        out[i] = isfinite(from[i]) ? from[i] : NC_FILL_DOUBLE;
+    }
+}
+
+#define SCALAR(name, expression)                                                     \
+    static void name(const writer *w, const lac_rg_result *r, size_t k, double *out) \
+    {                                                                                \
+        (void)w, (void)r, (void)k;                                                   \
+        double value = (expression);                                                 \
+        copy(1, &value, out);                                                        \
+    }
+SCALAR(fill_beta, w->view->beta[k])
+SCALAR(fill_critical, r->critical)
+SCALAR(fill_critical_error, r->critical_error)
+SCALAR(fill_critical_sd, r->critical_sd)
+SCALAR(fill_place_sd, r->place_sd)
+SCALAR(fill_fixed_point, r->fixed_point.value)
+SCALAR(fill_fixed_point_error, r->fixed_point.error)
+SCALAR(fill_lambda, r->lambda.value)
+SCALAR(fill_lambda_error, r->lambda.error)
+SCALAR(fill_intercept, r->map.g)
+SCALAR(fill_nu, r->nu.value)
+SCALAR(fill_nu_error, r->nu.error)
+SCALAR(fill_cluster_exponent, r->cluster_law.exponent)
+SCALAR(fill_cluster_power_law, r->cluster_law.holds ? 1.0 : 0.0)
+
+#define ARRAY(name, field, dimension)                                                \
+    static void name(const writer *w, const lac_rg_result *r, size_t k, double *out) \
+    {                                                                                \
+        (void)k;                                                                     \
+        copy(w->length[dimension], r->field, out);                                   \
+    }
+ARRAY(fill_load, load, LOAD)
+ARRAY(fill_blocks, blocks, LEVEL)
+ARRAY(fill_cluster, cluster, LOAD)
+ARRAY(fill_block, block, LOAD)
+ARRAY(fill_slipping, slipping, LEVEL)
+ARRAY(fill_cell_load, cell_load, CELL)
+
+static void fill_fraction(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)k;
+    copy(w->length[LOAD] * w->length[LEVEL], r->fraction, out);
+}
+
+static void fill_block_size(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)r, (void)k;
+    for (size_t level = 0; level < w->length[LEVEL]; level++) {
+        out[level] = ldexp(fmax(w->view->grid->dx, w->view->grid->dy), (int)level);
+    }
+}
+
+static void fill_strength(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)k;
+    for (size_t level = 0; level < w->length[LEVEL]; level++) {
+        out[level] = r->size[level].blocks > 0 ? r->size[level].strength : NC_FILL_DOUBLE;
+    }
+}
+
+static void fill_x(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)r, (void)k;
+    const lac_domain *d = w->view->domain;
+    for (size_t i = 0; i < d->n; i++) {
+        out[i] = ((double)(d->index[i] % d->grid.nx) + 0.5) * d->grid.dx;
+    }
+}
+
+static void fill_y(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)r, (void)k;
+    const lac_domain *d = w->view->domain;
+    for (size_t i = 0; i < d->n; i++) {
+        out[i] = ((double)(d->index[i] / d->grid.nx) + 0.5) * d->grid.dy;
+    }
+}
+
+static void fill_pressure(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)r, (void)k;
+    copy(w->length[CELL], w->view->domain->pressure, out);
+}
+
+#define NUMBER(text, words) .name = text, .unit = "1", .long_name = words, .type = NC_DOUBLE
+#define FITTED(text, words) NUMBER(text, words), .fill = true
+
+static const variable variables[] = {
+    {{NUMBER("beta", "part of the strength left after slipping"),
+      .comment = "a mean over the cells where it follows from the friction law"},
+     {BETA, -1},
+     fill_beta},
+    {{NUMBER("load", "shear force over f P")}, {LOAD, -1}, fill_load},
+    {{.name = "block_size", .unit = "m", .long_name = "side of a block", .type = NC_DOUBLE},
+     {LEVEL, -1},
+     fill_block_size},
+    {{NUMBER("n_tot", "blocks that hold a contact cell"), .comment = "mean over the ensemble"},
+     {LEVEL, -1},
+     fill_blocks},
+    {{NUMBER("q_crit_over_q_nom", "critical shear force over f P"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_critical},
+    {{NUMBER("q_crit_error", "standard error of its mean"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_critical_error},
+    {{NUMBER("q_crit_sd", "its standard deviation among interfaces"),
+      .comment = "among places of the blocks where there is one interface", .coordinates = "beta"},
+     {BETA, -1},
+     fill_critical_sd},
+    {{NUMBER("q_crit_sd_of_places", "its standard deviation among places of the blocks"),
+      .coordinates = "beta"},
+     {BETA, -1},
+     fill_place_sd},
+    {{FITTED("critical_fraction", "unstable fixed point of the map of slipped fractions"),
+      .coordinates = "beta"},
+     {BETA, -1},
+     fill_fixed_point},
+    {{FITTED("critical_fraction_error", "its standard error, by bootstrap"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_fixed_point_error},
+    {{FITTED("map_slope", "slope of the map in logits"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_lambda},
+    {{FITTED("map_slope_error", "its standard error, by bootstrap"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_lambda_error},
+    {{FITTED("map_intercept", "intercept of the map in logits"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_intercept},
+    {{FITTED("exponent", "exponent of the correlation length, ln 2 / ln slope"),
+      .coordinates = "beta"},
+     {BETA, -1},
+     fill_nu},
+    {{FITTED("exponent_error", "its standard error, by bootstrap"), .coordinates = "beta"},
+     {BETA, -1},
+     fill_nu_error},
+    {{FITTED("cluster_exponent", "slope of ln cluster_length on -ln(1 - Q/Q_crit)"),
+      .coordinates = "beta"},
+     {BETA, -1},
+     fill_cluster_exponent},
+    {{NUMBER("cluster_power_law", "1 where cluster_length follows a power law"),
+      .coordinates = "beta"},
+     {BETA, -1},
+     fill_cluster_power_law},
+    {{NUMBER("slip_fraction", "blocks that slip by themselves, of all"),
+      .comment = "mean over the ensemble", .coordinates = "beta load block_size"},
+     {BETA, LOAD, LEVEL},
+     fill_fraction},
+    {{.name = "cluster_length",
+      .unit = "m",
+      .long_name = "longer side of the largest cluster of slipped cells",
+      .coordinates = "beta load",
+      .type = NC_DOUBLE},
+     {BETA, LOAD, -1},
+     fill_cluster},
+    {{.name = "block_length",
+      .unit = "m",
+      .long_name = "side of the largest block slipped as a whole",
+      .coordinates = "beta load",
+      .type = NC_DOUBLE},
+     {BETA, LOAD, -1},
+     fill_block},
+    {{NUMBER("n_slip_at_q_crit", "blocks that slip by themselves just before the joint slides"),
+      .coordinates = "beta block_size"},
+     {BETA, LEVEL, -1},
+     fill_slipping},
+    {{.name = "strength",
+      .unit = "Pa",
+      .long_name = "shear force on a block when it slips by itself, over its nominal area",
+      .coordinates = "beta block_size",
+      .type = NC_DOUBLE,
+      .fill = true},
+     {BETA, LEVEL, -1},
+     fill_strength},
+    {{.name = "x", .unit = "m", .long_name = "position of the cell along x", .type = NC_DOUBLE},
+     {CELL, -1},
+     fill_x},
+    {{.name = "y", .unit = "m", .long_name = "position of the cell along y", .type = NC_DOUBLE},
+     {CELL, -1},
+     fill_y},
+    {{.name = "pressure",
+      .unit = "Pa",
+      .long_name = "normal contact pressure",
+      .comment = "of the last interface of the ensemble",
+      .coordinates = "x y",
+      .type = NC_DOUBLE},
+     {CELL, -1},
+     fill_pressure},
+    {{FITTED("slip_load", "shear force over f P at which the cell has slipped"),
+      .comment = "of the last interface of the ensemble", .coordinates = "beta x y"},
+     {BETA, CELL, -1},
+     fill_cell_load},
+};
+
+static lac_status put(writer *w, const variable *v, lac_error *err)
+{
+    int dims[3];
+    int rank = 0;
+    size_t row = 1;
+    const bool each = v->dims[0] == BETA;
+    int id = 0;
+    lac_status status;
+    for (; rank < 3 && v->dims[rank] >= 0; rank++) {
+        dims[rank] = w->dim[v->dims[rank]];
+        row *= v->dims[rank] == BETA ? 1 : w->length[v->dims[rank]];
+    }
+    LAC_TRY(lac_nc_define(w->file, &v->var, rank, dims, NULL, 0, &id, err));
+    for (size_t k = 0; k < (each ? w->view->betas : 1); k++) {
+        v->fill(w, w->view->result[k], k, w->row + k * row);
+    }
+    errno = 0;
+    LAC_TRY(lac_nc_check(w->file->path, nc_put_var_double(w->file->id, id, w->row), err, "write",
+                         v->var.name));
+out:
+    return status;
+}
+
+static lac_status put_all(writer *w, lac_error *err)
+{
+    static const char *const names[DIMENSIONS] = {"beta", "load", "level", "cell"};
+    lac_status status = LAC_OK;
+    for (int i = 0; i < DIMENSIONS; i++) {
+        LAC_TRY(lac_nc_dim(w->file, names[i], w->length[i], &w->dim[i], err));
+    }
+    for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++) {
+        LAC_TRY(put(w, &variables[i], err));
+    }
+    LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "rule", w->view->rule, err));
+    LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "field", w->view->field, err));
+    LAC_TRY(lac_nc_real(w->file, NC_GLOBAL, "q_nom_Pa", w->view->strength, err));
+    LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "interfaces", (long long)w->first->joints, err));
+    LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "places", (long long)w->first->places, err));
+out:
+    return status;
+}
+
+lac_status lac_store_rg(const char *path, bool force, const lac_provenance *provenance,
+                        const lac_rg_view *view, lac_error *err)
+{
+    const lac_rg_result *first = view->result[0];
+    lac_nc file = {0};
+    writer w = {.file = &file,
+                .view = view,
+                .first = first,
+                .length = {view->betas, first->loads, first->levels + 1, view->domain->n}};
+    size_t inner = w.length[LOAD] * w.length[LEVEL];
+    inner = inner > w.length[CELL] ? inner : w.length[CELL];
+    lac_status status;
+    w.row = malloc(view->betas * inner * sizeof *w.row);
+    status = w.row != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(lac_nc_create(&file, path, force, err));
+    LAC_TRY(
+        lac_nc_provenance(&file, provenance,
+                          "Cascade of slip over the blocks of a rough rock joint: what slips at "
+                          "which shear force, scale by scale, and the critical force.",
+                          err));
+    LAC_TRY(put_all(&w, err));
+    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
+    LAC_TRY(lac_nc_close(&file, err));
+    LAC_TRY(lac_nc_publish(&file, err));
+out:
+    lac_nc_clear(&file);
+    free(w.row);
+    return status;
+}

@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna rg` from the case to the file, against a cascade of its own.
+
+usage: test_rg.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from math import inf, log
+
+import netCDF4
+import numpy
+
+PROGRAM, SOURCE = "", ""
+CASE = "cases/rg/rough-joint.yaml"
+
+
+def blocks(cells):
+    """{place: [pressures]} of the next coarser blocks' children, as {parent: [places]}."""
+    parents = {}
+    for place in sorted(cells, key=lambda xy: morton(*xy)):
+        parents.setdefault((place[0] // 2, place[1] // 2), []).append(place)
+    return parents
+
+
+def morton(x, y):
+    code = 0
+    for bit in range(16):
+        code |= (x >> bit & 1) << 2 * bit | (y >> bit & 1) << 2 * bit + 1
+    return code
+
+
+def threshold(rule, beta, level):
+    """Of the root, from {place: (gap, cells, strength, shear)} of the cells."""
+    while len(level) > 1 or (0, 0) not in level:
+        above = {}
+        for parent, children in blocks(level).items():
+            order = sorted((level[c] for c in children), key=lambda d: (d[0], d[2]))
+            cells = left = sum(d[1] for d in order)
+            received = excess = 0.0
+            best = -inf
+            for gap, n, strength, shear in order:
+                need = gap - received if rule == "fix" else (left * gap - excess) / cells
+                best = max(best, need)
+                left -= n
+                excess += shear - beta * strength
+                received += (1 - beta) * strength / left if left > 0 else 0.0
+            above[parent] = (best, cells, sum(d[2] for d in order), sum(d[3] for d in order))
+        level = above
+    return level[(0, 0)][0]
+
+
+def equal_stress(strengths, load):
+    low, high = 0.0, max(strengths)
+    for _ in range(100):
+        tau = (low + high) / 2
+        less = sum(min(tau, s) for s in strengths) < load * sum(strengths)
+        low, high = (tau, high) if less else (low, tau)
+    return (low + high) / 2
+
+
+def critical(rule, beta, strength):
+    """Q_crit/Q_nom under equal stress of {place: strength}."""
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        load = (low + high) / 2
+        tau = equal_stress(list(strength.values()), load)
+        cells = {at: (s - tau, 1, s, min(tau, s)) for at, s in strength.items()}
+        slides = threshold(rule, beta, cells) <= 1e-9 * tau
+        low, high = (low, load) if slides else (load, high)
+    return (low + high) / 2
+
+
+class Cascade(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="lacuna-rg-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+
+    def call(self, *words, status=0):
+        done = subprocess.run([PROGRAM, "rg", os.path.join(SOURCE, CASE), *words], text=True,
+                              capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def rg(self, *settings, levels=6, places=4):
+        words = ["--json", "--force", "-o", "out.nc"]
+        for setting in (f"interface.levels={levels}", f"rg.shifts={places}", *settings):
+            words += ["--set", setting]
+        return json.loads(self.call(*words).stdout)
+
+    def file(self):
+        return netCDF4.Dataset(os.path.join(self.folder, "out.nc"))
+
+    def test_against_another_cascade(self):
+        for rule in ("fix", "cons"):
+            for beta in (0.8, 0.5):
+                done = self.rg("rg.field=equal", f"rg.rule={rule}", f"rg.beta={beta}", places=1,
+                               levels=5)
+                with self.file() as data:
+                    side = 1 / 32
+                    places = zip((data["x"][:] / side).astype(int), (data["y"][:] / side).astype(int))
+                    pressure = data["pressure"][:]
+                    strength = {at: 0.6 * p for at, p in zip(places, pressure)}
+                expected = critical(rule, beta, strength)
+                self.assertAlmostEqual(done["q_crit_over_q_nom"], expected, delta=1e-6)
+
+    def test_elastic_rules(self):
+        betas = [0.8, 0.7, 0.6]
+        for rule in ("fix", "cons", "lump"):
+            done = self.rg(f"rg.rule={rule}")
+            self.assertEqual([r["beta"] for r in done["results"]], betas)
+            crit = [r["q_crit_over_q_nom"] for r in done["results"]]
+            self.assertEqual(sorted(crit, reverse=True), crit)
+            if rule == "cons":
+                for beta, value in zip(betas, crit):
+                    self.assertTrue(beta <= value < beta + 0.05, (beta, value))
+            for result in done["results"]:
+                self.assertEqual(result["rule"], rule)
+                self.assertEqual(result["levels"][-1]["n_tot"], 1)
+                self.assertEqual(result["levels"][-1]["n_slip_at_q_crit"], 0)
+                n_tot = [level["n_tot"] for level in result["levels"]]
+                self.assertEqual(sorted(n_tot, reverse=True), n_tot)
+
+    def test_file_holds_what_is_said(self):
+        done = self.rg("rg.field=equal", "rg.loads=20")
+        with self.file() as data:
+            self.assertEqual(data.rule, "fix")
+            self.assertEqual(data.status, "complete")
+            for k, result in enumerate(done["results"]):
+                self.assertAlmostEqual(float(data["q_crit_over_q_nom"][k]),
+                                       result["q_crit_over_q_nom"])
+                for level, row in enumerate(result["levels"]):
+                    self.assertAlmostEqual(float(data["strength"][k, level]), row["strength_Pa"])
+            fraction = data["slip_fraction"][:]
+            self.assertEqual(fraction.shape, (3, 20, 7))
+            self.assertTrue(numpy.all(numpy.diff(fraction, axis=1) >= -1e-12))
+            self.assertTrue(numpy.allclose(fraction[:, -1], 1))
+            loads = data["slip_load"][:]
+            self.assertTrue(numpy.all(loads > 0) and numpy.all(loads <= 1))
+            # what slips alone at a load has slipped at it in the end
+            alone = fraction[0, :, 0] * data.dimensions["cell"].size
+            final = [(loads[0] <= load + 1e-9).sum() for load in data["load"][:]]
+            self.assertTrue(all(a <= f + 1e-6 for a, f in zip(alone, final)))
+
+    def test_ensembles_and_threads(self):
+        one = self.rg("rg.seeds=3", "rg.field=equal")
+        two = self.rg("rg.seeds=3", "rg.field=equal", "rg.loads=60")
+        words = ["--json", "--force", "-o", "out.nc", "--threads", "2"]
+        for setting in ("interface.levels=6", "rg.shifts=4", "rg.seeds=3", "rg.field=equal"):
+            words += ["--set", setting]
+        three = json.loads(self.call(*words).stdout)
+        for done in (one, two, three):
+            del done["cpu_time_s"]
+        self.assertEqual(one, two)
+        self.assertEqual(one, three)
+        self.assertEqual(one["interfaces"], 3)
+        sd = one["results"][0]["q_crit_sd"]
+        self.assertAlmostEqual(one["results"][0]["q_crit_error"], sd / 3 ** 0.5)
+        alone = [self.rg("rg.field=equal", f"interface.surface.self-affine.seed={seed}")
+                 ["q_crit_over_q_nom"] for seed in (1, 2, 3)]
+        self.assertAlmostEqual(one["q_crit_over_q_nom"], sum(alone) / 3, delta=0.01)
+
+    def test_beta_from_friction(self):
+        law = ("friction={slip: {f0: 0.6, a: 0.01, b: 0.02, dc: 10 um, v0: 1 um/s}}",
+               "material.density=2700 kg/m3", "rg.beta=from-friction", "rg.field=equal")
+        done = self.rg(*law, levels=5)
+        with self.file() as data:
+            pressure = data["pressure"][:]
+        modulus, density, v0, scale = 15e9, 2700, 1e-6, 0.02 / 0.6
+        damping = modulus / (2 * (modulus / density) ** 0.5)
+        total = 0.0
+        for p in pressure:
+            low, high = scale, 1.0
+            for _ in range(100):
+                x = (low + high) / 2
+                right = x > scale * log(x * 0.6 * p / (damping * v0))
+                low, high = (low, x) if right else (x, high)
+            total += 1 - low
+        self.assertAlmostEqual(done["beta"], total / len(pressure), delta=1e-9)
+
+    def test_wrong_requests(self):
+        wrong = {
+            "rg.beta=1.2": 'rg.beta: "1.2" must be >= 0 and <= 1',
+            "rg.beta=often": "rg.beta",
+            "rg.rule=fx": 'rg.rule: "fx" must be one of: fix, cons, lump',
+            "rg.shifts=0": 'rg.shifts: "0" must be >= 1',
+            "interface.levels=0": "interface",
+            "rg.beta=from-friction": "rg.beta: from-friction needs a friction law",
+        }
+        for setting, words in wrong.items():
+            done = self.call("--set", setting, "-o", "none.nc", status=2)
+            self.assertIn(words, done.stderr)
+            self.assertEqual(done.stdout, "")
+            self.assertFalse(os.path.exists(os.path.join(self.folder, "none.nc")))
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = (os.path.abspath(word) for word in sys.argv[1:3])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
