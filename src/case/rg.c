@@ -175,11 +175,11 @@ static void check_law(lac_reader *reader, const lac_case *c)
         return;
     }
     if (!present(reader, "friction")) {
-        lac_blame_key(reader, "rg.beta", "from-friction needs a friction law");
+        lac_blame_key(reader, "rg.beta", "needs a friction law");
     }
     if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
         lac_blame_key(reader, "rg.beta",
-                      "from-friction needs material.shear_modulus and shear_speed or density");
+                      "needs material.shear_modulus and shear_speed or density");
     }
 }
 

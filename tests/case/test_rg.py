@@ -192,7 +192,7 @@ class Cascade(unittest.TestCase):
             "rg.rule=fx": 'rg.rule: "fx" must be one of: fix, cons, lump',
             "rg.shifts=0": 'rg.shifts: "0" must be >= 1',
             "interface.levels=0": "interface",
-            "rg.beta=from-friction": "rg.beta: from-friction needs a friction law",
+            "rg.beta=from-friction": "rg.beta: \"from-friction\" needs a friction law",
         }
         for setting, words in wrong.items():
             done = self.call("--set", setting, "-o", "none.nc", status=2)
