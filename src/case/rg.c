@@ -161,7 +161,7 @@ static void check_interface(lac_reader *reader, const lac_case *c)
     }
     if (c->rg.field == LAC_RG_ELASTIC && present(reader, "interface.domain")) {
         lac_blame_key(reader, "rg.field",
-                      "elastic needs interface.surface to press; a domain goes with equal");
+                      "needs interface.surface to press; a domain goes with equal");
     }
     if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain)) {
         lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
@@ -178,8 +178,7 @@ static void check_law(lac_reader *reader, const lac_case *c)
         lac_blame_key(reader, "rg.beta", "needs a friction law");
     }
     if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
-        lac_blame_key(reader, "rg.beta",
-                      "needs material.shear_modulus and shear_speed or density");
+        lac_blame_key(reader, "rg.beta", "needs material.shear_modulus and shear_speed or density");
     }
 }
 
