@@ -158,6 +158,30 @@ static void given_shift(void **state)
     release(&s);
 }
 
+// In full contact nothing elastic holds the mean of the tractions along an axis whose shift is
+// given: slid as a whole along x, then loaded along y, most cells come to stick, at a lower mean.
+static void slid_then_loaded_across(void **state)
+{
+    (void)state;
+    const double strength = 0.5 * 0.3;
+    sheared s = rough_of(64, true, 0.2, 0.5);
+    press(&s, 0.3);
+    assert_int_equal(s.contact.n_cells, 64 * 64);
+    (void)drag(&s, 1.0, 0.0);
+    for (int k = 1; k <= 3; k++) {
+        const lac_tangential_target target = {{LAC_SHEAR_SHIFT, LAC_SHEAR_LOAD},
+                                              {1.0, 0.1 * k * strength}};
+        lac_tangential_report r;
+        lac_status status = lac_tangential_step(s.t, s.p, &target, &r, &s.err);
+        print_message("loaded across by %.1f f P: %lld iterations, %zu slip\n", 0.1 * k,
+                      (long long)r.iterations, r.slip_cells);
+        assert_int_equal(status, LAC_OK);
+        assert_true(r.iterations < 100);
+        assert_true(hypot(r.traction[0], r.traction[1]) < strength);
+    }
+    release(&s);
+}
+
 static void any_number_of_threads(void **state)
 {
     (void)state;
@@ -177,9 +201,13 @@ static void any_number_of_threads(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mindlin),     cmocka_unit_test(rough_joint),
-        cmocka_unit_test(cycles),      cmocka_unit_test(masing),
-        cmocka_unit_test(given_shift), cmocka_unit_test(any_number_of_threads),
+        cmocka_unit_test(mindlin),
+        cmocka_unit_test(rough_joint),
+        cmocka_unit_test(cycles),
+        cmocka_unit_test(masing),
+        cmocka_unit_test(given_shift),
+        cmocka_unit_test(slid_then_loaded_across),
+        cmocka_unit_test(any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
