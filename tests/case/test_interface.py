@@ -212,7 +212,7 @@ class Bad(Interfaces):
         self.heights(12, 8, lambda i, j: math.nan if i == j == 3 else i)
         self.refuse_file("interface.surface: heights.npy: 1 of the 96 cells of the interface have "
                          "no height (no data in 1 samples of the file); choose a smaller "
-                         "interface, or use `nodata: nearest` or `nodata: mean`")
+                         "interface, or use `nodata: nearest`, `mean` or `mask`")
         self.heights(12, 8, lambda i, j: math.inf if i == j == 3 else i)
         self.refuse_file("interface.surface: heights.npy: the height in column 4 of row 4 (from "
                          "the smallest y) is infinite; must be finite, or NaN where there is none")
