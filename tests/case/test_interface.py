@@ -220,6 +220,11 @@ class Bad(Interfaces):
         self.case("cells_x: 12, surface: {file: {path: heights.npy}}")
         self.assertIn("heights.npy", self.expect(3, "contact", "c.yaml").stderr)
 
+    def test_a_note_is_one_line_whatever_a_file_is_called(self):
+        self.case(r'cells_x: 12, surface: {file: {path: "no\nsuch.npy"}}')
+        self.expect_line(3, "c.yaml: interface.surface: no?such.npy: No such file or directory",
+                         "contact", "c.yaml")
+
     def test_file_smaller_than_the_grid(self):
         self.heights(12, 8, lambda i, j: 1e-3 * (i % 3))
         self.refuse_file("interface.surface: heights.npy: it has 8 samples along y, but the "
