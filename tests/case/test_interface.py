@@ -225,6 +225,12 @@ class Bad(Interfaces):
         self.expect_line(3, "c.yaml: interface.surface: no?such.npy: No such file or directory",
                          "contact", "c.yaml")
 
+    def test_seeds_that_doubles_cannot_tell_apart(self):
+        surface = "cells_x: 12, surface: {self-affine: {rms_height: 1e-3, seed: %d}}"
+        self.refuse('c.yaml:2: interface.surface.self-affine.seed: "9007199254740993" must be a '
+                    'whole number', surface % (2 ** 53 + 1))
+        self.contact(surface % (2 ** 53 - 1))
+
     def test_file_smaller_than_the_grid(self):
         self.heights(12, 8, lambda i, j: 1e-3 * (i % 3))
         self.refuse_file("interface.surface: heights.npy: it has 8 samples along y, but the "
