@@ -51,6 +51,31 @@ static void mindlin(void **state)
     mindlin_at(256, 0.0, 1.0, 0, 0);
 }
 
+// So far below what friction holds nothing slips: the joint is linear, down to the least of loads.
+static void least_loads(void **state)
+{
+    (void)state;
+    sheared s = rough_of(64, false, 0.2, 0.5);
+    lac_first_slip first;
+    const double along[] = {0.6, 0.8};
+    assert_int_equal(lac_tangential_first_slip(&s.def, s.p, along, NULL, &first, &s.err), LAC_OK);
+    for (double part = 0.1; part > 1e-100; part *= 1e-3) {
+        start_again(&s);
+        double load = part * first.load;
+        lac_tangential_report r = shear(&s, 0.6 * load, 0.8 * load);
+        assert_int_equal(r.slip_cells, 0);
+        assert_true(fabs(r.highest_ratio / part - 1.0) < 1e-6);
+        double sum = 0.0;
+        for (size_t i = 0; i < s.n * s.n; i++) {
+            sum += lac_tangential_traction(s.t, 1)[i] / (double)(s.n * s.n);
+        }
+        assert_true(fabs(sum / (0.8 * load) - 1.0) < 1e-12);
+        assert_true(fabs(r.shift[0] / (part * first.shift[0]) - 1.0) < 1e-7);
+        assert_true(fabs(r.shift[1] / (part * first.shift[1]) - 1.0) < 1e-7);
+    }
+    release(&s);
+}
+
 static void rough_joint(void **state)
 {
     (void)state;
@@ -202,6 +227,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mindlin),
+        cmocka_unit_test(least_loads),
         cmocka_unit_test(rough_joint),
         cmocka_unit_test(cycles),
         cmocka_unit_test(masing),
