@@ -14,6 +14,7 @@ load first. A file without a history shows its contact cells.
 import argparse
 import os
 import sys
+import textwrap
 
 try:
     import matplotlib
@@ -36,6 +37,7 @@ INK, QUIET, FAINT, MARK, OTHER = "#1d2733", "#6b7785", "#d9dee4", "#b3262e", "#c
 OPEN, STICK, SLIP = 0, 1, 2
 COLOURS = ListedColormap(["#ffffff", "#000000", "#b0b0b0"])
 MOST = 4
+LETTER, KEY = 0.1, 4.6  # inches: of a title a character, at most; of the key
 PREFIXES = [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")]
 
 
@@ -192,6 +194,13 @@ def draw_key(figure):
     figure.legend(handles=handles, loc="upper right", ncol=3, borderaxespad=0.2)
 
 
+def fold(title, width, keyed):
+    """A title in as many lines as it takes, the first of them free where the key is in its way."""
+    if LETTER * len(title) <= width - (KEY if keyed else 0):
+        return title
+    return ("\n" if keyed else "") + textwrap.fill(title, int(width / LETTER))
+
+
 def draw(contact, chosen, path):
     style()
     maps = max(len(chosen), 0 if contact.count else 1)
@@ -201,8 +210,9 @@ def draw(contact, chosen, path):
     figure = plt.figure(figsize=(0.5 + 2.9 * (columns + loop), 0.9 + 2.9 * rows),
                         layout="constrained")
     whole = contact.status == "complete"
-    figure.suptitle(contact.title if whole else f"{contact.title} (file {contact.status})", x=0.008,
-                    ha="left", fontsize=11, fontweight="bold")
+    title = contact.title if whole else f"{contact.title} (file {contact.status})"
+    figure.suptitle(fold(title, figure.get_figwidth(), contact.count > 0), x=0.008, ha="left",
+                    fontsize=11, fontweight="bold")
     widths = [1.0] * columns + ([loop] if loop else [])
     grid = figure.add_gridspec(rows, len(widths), width_ratios=widths)
     if not contact.count:

@@ -100,8 +100,9 @@ static void check_source(lac_reader *reader, lac_interface_def *def)
         return;
     }
     if (surface || domain) {
-        lac_blame_key(reader, surface ? "interface.surface" : "interface.domain",
-                      "needs interface.levels > 0, or cells_x: a single block has no cells");
+        lac_blame_key(
+            reader, surface ? "interface.surface" : "interface.domain",
+            "needs interface.levels > 0, or more cells_x or cells_y: a single block has no cells");
     }
     if (isnan(def->size)) {
         def->size = 1.0;

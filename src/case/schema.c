@@ -10,7 +10,7 @@
 
 enum { MAX_KNOWN = 64 };
 
-static const double largest_whole = 0x1p53; // beyond it doubles skip integers
+static const double largest_whole = 0x1p53 - 1.0; // beyond it doubles stand for several
 
 bool lac_param_required(const lac_param *param)
 {

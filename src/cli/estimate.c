@@ -8,6 +8,7 @@
 #include "lacuna/contact.h"
 #include "lacuna/friction.h"
 #include "lacuna/load.h"
+#include "lacuna/scene.h"
 #include "lacuna/surface.h"
 #include "lacuna/transfer.h"
 
@@ -20,6 +21,11 @@ static const double base_bytes = 24e6, contact_cell_bytes = 550, cell_step_secon
 static const struct {
     double bytes, kept_bytes, seconds, level_seconds;
 } grid_costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6}, [LAC_FREE] = {75, 20, 4e-6, 3e-6}};
+
+// The same of a static history: what it adds while it is followed, and the time of a step.
+static const struct {
+    double bytes, step_seconds;
+} history_costs[] = {[LAC_PERIODIC] = {190, 2.5e-6}, [LAC_FREE] = {460, 11e-6}};
 
 // Grids beyond the cache take longer a cell: twice as long at 4096 x 4096, found so.
 static double slowdown(double grid_cells) { return fmax(1, pow(grid_cells / 1e6, 0.25)); }
@@ -102,11 +108,26 @@ static bool elastic_hierarchy(const lac_case *c)
     return hierarchy && params->stiffness >= 0;
 }
 
+// `contact` follows the history of a static case.
+static bool follows_history(const lac_case *c, const cli_estimate *e)
+{
+    return !e->integrated && c->history.count > 0;
+}
+
+// Where the joint would slip first takes about as long as a step.
+static double history_seconds(const lac_case *c, const cli_estimate *e)
+{
+    double steps = follows_history(c, e) ? 1 + (double)lac_scene_history_steps(c) : 0;
+    return history_costs[c->interface.boundary].step_seconds * steps * e->grid_cells *
+           slowdown(e->grid_cells);
+}
+
 static void count_memory(const lac_case *c, double cells, cli_estimate *e)
 {
     int boundary = c->interface.boundary;
     double grid =
         grid_costs[boundary].bytes + (e->integrated ? 0 : grid_costs[boundary].kept_bytes);
+    grid += follows_history(c, e) ? history_costs[boundary].bytes : 0;
     double integration = e->integrated ? contact_cell_bytes * cells : 0;
     e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
 }
@@ -172,7 +193,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
-    e->cpu_time = contact_seconds(c, e) + calibration_seconds(c, &grid, e) +
+    e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
                   cell_step_seconds * cells * e->steps;
     return status;
 }

@@ -22,6 +22,8 @@ static lac_status read_coarsening(const char *text, lac_coarsening *coarsening, 
     return lac_fail(err, LAC_EINPUT, "--coarsening: \"%.60s\" must be sample or block-mean", text);
 }
 
+static bool is_power_of_two(unsigned long n) { return n != 0 && (n & (n - 1)) == 0; }
+
 // "2:32"
 static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *err)
 {
@@ -29,8 +31,8 @@ static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *er
     char *end = "";
     unsigned long smallest = strtoul(text, &colon, 10);
     unsigned long largest = *colon == ':' ? strtoul(colon + 1, &end, 10) : 0;
-    if (strspn(text, "0123456789:") != strlen(text) || *end != '\0' || smallest < 1 ||
-        largest <= smallest) {
+    if (strspn(text, "0123456789:") != strlen(text) || *end != '\0' || !is_power_of_two(smallest) ||
+        !is_power_of_two(largest) || largest <= smallest) {
         return lac_fail(err, LAC_EINPUT,
                         "--boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32", text);
     }

@@ -44,6 +44,7 @@ void cli_signals_install(void)
     install(SIGTERM, on_stop, (int)(SA_RESTART | SA_RESETHAND));
     install(SIGUSR1, on_report, SA_RESTART);
     install(SIGPIPE, SIG_IGN, 0);
+    install(SIGXFSZ, SIG_IGN, 0);
 }
 
 void cli_signals_hold(void) { held = 1; }

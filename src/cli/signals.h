@@ -4,7 +4,8 @@
 
 #include <stdbool.h>
 
-/// Takes over SIGINT, SIGTERM and SIGUSR1, and ignores SIGPIPE (writing then fails instead).
+/// Takes over SIGINT, SIGTERM and SIGUSR1, and ignores SIGPIPE and SIGXFSZ (writing then
+/// fails instead).
 /// Until cli_signals_hold, SIGINT and SIGTERM end the program at once with exit status 4.
 void cli_signals_install(void);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/words.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +30,9 @@ void cli_note_list(const char *format, va_list args)
 {
     char text[2048];
     (void)vsnprintf(text, sizeof text, format, args);
+    for (char *c = text; *c != '\0'; c++) {
+        *c = iscntrl((unsigned char)*c) ? '?' : *c; // of file names: a note is one line
+    }
     (void)fprintf(stderr, "lacuna: %s\n", text);
 }
 

@@ -209,7 +209,10 @@ lac_status lac_superposed_step(lac_tangential *t, const double *pressure,
         t->shift[axis] = shift * direction[axis];
         report->shift[axis] = t->shift[axis];
     }
-    report->residual = fmax(normal.complementarity_error, normal.load_error);
+    // Tractions are the difference of two solutions: the less the load, the more of it is error.
+    double part = load / (t->def.friction * pressed->mean);
+    double error = fmax(normal.complementarity_error, normal.load_error);
+    report->residual = part > 0.0 ? error / part : 0.0;
     report->iterations = normal.iterations;
     report->products = normal.products;
 out:

@@ -13,6 +13,7 @@ typedef struct state {
     double phi, size;  // Phi, and the sum of its terms' sizes
     double f[2];       // F along the axes held, else 0
     double xx, yy, xy; // Jacobian
+    double pull;       // sum of |disc(y_i + lambda)| and the load
 } state;
 
 static state evaluate(const lac_shear_problem *p, const double *restrict y, const double lambda[2])
@@ -27,7 +28,8 @@ static state evaluate(const lac_shear_problem *p, const double *restrict y, cons
     double xx = 0.0;
     double yy = 0.0;
     double xy = 0.0;
-#pragma omp simd reduction(+ : phi, fx, fy, xx, yy, xy)
+    double pull = 0.0;
+#pragma omp simd reduction(+ : phi, fx, fy, xx, yy, xy, pull)
     for (size_t i = 0; i < n; i++) {
         double vx = y[i] + lx;
         double vy = y[n + i] + ly;
@@ -40,9 +42,12 @@ static state evaluate(const lac_shear_problem *p, const double *restrict y, cons
         xx += c - w * vx * vx;
         yy += c - w * vy * vy;
         xy -= w * vx * vy;
+        pull += c * v;
     }
+    pull += fabs(p->load[0]) + fabs(p->load[1]);
     double given = p->load[0] * lx + p->load[1] * ly;
-    state s = {phi - given, phi + fabs(given), {fx - p->load[0], fy - p->load[1]}, xx, yy, xy};
+    state s = {phi - given, phi + fabs(given), {fx - p->load[0], fy - p->load[1]}, xx, yy, xy,
+               pull};
     s.f[0] = p->held[0] ? s.f[0] : 0.0;
     s.f[1] = p->held[1] ? s.f[1] : 0.0;
     return s;
@@ -63,6 +68,12 @@ static void newton(const lac_shear_problem *p, const state *s, double damping, d
     }
     d[0] = (-yy * s->f[0] + xy * s->f[1]) / det;
     d[1] = (xy * s->f[0] - xx * s->f[1]) / det;
+}
+
+// How near to 0 F has to come: the limits' rounding, or the tractions', where they are far below
+static double enough(const state *s, double strength)
+{
+    return 4.0 * DBL_EPSILON * fmin(strength, 64.0 * s->pull);
 }
 
 // Without limits: F is linear
@@ -88,10 +99,9 @@ static void find_lambda(const lac_shear_problem *p, const double *y, double lamb
         spread(p, y, lambda);
         return;
     }
-    const double enough = 4.0 * DBL_EPSILON * strength;
     double damping = 0.01 * (double)p->n / strength;
     state s = evaluate(p, y, lambda);
-    for (int k = 0; k < MOST && size(&s) > enough; k++) {
+    for (int k = 0; k < MOST && size(&s) > enough(&s, strength); k++) {
         double d[2];
         newton(p, &s, damping * size(&s) + DBL_MIN, d);
         double at[2] = {lambda[0] + d[0], lambda[1] + d[1]};

@@ -27,16 +27,19 @@ static lac_status check_complete(const face *f, const lac_grid *grid, const doub
                : lac_fail(err, LAC_EINPUT,
                           "%s: %zu of the %zu cells of the interface have no height (no data in "
                           "%zu samples of the file); choose a smaller interface, or use `nodata: "
-                          "nearest` or `nodata: mean`",
+                          "nearest`, `mean` or `mask`",
                           f->report.path, missing, n, f->map->masked);
 }
 
-static lac_status lay(face *f, const lac_grid *grid, double *heights, lac_error *err)
+// Gaps stay NaN only with `nodata: mask`.
+static lac_status lay(face *f, const lac_grid *grid, int nodata, double *heights, lac_error *err)
 {
     lac_status status;
     f->report.fit = f->place.fit;
     LAC_TRY(lac_fit_map(f->report.path, f->map, &f->place, grid, heights, err));
-    LAC_TRY(check_complete(f, grid, heights, err));
+    if (nodata != LAC_NODATA_MASK) {
+        LAC_TRY(check_complete(f, grid, heights, err));
+    }
 out:
     return status;
 }
@@ -122,7 +125,7 @@ static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, con
         return lac_fail_memory(err);
     }
     LAC_TRY(read_lower(p, grid, upper, lower, err));
-    LAC_TRY(lay(lower, grid, other, err));
+    LAC_TRY(lay(lower, grid, p->nodata, other, err));
     for (size_t i = 0; i < n; i++) {
         bool same = p->lower_view == LAC_LOWER_SAME_FRAME;
         heights[i] = other[i] + (same ? -heights[i] : heights[i]);
@@ -162,17 +165,62 @@ static lac_status measure(const face *one, const lac_grid *grid, const double *h
     return lac_surface_measure(&samples, heights, NULL, &report->measures, err);
 }
 
+// Cells without a height get that of the nearest one, so that the rest can be measured and
+// detrended.
+// @param masked  [ny * nx] which they were; NULL where none is, else the caller frees it
+static lac_status bridge(const char *path, const lac_grid *grid, double *heights, uint8_t **masked,
+                         lac_error *err)
+{
+    size_t n = lac_grid_cells(grid);
+    lac_height_map map = {.nx = grid->nx, .ny = grid->ny, .heights = heights};
+    *masked = NULL;
+    for (size_t i = 0; i < n; i++) {
+        map.masked += isnan(heights[i]) ? 1 : 0;
+    }
+    if (map.masked == 0) {
+        return LAC_OK;
+    }
+    if (map.masked == n) {
+        return lac_fail(err, LAC_EINPUT, "%s: no cell of the interface has a height", path);
+    }
+    uint8_t *which = malloc(n);
+    if (which == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        which[i] = (uint8_t)(isnan(heights[i]) ? 1 : 0);
+    }
+    *masked = which;
+    return lac_fill_nearest(&map, err);
+}
+
+// Masked cells come to lie below the deepest by as much as the heights span: they touch last.
+static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
+{
+    double lowest = INFINITY;
+    double highest = -INFINITY;
+    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+        lowest = fmin(lowest, heights[i]);
+        highest = fmax(highest, heights[i]);
+    }
+    for (size_t i = 0; masked != NULL && i < lac_grid_cells(grid); i++) {
+        heights[i] = masked[i] != 0 ? lowest - (highest - lowest) : heights[i];
+    }
+}
+
 static lac_status generate_measured(const void *params, const lac_grid *grid, double *heights,
                                     lac_surface_report *report, lac_error *err)
 {
     const lac_surface_file *p = params;
     face faces[2] = {{0}, {0}};
+    uint8_t *masked = NULL;
     lac_status status;
     LAC_TRY(read_upper(p, grid, &faces[0], err));
-    LAC_TRY(lay(&faces[0], grid, heights, err));
+    LAC_TRY(lay(&faces[0], grid, p->nodata, heights, err));
     if (p->lower != NULL) {
         LAC_TRY(add_lower(p, grid, &faces[0], &faces[1], heights, err));
     }
+    LAC_TRY(bridge(p->path, grid, heights, &masked, err));
     if (report != NULL) {
         LAC_TRY(measure(&faces[0], grid, heights, p->lower != NULL, report, err));
         report->files = p->lower != NULL ? 2 : 1;
@@ -184,7 +232,9 @@ static lac_status generate_measured(const void *params, const lac_grid *grid, do
     if (p->taper > 0.0 && p->detrend != LAC_DETREND_NONE) {
         lac_detrend(LAC_DETREND_MEAN, grid, heights);
     }
+    sink(grid, masked, heights);
 out:
+    free(masked);
     lac_height_map_free(faces[0].map);
     lac_height_map_free(faces[1].map);
     return status;
@@ -208,7 +258,7 @@ static const char *fault(const void *params)
 
 #define FIELD(name) offsetof(lac_surface_file, name)
 
-static const char *const nodata_words[] = {"refuse", "nearest", "mean", NULL};
+static const char *const nodata_words[] = {"refuse", "nearest", "mean", "mask", NULL};
 static const char *const fit_words[] = {"crop", "pad", "resample", NULL};
 static const char *const detrend_words[] = {"none", "mean", "plane", NULL};
 static const char *const view_words[] = {"same-frame", "mirror-x", "mirror-y", NULL};
@@ -228,8 +278,9 @@ static const lac_param file_params[] = {
      "of the samples where the file says none; if absent they are cells of the interface, or with "
      "`fit: resample` cover it",
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"nodata", "1", LAC_NODATA_REFUSE, 0.0, 2.0, FIELD(nodata),
-     "samples without a height: refuse them, or take the nearest height or the mean of all",
+    {"nodata", "1", LAC_NODATA_REFUSE, 0.0, 3.0, FIELD(nodata),
+     "samples without a height: refuse them, take the nearest height or the mean of all, or mask "
+     "their cells, which then touch last",
      .type = LAC_CHOICE, .choices = nodata_words},
     {"fit", "1", LAC_FIT_CROP, 0.0, 2.0, FIELD(fit),
      "the middle of the file on the cells as they are (crop), its edges going on where it is "

@@ -5,7 +5,7 @@
 #include "lacuna/surface.h"
 
 /// Choices of the parameters of `file`, in the order of their words.
-enum { LAC_NODATA_REFUSE, LAC_NODATA_NEAREST, LAC_NODATA_MEAN };
+enum { LAC_NODATA_REFUSE, LAC_NODATA_NEAREST, LAC_NODATA_MEAN, LAC_NODATA_MASK };
 enum { LAC_FIT_CROP, LAC_FIT_PAD, LAC_FIT_RESAMPLE };
 enum { LAC_LOWER_SAME_FRAME, LAC_LOWER_MIRROR_X, LAC_LOWER_MIRROR_Y };
 enum { LAC_DETREND_NONE, LAC_DETREND_MEAN, LAC_DETREND_PLANE };

@@ -211,7 +211,8 @@ class Options(Case):
     def test_wrong_ones_are_refused(self):
         for boxes in ("2", "2:", ":4", "2:3x", "8:2", "0:4", "2-32", "-2:8"):
             self.refuse("two sides in cells", "--boxes", boxes)
-        self.refuse("powers of two", "--boxes", "3:48")
+        for boxes in ("3:48", "2:48", "2:99999999999999999999"):
+            self.refuse(f'--boxes: "{boxes}" must be two sides', "--boxes", boxes)
         self.refuse("three sides", "--boxes", "2:1024")
         self.refuse("sample or block-mean", "--coarsening", "mean")
         for cells in ("1", "0", "x", "64x", "-8", "99999999999"):

@@ -298,6 +298,17 @@ class Program(History):
         self.assertEqual(self.expect(0, "check", "h.yaml").stderr, "")
         self.expect(2, "run", "h.yaml")
 
+    def test_check_counts_its_cost(self):
+        estimates = []
+        for loads in ([0.3], [0.3, 0.5, 0.6]):
+            self.write("h.yaml", a08(ratios(loads), levels=9))
+            estimates.append(json.loads(self.expect(0, "check", "h.yaml", "--json").stdout)["estimate"])
+        once, thrice = estimates
+        self.assertTrue(60e6 < once["memory_bytes"] < 150e6)
+        self.assertEqual(once["memory_bytes"], thrice["memory_bytes"])
+        step = 0.5 * (thrice["cpu_time_s"] - once["cpu_time_s"])
+        self.assertTrue(0.2 < step < 2)
+
     def begin(self, **options):
         """A history of thousands of steps whose file is there."""
         self.write("h.yaml", a08("{ratio_x: 0.6}, {ratio_x: -0.6, count: 9000}", levels=7))

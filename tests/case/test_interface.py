@@ -212,13 +212,24 @@ class Bad(Interfaces):
         self.heights(12, 8, lambda i, j: math.nan if i == j == 3 else i)
         self.refuse_file("interface.surface: heights.npy: 1 of the 96 cells of the interface have "
                          "no height (no data in 1 samples of the file); choose a smaller "
-                         "interface, or use `nodata: nearest` or `nodata: mean`")
+                         "interface, or use `nodata: nearest`, `mean` or `mask`")
         self.heights(12, 8, lambda i, j: math.inf if i == j == 3 else i)
         self.refuse_file("interface.surface: heights.npy: the height in column 4 of row 4 (from "
                          "the smallest y) is infinite; must be finite, or NaN where there is none")
         os.remove(self.path("heights.npy"))
         self.case("cells_x: 12, surface: {file: {path: heights.npy}}")
         self.assertIn("heights.npy", self.expect(3, "contact", "c.yaml").stderr)
+
+    def test_a_note_is_one_line_whatever_a_file_is_called(self):
+        self.case(r'cells_x: 12, surface: {file: {path: "no\nsuch.npy"}}')
+        self.expect_line(3, "c.yaml: interface.surface: no?such.npy: No such file or directory",
+                         "contact", "c.yaml")
+
+    def test_seeds_that_doubles_cannot_tell_apart(self):
+        surface = "cells_x: 12, surface: {self-affine: {rms_height: 1e-3, seed: %d}}"
+        self.refuse('c.yaml:2: interface.surface.self-affine.seed: "9007199254740993" must be a '
+                    'whole number', surface % (2 ** 53 + 1))
+        self.contact(surface % (2 ** 53 - 1))
 
     def test_file_smaller_than_the_grid(self):
         self.heights(12, 8, lambda i, j: 1e-3 * (i % 3))
@@ -258,7 +269,8 @@ class Bad(Interfaces):
         self.refuse("c.yaml: interface.surface: benchmark: defined on a square of square cells, "
                     "not on 16 x 8 cells of 0.0625 x 0.0625 m",
                     "cells_x: 16, cells_y: 8, surface: {benchmark: {name: A08}}")
-        self.refuse("c.yaml:2: interface.surface: needs interface.levels > 0, or cells_x: a single "
+        self.refuse("c.yaml:2: interface.surface: needs interface.levels > 0, or more cells_x or "
+                    "cells_y: a single "
                     "block has no cells", "cells_x: 1, surface: {benchmark: {name: A08}}")
         self.refuse("c.yaml: domain cascade: dimension 1.5: must be > 0 and <= 1 on a line",
                     "cells_x: 16, shape: line, domain: {cascade: {dimension: 1.5}}")

@@ -105,6 +105,13 @@ static void units_gaps_and_tapers(void **state)
     makes(gap, o, (lac_grid){1, 1, 0.5, 0.5, true}, (double[]){2});
     o.nodata = 2;
     makes(gap, o, same, (double[]){4, 2, 3, 4, 5, 6});
+    o.nodata = 3; // below the deepest by as much as the heights span
+    makes(gap, o, same, (double[]){-2, 2, 3, 4, 5, 6});
+    makes(HEIGHTS_ASC "4 5 6\n-9999 -9999 -9999\n", o, same, (double[]){2, 2, 2, 4, 5, 6});
+    o.detrend = 1;
+    makes(HEIGHTS_ASC "4 5 6\n-9999 5 6\n", o, same,
+          (double[]){-19.0 / 6, -1.0 / 6, 5.0 / 6, -7.0 / 6, -1.0 / 6, 5.0 / 6});
+    o = plain;
     o.nodata = 1;
     makes(HEIGHTS_ASC "4 5 6\n-9999 -9999 -9999\n", o, same, (double[]){4, 5, 6, 4, 5, 6});
     is_refused(HEIGHTS_ASC "4 5 6\n1 2 1e30\n", o, same, "within 1e9 m");

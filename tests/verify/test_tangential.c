@@ -51,6 +51,31 @@ static void mindlin(void **state)
     mindlin_at(256, 0.0, 1.0, 0, 0);
 }
 
+// So far below what friction holds nothing slips: the joint is linear, down to the least of loads.
+static void least_loads(void **state)
+{
+    (void)state;
+    sheared s = rough_of(64, false, 0.2, 0.5);
+    lac_first_slip first;
+    const double along[] = {0.6, 0.8};
+    assert_int_equal(lac_tangential_first_slip(&s.def, s.p, along, NULL, &first, &s.err), LAC_OK);
+    for (double part = 0.1; part > 1e-100; part *= 1e-3) {
+        start_again(&s);
+        double load = part * first.load;
+        lac_tangential_report r = shear(&s, 0.6 * load, 0.8 * load);
+        assert_int_equal(r.slip_cells, 0);
+        assert_true(fabs(r.highest_ratio / part - 1.0) < 1e-6);
+        double sum = 0.0;
+        for (size_t i = 0; i < s.n * s.n; i++) {
+            sum += lac_tangential_traction(s.t, 1)[i] / (double)(s.n * s.n);
+        }
+        assert_true(fabs(sum / (0.8 * load) - 1.0) < 1e-12);
+        assert_true(fabs(r.shift[0] / (part * first.shift[0]) - 1.0) < 1e-7);
+        assert_true(fabs(r.shift[1] / (part * first.shift[1]) - 1.0) < 1e-7);
+    }
+    release(&s);
+}
+
 static void rough_joint(void **state)
 {
     (void)state;
@@ -158,6 +183,30 @@ static void given_shift(void **state)
     release(&s);
 }
 
+// In full contact nothing elastic holds the mean of the tractions along an axis whose shift is
+// given: slid as a whole along x, then loaded along y, most cells come to stick, at a lower mean.
+static void slid_then_loaded_across(void **state)
+{
+    (void)state;
+    const double strength = 0.5 * 0.3;
+    sheared s = rough_of(64, true, 0.2, 0.5);
+    press(&s, 0.3);
+    assert_int_equal(s.contact.n_cells, 64 * 64);
+    (void)drag(&s, 1.0, 0.0);
+    for (int k = 1; k <= 3; k++) {
+        const lac_tangential_target target = {{LAC_SHEAR_SHIFT, LAC_SHEAR_LOAD},
+                                              {1.0, 0.1 * k * strength}};
+        lac_tangential_report r;
+        lac_status status = lac_tangential_step(s.t, s.p, &target, &r, &s.err);
+        print_message("loaded across by %.1f f P: %lld iterations, %zu slip\n", 0.1 * k,
+                      (long long)r.iterations, r.slip_cells);
+        assert_int_equal(status, LAC_OK);
+        assert_true(r.iterations < 100);
+        assert_true(hypot(r.traction[0], r.traction[1]) < strength);
+    }
+    release(&s);
+}
+
 static void any_number_of_threads(void **state)
 {
     (void)state;
@@ -177,9 +226,14 @@ static void any_number_of_threads(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mindlin),     cmocka_unit_test(rough_joint),
-        cmocka_unit_test(cycles),      cmocka_unit_test(masing),
-        cmocka_unit_test(given_shift), cmocka_unit_test(any_number_of_threads),
+        cmocka_unit_test(mindlin),
+        cmocka_unit_test(least_loads),
+        cmocka_unit_test(rough_joint),
+        cmocka_unit_test(cycles),
+        cmocka_unit_test(masing),
+        cmocka_unit_test(given_shift),
+        cmocka_unit_test(slid_then_loaded_across),
+        cmocka_unit_test(any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
