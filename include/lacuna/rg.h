@@ -30,16 +30,16 @@ lac_status lac_rg_tree_create_at(const lac_domain *domain, size_t dx, size_t dy,
                                  const double *strength, const double *drop, lac_rg_tree **out,
                                  lac_error *err);
 
-/// Any tree, of blocks with any number of children.
-/// @param levels  of blocks above the cells; the last holds one block, the root. 0: one cell
-/// @param count   [levels + 1] blocks of each level, count[0] the cells
-/// @param first   [levels + 1] of [count + 1]: first cell of each block, and n; first[0] unused
-/// @return as lac_rg_tree_create, LAC_EINPUT also where blocks do not nest
+/// Blocks over cells, level by level.
 typedef struct lac_rg_blocks {
-    size_t levels;
-    const size_t *count;
-    const uint32_t *const *first;
+    size_t levels;       ///< above the cells; the last holds one block, the root; 0: one cell
+    const size_t *count; ///< [levels + 1] blocks of each level; count[0]: the cells
+    const uint32_t *const *first; ///< [levels + 1] of [count + 1]: first cell of each block, and n;
+                                  ///< first[0] is not used
 } lac_rg_blocks;
+
+/// Any tree, of blocks with any number of children.
+/// @return as lac_rg_tree_create; LAC_EINPUT also where blocks do not nest
 lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *strength,
                                    const double *drop, lac_rg_tree **out, lac_error *err);
 
@@ -93,18 +93,17 @@ enum { LAC_RG_LOADS = 24 };
 /// @param part  [LAC_RG_LOADS] overwritten
 void lac_rg_loads(double part[LAC_RG_LOADS]);
 
-/// Elastic contact, q = f [p(P) - p(P - Q/f)] (Ciavarella 1998, Jaeger 1998): the gap of a cell is
-/// f p(P - Q/f), its strength under the load that is left.
-/// @param part      [loads] parts of the load, falling, from 1 to 0
-/// @param pressure  [loads * n] of each contact cell at each [Pa]; the last row all 0
-/// @param friction  f [1]
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+/// Contact pressures of the same cells under falling load.
 typedef struct lac_rg_series {
     size_t n, loads;
-    const double *part;
-    const double *pressure;
-    double friction;
+    const double *part;     ///< [loads] parts of the load, falling, from 1 to 0
+    const double *pressure; ///< [loads * n] of each contact cell at each [Pa]; the last row all 0
+    double friction;        ///< f [1]
 } lac_rg_series;
+
+/// Elastic contact, q = f [p(P) - p(P - Q/f)] (Ciavarella 1998, Jaeger 1998): the gap of a cell is
+/// f p(P - Q/f), its strength under the load that is left.
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err);
 
 /// Solves the contact at each part of the load, from one to the next.

@@ -9,8 +9,9 @@ enum { SCAN = 128 };
 // What is known of a block before it slips.
 typedef struct state {
     double gap, force; // at the load before
-    double load;       // at which it slipped; NaN: not yet
-    double carried;    // force on its cells then
+    bool slipped;
+    double load;    // at which it did
+    double carried; // force on its cells then
 } state;
 
 static lac_status create_states(const lac_rg_tree *tree, state **out, lac_error *err)
@@ -19,12 +20,9 @@ static lac_status create_states(const lac_rg_tree *tree, state **out, lac_error 
     for (size_t k = 0; k < tree->layers; k++) {
         total += tree->layer[k].count;
     }
-    state *s = malloc(total * sizeof *s);
+    state *s = calloc(total + 1, sizeof *s);
     if (s == NULL) {
         return lac_fail_memory(err);
-    }
-    for (size_t i = 0; i < total; i++) {
-        s[i] = (state){.load = NAN};
     }
     *out = s;
     return LAC_OK;
@@ -37,7 +35,8 @@ static void note(const lac_rg_tree *tree, double before, double load, state *s)
         const lac_rg_layer *layer = &tree->layer[k];
         for (size_t b = 0; b < layer->count; b++, s++) {
             double gap = layer->gap[b];
-            if (isnan(s->load) && gap <= tree->tolerance) {
+            if (!s->slipped && gap <= tree->tolerance) {
+                s->slipped = true;
                 double x = s->gap > gap && isfinite(s->gap) ? s->gap / (s->gap - gap) : 1.0;
                 x = fmin(fmax(x, 0.0), 1.0);
                 s->load = before + x * (load - before);
@@ -56,7 +55,7 @@ static void summarise(size_t count, const state *s, double cells, lac_rg_sizes *
     double square = 0.0;
     *out = (lac_rg_sizes){0};
     for (size_t b = 0; b < count; b++) {
-        if (!isnan(s[b].load)) {
+        if (s[b].slipped) {
             double q = s[b].carried / cells;
             out->blocks++;
             load += s[b].load;

@@ -37,9 +37,9 @@ static int64_t *seed_of(const lac_slot *slot)
 }
 
 // Pressures under the falling load, and the gaps that follow.
-static lac_status elastic_path(joint *j, double friction, lac_error *err)
+static lac_status elastic_path(const lac_scene_contact *contact, double friction,
+                               lac_rg_path **path, lac_error *err)
 {
-    const lac_scene_contact *contact = &j->contact;
     const size_t n = contact->domain->n;
     double part[LAC_RG_LOADS];
     double *pressure = malloc(LAC_RG_LOADS * n * sizeof *pressure);
@@ -53,7 +53,7 @@ static lac_status elastic_path(joint *j, double friction, lac_error *err)
     LAC_TRY(lac_rg_series_solve(&def, contact->domain, pressure, err));
     lac_rg_loads(part);
     const lac_rg_series series = {n, LAC_RG_LOADS, part, pressure, friction};
-    LAC_TRY(lac_rg_path_elastic(&series, &j->path, err));
+    LAC_TRY(lac_rg_path_elastic(&series, path, err));
 out:
     free(pressure);
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact under less load");
@@ -71,12 +71,14 @@ static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
     for (size_t i = 0; i < domain->n; i++) {
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
-    if (c->rg.field == LAC_RG_EQUAL) {
-        LAC_TRY(lac_rg_path_equal(domain->n, j->strength, &j->path, err));
-    } else {
-        LAC_TRY(elastic_path(j, c->rg.friction, err));
-    }
+    lac_rg_path *path = NULL;
+    status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
+                                         : elastic_path(&j->contact, c->rg.friction, &path, err);
+    j->path = path;
 out:
+    if (status != LAC_OK) {
+        joint_clear(j);
+    }
     return status;
 }
 

@@ -210,6 +210,41 @@ out:
     return status;
 }
 
+static const char cascading[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {pressure: 1e6}}\n"
+    "rg: {friction: 0.6, shifts: 2, loads: 10, beta: [0.7]}\n";
+
+// Case to netCDF file, through a cascade.
+static lac_status whole_cascade(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_rg rg = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_RG};
+    const lac_provenance provenance = {.title = "cascading", .seed = 1};
+    LAC_TRY(
+        lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_rg_run(c, NULL, &rg, err));
+    const lac_rg_view view = {.rule = "fix",
+                              .field = "elastic",
+                              .grid = &rg.grid,
+                              .domain = rg.domain,
+                              .betas = rg.betas,
+                              .beta = rg.beta,
+                              .result = rg.result,
+                              .strength = rg.strength};
+    LAC_TRY(lac_store_rg(path, true, &provenance, &view, err));
+out:
+    lac_scene_rg_clear(&rg);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
                                    bool for_good)
 {
@@ -241,6 +276,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_run, false);
     every_allocation_fails(whole_shear, false);
     every_allocation_fails(whole_history, false);
+    every_allocation_fails(whole_cascade, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -249,6 +285,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_run, true);
     every_allocation_fails(whole_shear, true);
     every_allocation_fails(whole_history, true);
+    every_allocation_fails(whole_cascade, true);
 }
 
 int main(void)
