@@ -5,7 +5,7 @@
 
 #include "case/sections.h"
 
-static bool present(const lac_reader *reader, const char *key)
+bool lac_present(const lac_reader *reader, const char *key)
 {
     return lac_node_at(reader->root, key) != NULL;
 }
@@ -27,20 +27,20 @@ static void check_material(lac_reader *reader, const lac_case *c)
     if (!lac_clean(reader, "material")) {
         return;
     }
-    bool modulus = present(reader, "material.shear_modulus");
+    bool modulus = lac_present(reader, "material.shear_modulus");
     const lac_normal_load *normal = (const void *)c->normal.about;
-    if (normal != NULL && normal->needs_density && !present(reader, "material.density")) {
+    if (normal != NULL && normal->needs_density && !lac_present(reader, "material.density")) {
         lac_blame_key(reader, "material.density",
                       "is missing: needed by load.normal.%s; must be a density such as "
                       "\"2700 kg/m3\"",
                       normal->about.name);
     }
-    if (present(reader, "interface.surface") && !modulus) {
+    if (lac_present(reader, "interface.surface") && !modulus) {
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed to press interface.surface; must be a pressure such as "
                       "\"20 GPa\"");
     }
-    if (present(reader, "material.shear_speed") && !modulus) {
+    if (lac_present(reader, "material.shear_speed") && !modulus) {
         lac_warn(reader, "material.shear_speed", "has no effect without shear_modulus");
     }
 }
@@ -63,7 +63,7 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
         lac_blame_key(reader, "transfer.hierarchy.ratio",
                       "goes with k0, not with stiffness: elastic");
     }
-    if (elastic && material_read && !present(reader, "material.shear_modulus")) {
+    if (elastic && material_read && !lac_present(reader, "material.shear_modulus")) {
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed by transfer.hierarchy.stiffness: elastic; must be a "
                       "pressure such as \"20 GPa\"");
@@ -81,7 +81,7 @@ static void check_approach(lac_reader *reader, const lac_case *c)
         lac_blame_key(reader, "load.normal.approach",
                       "is for statics (lacuna contact); a run needs a load: pressure, depth or "
                       "slope");
-    } else if (!present(reader, "interface.surface")) {
+    } else if (!lac_present(reader, "interface.surface")) {
         lac_blame_key(reader, "load.normal.approach",
                       "needs interface.surface: only heights tell the load that follows");
     } else if (c->interface.boundary == LAC_PERIODIC && !(normal->approach(c->normal.params) > 0)) {
@@ -129,7 +129,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
 static void check_load(lac_reader *reader, const lac_case *c)
 {
     bool fixed_by_initial =
-        present(reader, "initial.slip_rate") && present(reader, "initial.state");
+        lac_present(reader, "initial.slip_rate") && lac_present(reader, "initial.state");
     for (size_t i = 0; fixed_by_initial && i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
         const lac_load_kind *kind = (const void *)c->shear.item[i].about;
@@ -153,10 +153,11 @@ static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
     bool steady = initial->state == LAC_STATE_STEADY;
-    if (present(reader, "initial.spread.slip_rate") && !present(reader, "initial.slip_rate")) {
+    if (lac_present(reader, "initial.spread.slip_rate") &&
+        !lac_present(reader, "initial.slip_rate")) {
         lac_blame_key(reader, "initial.spread.slip_rate", "needs initial.slip_rate");
     }
-    if (present(reader, "initial.spread.state") && lac_clean(reader, "initial.state") &&
+    if (lac_present(reader, "initial.spread.state") && lac_clean(reader, "initial.state") &&
         initial->state != LAC_STATE_TIME && initial->state != LAC_STATE_RATIO) {
         lac_blame_key(reader, "initial.spread.state",
                       "needs initial.state as a time or {ratio_to_steady: x}");
@@ -170,7 +171,7 @@ static void check_initial(lac_reader *reader, const lac_case *c)
         lac_warn(reader, "initial.state", "has no effect where b = a: theta is dc/v for any ratio");
     }
     if (steady && law->b > law->a && !spread) {
-        lac_warn(reader, present(reader, "initial.state") ? "initial.state" : "friction",
+        lac_warn(reader, lac_present(reader, "initial.state") ? "initial.state" : "friction",
                  "starts steady with b > a, the unstable fixed point: rounding decides when it "
                  "fails");
     }

@@ -93,56 +93,51 @@ void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-static bool present(const lac_reader *reader, const char *key)
-{
-    return lac_node_at(reader->root, key) != NULL;
-}
-
 // What is pressed and sheared.
 static void check_joint(lac_reader *reader, const lac_case *c)
 {
-    if (present(reader, "load.normal.approach")) {
+    if (lac_present(reader, "load.normal.approach")) {
         lac_blame_key(reader, "load.normal.approach",
                       "is no load, from which load.history could start: pressure, depth or slope");
     }
-    if (!present(reader, "interface.surface") && !present(reader, "interface.domain")) {
+    if (!lac_present(reader, "interface.surface") && !lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "load.history",
                       "needs interface.surface or interface.domain: a single block has no cells "
                       "that stick or slip");
     }
-    if (present(reader, "interface.domain") && !present(reader, "material.shear_modulus")) {
+    if (lac_present(reader, "interface.domain") && !lac_present(reader, "material.shear_modulus")) {
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed by load.history; must be a pressure such as \"20 GPa\"");
     }
-    if (c->history.method == LAC_HISTORY_SUPERPOSED && !present(reader, "interface.surface")) {
+    if (c->history.method == LAC_HISTORY_SUPERPOSED && !lac_present(reader, "interface.surface")) {
         lac_blame_key(reader, "load.history.method",
                       "superposes contacts under other loads and needs interface.surface");
     }
 }
 
-// f0 of the friction law where the history has no coefficient of its own; NaN where there is none.
-static void find_friction(lac_reader *reader, lac_case *c)
+void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, double *friction)
 {
-    if (present(reader, "load.history.friction")) {
+    char path[LAC_KEY_LENGTH];
+    (void)snprintf(path, sizeof path, "%s.friction", key);
+    if (lac_present(reader, path)) {
         return;
     }
     if (c->friction.about == NULL) {
-        if (!present(reader, "friction") && !lac_needs_run(reader)) {
-            lac_blame_key(reader, "load.history.friction",
+        if (!lac_present(reader, "friction") && !lac_needs_run(reader)) {
+            lac_blame_key(reader, path,
                           "is missing: Coulomb's coefficient, which no friction law gives either");
         }
         return;
     }
-    c->history.friction = ((const lac_friction_params *)c->friction.params)->f0;
-    if (!(c->history.friction > 0)) {
-        lac_blame_key(reader, "load.history.friction",
-                      "is missing, and f0 of the friction law is %g; must be > 0",
-                      c->history.friction);
-        c->history.friction = NAN;
+    *friction = ((const lac_friction_params *)c->friction.params)->f0;
+    if (!(*friction > 0)) {
+        lac_blame_key(reader, path, "is missing, and f0 of the friction law is %g; must be > 0",
+                      *friction);
+        *friction = NAN;
     }
     for (size_t i = 0; i < c->friction_spread.count; i++) {
         if (strcmp(c->friction_spread.item[i].key, "f0") == 0) {
-            lac_warn(reader, "load.history",
+            lac_warn(reader, key,
                      "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");
         }
     }
@@ -221,7 +216,7 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure)
 {
     const lac_node *steps = lac_node_at(reader->root, "load.history.steps");
     check_joint(reader, c);
-    find_friction(reader, c);
+    lac_find_coulomb(reader, c, "load.history", &c->history.friction);
     double f = c->history.friction;
     way at = {.pressure = pressure};
     for (size_t i = 0; isfinite(f) && isfinite(pressure) && i < c->history.count; i++) {

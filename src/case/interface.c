@@ -27,16 +27,11 @@ lac_grid lac_interface_grid(const lac_interface_def *def)
     return grid;
 }
 
-static bool present(const lac_reader *reader, const char *key)
-{
-    return lac_node_at(reader->root, key) != NULL;
-}
-
 static void check_cells(lac_reader *reader, const lac_interface_def *def)
 {
-    bool along_x = present(reader, "interface.cells_x");
-    bool along_y = present(reader, "interface.cells_y");
-    if (along_x && present(reader, "interface.levels")) {
+    bool along_x = lac_present(reader, "interface.cells_x");
+    bool along_y = lac_present(reader, "interface.cells_y");
+    if (along_x && lac_present(reader, "interface.levels")) {
         lac_blame_key(reader, "interface.cells_x",
                       "is given beside interface.levels; exactly one is allowed");
     } else if (along_y && !along_x) {
@@ -86,8 +81,8 @@ static void check_width(lac_reader *reader, const lac_interface_def *def)
 // A grid of several cells must say which of them touch, and how large they are.
 static void check_source(lac_reader *reader, lac_interface_def *def)
 {
-    bool surface = present(reader, "interface.surface");
-    bool domain = present(reader, "interface.domain");
+    bool surface = lac_present(reader, "interface.surface");
+    bool domain = lac_present(reader, "interface.domain");
     lac_grid grid = lac_interface_grid(def);
     if (lac_grid_cells(&grid) > 1) {
         if (!surface && !domain) {
@@ -111,7 +106,7 @@ static void check_source(lac_reader *reader, lac_interface_def *def)
 
 void lac_check_interface(lac_reader *reader, lac_interface_def *def)
 {
-    if (present(reader, "interface.surface") && present(reader, "interface.domain")) {
+    if (lac_present(reader, "interface.surface") && lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "interface.domain",
                       "is given beside interface.surface; exactly one is allowed");
     }

@@ -116,31 +116,6 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-static bool present(const lac_reader *reader, const char *key)
-{
-    return lac_node_at(reader->root, key) != NULL;
-}
-
-// Coulomb's coefficient: the section's own, else f0 of the law.
-static void find_friction(lac_reader *reader, lac_case *c)
-{
-    if (present(reader, "rg.friction")) {
-        return;
-    }
-    if (c->friction.about == NULL) {
-        if (!present(reader, "friction")) {
-            lac_blame_key(reader, "rg.friction",
-                          "is missing: Coulomb's coefficient, which no friction law gives either");
-        }
-        return;
-    }
-    c->rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
-    if (!(c->rg.friction > 0.0)) {
-        lac_blame_key(reader, "rg.friction", "is missing, and f0 of the friction law is %g",
-                      c->rg.friction);
-    }
-}
-
 // Whether a slot's model has a seed.
 static bool seeded(const lac_slot *slot)
 {
@@ -154,12 +129,12 @@ static bool seeded(const lac_slot *slot)
 
 static void check_interface(lac_reader *reader, const lac_case *c)
 {
-    if (!present(reader, "interface.surface") && !present(reader, "interface.domain")) {
+    if (!lac_present(reader, "interface.surface") && !lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "interface",
                       "is a single block, which has no cells to hand load on: rg needs surface or "
                       "domain");
     }
-    if (c->rg.field == LAC_RG_ELASTIC && present(reader, "interface.domain")) {
+    if (c->rg.field == LAC_RG_ELASTIC && lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "rg.field",
                       "needs interface.surface to press; a domain goes with equal");
     }
@@ -174,7 +149,7 @@ static void check_law(lac_reader *reader, const lac_case *c)
     if (c->rg.betas > 0 || c->rg.rule < 0) {
         return;
     }
-    if (!present(reader, "friction")) {
+    if (!lac_present(reader, "friction")) {
         lac_blame_key(reader, "rg.beta", "needs a friction law");
     }
     if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
@@ -184,7 +159,7 @@ static void check_law(lac_reader *reader, const lac_case *c)
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
 {
-    bool asked = present(reader, "rg");
+    bool asked = lac_present(reader, "rg");
     if (reader->purpose != LAC_FOR_RG && !asked) {
         return;
     }
@@ -192,7 +167,7 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
         !lac_clean(reader, "interface")) {
         return;
     }
-    find_friction(reader, c);
+    lac_find_coulomb(reader, c, "rg", &c->rg.friction);
     check_interface(reader, c);
     check_law(reader, c);
 }

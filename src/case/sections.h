@@ -62,6 +62,13 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 /// Whether the case must hold what only a run needs: friction, a shear load, an end.
 bool lac_needs_run(const lac_reader *reader);
 
+/// Whether the case has a dotted key.
+bool lac_present(const lac_reader *reader, const char *key);
+
+/// Coulomb's coefficient where `key`.friction does not give it: f0 of the friction law.
+/// @param friction  set; NaN where there is none, which is then reported
+void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, double *friction);
+
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
 

@@ -2,14 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rg/path.h"
+#include <gsl/gsl_sort.h>
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return x < y ? -1 : x > y ? 1 : 0;
-}
+#include "rg/path.h"
 
 // How many of the ascending values count as reached at stress tau.
 static size_t reached(const lac_rg_tree *tree, size_t n, const double *sorted, double tau)
@@ -41,7 +36,7 @@ static lac_status by_thresholds(lac_rg_tree *tree, const lac_rg_path *path, size
     for (size_t level = 0; level <= levels; level++) {
         size_t blocks = lac_rg_blocks_at(tree, level);
         memcpy(sorted, lac_rg_thresholds(tree, level), blocks * sizeof *sorted);
-        qsort(sorted, blocks, sizeof *sorted, ascending);
+        gsl_sort(sorted, 1, blocks);
         for (size_t i = 0; i < n; i++) {
             size_t slips = reached(tree, blocks, sorted, lac_rg_path_stress(path, load[i]));
             fraction[i * (levels + 1) + level] = (double)slips / (double)blocks;

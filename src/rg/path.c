@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <gsl/gsl_sort.h>
+
 #include "rg/path.h"
 
 struct lac_rg_path {
@@ -14,13 +16,6 @@ struct lac_rg_path {
     double *load;     // [loads] elastic: Q/Q_nom, ascending
     double *left;     // [loads * n] elastic: f p(P - Q/f)
 };
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return x < y ? -1 : x > y ? 1 : 0;
-}
 
 void lac_rg_path_free(lac_rg_path *path)
 {
@@ -67,7 +62,7 @@ lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out
     LAC_TRY(status);
     memcpy(path->strength, strength, n * sizeof *strength);
     memcpy(path->sorted, strength, n * sizeof *strength);
-    qsort(path->sorted, n, sizeof *path->sorted, ascending);
+    gsl_sort(path->sorted, 1, n);
     path->below[0] = 0.0;
     for (size_t i = 0; i < n; i++) {
         path->below[i + 1] = path->below[i] + path->sorted[i];
