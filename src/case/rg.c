@@ -146,7 +146,7 @@ static void check_interface(lac_reader *reader, const lac_case *c)
 static void check_law(lac_reader *reader, const lac_case *c)
 {
     const lac_material_def *m = &c->material;
-    if (c->rg.betas > 0 || c->rg.rule < 0) {
+    if (c->rg.betas > 0) {
         return;
     }
     if (!lac_present(reader, "friction")) {

@@ -6,14 +6,17 @@
 #include "lacuna/fractal.h"
 #include "rg/study.h"
 
-lac_status lac_rg_sample_levels(const lac_rg_joint *joint, size_t *levels, lac_error *err)
+size_t lac_rg_sample_levels(const lac_grid *grid)
 {
-    lac_rg_tree *tree = NULL;
-    lac_status status =
-        lac_rg_tree_create_at(joint->domain, 0, 0, joint->strength, joint->drop, &tree, err);
-    *levels = status == LAC_OK ? lac_rg_levels(tree) : 0;
-    lac_rg_tree_free(tree);
-    return status;
+    size_t levels = 0;
+    for (int axis = 0; axis < 2; axis++) {
+        size_t cells = axis == 0 ? grid->nx : grid->ny;
+        cells *= !grid->periodic && cells > 1 ? 2 : 1;
+        while (((size_t)1 << levels) < cells) {
+            levels++;
+        }
+    }
+    return levels;
 }
 
 // Side of the largest block that slips as a whole at each load [m].

@@ -176,8 +176,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
 {
     lac_rg_sample *samples = NULL;
     lac_status status;
-    size_t levels;
-    LAC_TRY(lac_rg_sample_levels(joint, &levels, err));
+    const size_t levels = lac_rg_sample_levels(&joint->domain->grid);
     if (study->joints > 0 && levels != study->levels) {
         status = lac_fail(err, LAC_EINPUT, "a joint of %zu levels cannot join one of %zu", levels,
                           study->levels);

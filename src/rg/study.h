@@ -24,9 +24,8 @@ typedef struct lac_rg_order {
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
                               size_t dy, const double *load, lac_rg_sample *out, lac_error *err);
 
-/// Levels of trees of a domain, with the doubled grid where it is not periodic.
-/// @return 0 where memory is short or the joint is a single cell
-lac_status lac_rg_sample_levels(const lac_rg_joint *joint, size_t *levels, lac_error *err);
+/// Levels of the trees of a grid; one that is not periodic is laid into one twice as long.
+size_t lac_rg_sample_levels(const lac_grid *grid);
 
 /// Largest slipped cluster at each load, and the load at which each cell slips for good.
 lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,

@@ -13,37 +13,7 @@
 #include "base/fft.h"
 #include "lacuna/contact.h"
 #include "support/benchmark_surface.h"
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-// Most bytes in memory since the last reset, as Linux counts them; 0 elsewhere
-static double peak_bytes(void)
-{
-    char line[256];
-    double kib = 0.0;
-    FILE *file = fopen("/proc/self/status", "r");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-        (void)sscanf(line, "VmHWM: %lf", &kib);
-    }
-    if (file != NULL) {
-        (void)fclose(file);
-    }
-    return 1024.0 * kib;
-}
-
-static void reset_peak(void)
-{
-    FILE *file = fopen("/proc/self/clear_refs", "w");
-    if (file != NULL) {
-        (void)fputs("5", file);
-        (void)fclose(file);
-    }
-}
+#include "support/cost.h"
 
 static double seconds_of_pair(lac_fft *fft)
 {

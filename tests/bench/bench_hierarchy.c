@@ -4,16 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "lacuna/hierarchy.h"
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+#include "support/cost.h"
 
 typedef struct arrays {
     const lac_hierarchy *h;
@@ -45,12 +38,12 @@ static double fastest(bool (*call)(const arrays *), const arrays *a, int repetit
 {
     double best = INFINITY;
     for (int i = 0; i < repetitions; i++) {
-        double start = now();
+        double start = wall_seconds();
         if (!call(a)) {
             (void)fprintf(stderr, "the solve failed\n");
             exit(1);
         }
-        best = fmin(best, now() - start);
+        best = fmin(best, wall_seconds() - start);
     }
     return 1e9 * best / (double)lac_hierarchy_cells(a->h);
 }
@@ -58,12 +51,12 @@ static double fastest(bool (*call)(const arrays *), const arrays *a, int repetit
 static void report(const lac_domain *domain, int repetitions, lac_error *err)
 {
     lac_hierarchy *h = NULL;
-    double start = now();
+    double start = wall_seconds();
     if (lac_hierarchy_create(domain, &h, err) != LAC_OK) {
         (void)fprintf(stderr, "%s\n", err->message);
         exit(1);
     }
-    double build = 1e9 * (now() - start) / (double)domain->n;
+    double build = 1e9 * (wall_seconds() - start) / (double)domain->n;
     size_t n = domain->n;
     arrays a = {.h = h,
                 .k = calloc(33, sizeof(double)),

@@ -4,17 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "lacuna/rg.h"
 #include "lacuna/surface.h"
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+#include "support/cost.h"
 
 static void must(lac_status status, const lac_error *err)
 {
@@ -65,13 +58,14 @@ static void press(size_t side, double load, joint *j, lac_error *err)
     j->pressure = get(LAC_RG_LOADS * j->domain->n * sizeof(double));
     j->drop = get(j->domain->n * sizeof(double));
     j->work = get(2 * j->domain->n * sizeof(double));
-    double start = now();
+    double start = wall_seconds();
     must(lac_rg_series_solve(&def, j->domain, j->pressure, err), err);
     double part[LAC_RG_LOADS];
     lac_rg_loads(part);
     lac_rg_series series = {j->domain->n, LAC_RG_LOADS, part, j->pressure, 1.0};
     must(lac_rg_path_elastic(&series, &j->path, err), err);
-    printf("p/E* %g: %zu cells, contact series %.2f s\n", load, j->domain->n, now() - start);
+    printf("p/E* %g: %zu cells, contact series %.2f s\n", load, j->domain->n,
+           wall_seconds() - start);
     free(heights);
     free(pressure);
 }
@@ -91,15 +85,15 @@ static void cascade(const joint *j, double beta, lac_error *err)
     }
     printf("  beta %.1f:", beta);
     for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
-        double start = now();
+        double start = wall_seconds();
         double critical = lac_rg_critical(tree, rule, j->path, j->work);
-        double whole = now() - start;
+        double whole = wall_seconds() - start;
         double fastest = INFINITY;
         for (int i = 0; i < 20; i++) {
             lac_rg_path_at(j->path, 0.5 + 0.02 * i, j->work, j->work + n);
-            start = now();
+            start = wall_seconds();
             (void)lac_rg_pass(tree, rule, j->work, j->work + n);
-            fastest = fmin(fastest, now() - start);
+            fastest = fmin(fastest, wall_seconds() - start);
         }
         printf("  %s %.4f (%.0f ms; %.1f ns a node)", names[rule], critical, 1e3 * whole,
                1e9 * fastest / (double)nodes);

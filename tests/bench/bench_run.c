@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "support/cost.h"
 #include "support/tree.h"
 
 typedef struct outcome {
@@ -13,13 +13,6 @@ typedef struct outcome {
     lac_run_result result;
     double cpu;
 } outcome;
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static outcome measure(int levels, uint64_t seed, lac_method method, double rtol)
 {

@@ -4,45 +4,14 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "base/fft.h"
 #include "lacuna/tangential.h"
 #include "support/benchmark_surface.h"
+#include "support/cost.h"
 
 static const double load = 4.9e-3;
 static const double friction = 0.5;
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-// Most bytes in memory since the last reset, as Linux counts them; 0 elsewhere
-static double peak_bytes(void)
-{
-    char line[256];
-    double kib = 0.0;
-    FILE *file = fopen("/proc/self/status", "r");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-        (void)sscanf(line, "VmHWM: %lf", &kib);
-    }
-    if (file != NULL) {
-        (void)fclose(file);
-    }
-    return 1024.0 * kib;
-}
-
-static void reset_peak(void)
-{
-    FILE *file = fopen("/proc/self/clear_refs", "w");
-    if (file != NULL) {
-        (void)fputs("5", file);
-        (void)fclose(file);
-    }
-}
 
 // Seconds of a forward and inverse transform, the best of some.
 static double fft_pair(size_t n)
