@@ -168,6 +168,7 @@ typedef enum lac_case_purpose {
     LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
     LAC_FOR_CONTACT, ///< statics: none of those
     LAC_FOR_RG,      ///< statics, and what the cascade needs
+    LAC_FOR_CELLS,   ///< the cascade on cells that are known: statics, its beta and its friction
     LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
 } lac_case_purpose;
 

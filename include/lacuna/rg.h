@@ -86,6 +86,14 @@ typedef struct lac_rg_path lac_rg_path;
 /// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
+/// The same springs under a joint that is loaded already: each cell carries max(q, min(q + tau,
+/// f p)), tau the further stress, the same on all; the map sees the gap f p - q - tau. The load
+/// runs from Q/Q_nom, the sum of the q over f P, to where no cell can take up more.
+/// @param shear  [n] q, the traction of each cell [Pa]; may be beyond f p; NULL: none
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
+                               lac_rg_path **out, lac_error *err);
+
 enum { LAC_RG_LOADS = 24 };
 
 /// The 24 parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002
@@ -118,15 +126,16 @@ lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain 
 void lac_rg_path_free(lac_rg_path *path);
 
 /// Tractions and gaps at a load.
-/// @param load   Q/Q_nom [1], 0 to 1
+/// @param load   Q/Q_nom [1], 0 to 1, or what lac_rg_path_further says
 /// @param shear  [n] [Pa]; overwritten
 /// @param gap    [n] [Pa]; overwritten
 void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
 
-/// The smallest load at which the joint slides, as part of Q_nom = f P.
+/// The smallest load at which the joint slides, as part of Q_nom = f P; where it slides already
+/// before a further load, the load that it carries.
 /// @param work  [2 n] scratch
 /// @return Q_crit/Q_nom, to 1e-9
-/// @cost   some 90 passes
+/// @cost   some 70 passes
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
 
 /// N_slip/N_tot of every level along a path.

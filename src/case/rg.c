@@ -160,7 +160,8 @@ static void check_law(lac_reader *reader, const lac_case *c)
 void lac_check_rg(lac_reader *reader, lac_case *c)
 {
     bool asked = lac_present(reader, "rg");
-    if (reader->purpose != LAC_FOR_RG && !asked) {
+    const bool on_cells = reader->purpose == LAC_FOR_CELLS;
+    if (reader->purpose != LAC_FOR_RG && !on_cells && !asked) {
         return;
     }
     if (!lac_clean(reader, "rg") || !lac_clean(reader, "friction") ||
@@ -168,6 +169,8 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
         return;
     }
     lac_find_coulomb(reader, c, "rg", &c->rg.friction);
-    check_interface(reader, c);
+    if (!on_cells) {
+        check_interface(reader, c);
+    }
     check_law(reader, c);
 }

@@ -185,3 +185,25 @@ void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
         }
     }
 }
+
+void lac_rg_own_levels(lac_rg_tree *tree, double *level)
+{
+    size_t above = tree->levels;
+    for (size_t k = tree->layers; k-- > 0;) {
+        lac_rg_layer *layer = &tree->layer[k];
+        while (above > 0 && tree->of_level[above] > k) {
+            above--; // the highest level of this layer
+        }
+        for (size_t b = 0; b < layer->count; b++) {
+            double of_parent = k + 1 < tree->layers ? layer->received[b] : NAN;
+            bool own = isnan(of_parent) && layer->gap[b] <= tree->tolerance;
+            layer->received[b] = own ? (double)above : of_parent;
+            for (uint32_t c = 0; k > 0 && c < layer->child[b + 1] - layer->child[b]; c++) {
+                tree->layer[k - 1].received[layer->child[b] + c] = layer->received[b];
+            }
+        }
+    }
+    for (size_t i = 0; i < tree->layer[0].count; i++) {
+        level[lac_rg_cell(tree, i)] = tree->layer[0].received[i];
+    }
+}

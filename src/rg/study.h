@@ -11,6 +11,7 @@ typedef struct lac_rg_sample {
     double *block;      ///< [loads] side of the largest block slipped as a whole [m]
     double *blocks;     ///< [levels + 1]
     double *slipping;   ///< [levels + 1]
+    double *begin;      ///< [levels + 1]
     lac_rg_sizes *size; ///< [levels + 1]
 } lac_rg_sample;
 
@@ -18,6 +19,7 @@ typedef struct lac_rg_sample {
 typedef struct lac_rg_order {
     double *cluster;   ///< [loads]
     double *cell_load; ///< [n]
+    double *own_level; ///< [n]
 } lac_rg_order;
 
 /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT
@@ -27,7 +29,8 @@ lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def 
 /// Levels of the trees of a grid; one that is not periodic is laid into one twice as long.
 size_t lac_rg_sample_levels(const lac_grid *grid);
 
-/// Largest slipped cluster at each load, and the load at which each cell slips for good.
+/// Largest slipped cluster at each load, the load at which each cell slips for good, and the
+/// largest block around it that slips by itself where a loaded path begins.
 lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,
                              const double *load, lac_rg_order *out, lac_error *err);
 

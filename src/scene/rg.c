@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade of a case: interface by interface, the contact under falling load, then the blocks.
-#include "lacuna/scene_rg.h"
+#include "scene/rg.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,20 +8,13 @@
 
 #include "scene/internal.h"
 
-// One interface.
-typedef struct joint {
-    lac_scene_contact contact;
-    double *strength, *drop; // [n] [Pa]
-    lac_rg_path *path;
-} joint;
-
-static void joint_clear(joint *j)
+void lac_scene_joint_clear(lac_scene_joint *j)
 {
     lac_scene_contact_clear(&j->contact);
     lac_rg_path_free(j->path);
     free(j->strength);
     free(j->drop);
-    *j = (joint){0};
+    *j = (lac_scene_joint){0};
 }
 
 // The field of a slot's parameters that holds its seed; NULL where it has none.
@@ -59,25 +52,33 @@ out:
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact under less load");
 }
 
-static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
+lac_status lac_scene_joint_strengths(const lac_case *c, lac_scene_joint *j, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(lac_scene_contact_solve(c, true, &j->contact, err));
     const lac_domain *domain = j->contact.domain;
     j->strength = malloc(domain->n * sizeof *j->strength);
     j->drop = malloc(domain->n * sizeof *j->drop);
-    status = j->strength != NULL && j->drop != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    if (j->strength == NULL || j->drop == NULL) {
+        return lac_fail_memory(err);
+    }
     for (size_t i = 0; i < domain->n; i++) {
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
+    return LAC_OK;
+}
+
+static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(lac_scene_contact_make(c, LAC_SCENE_FIELDS, &j->contact, err));
+    const lac_domain *domain = j->contact.domain;
+    LAC_TRY(lac_scene_joint_strengths(c, j, err));
     lac_rg_path *path = NULL;
     status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
                                          : elastic_path(&j->contact, c->rg.friction, &path, err);
     j->path = path;
 out:
     if (status != LAC_OK) {
-        joint_clear(j);
+        lac_scene_joint_clear(j);
     }
     return status;
 }
@@ -103,7 +104,8 @@ static double drop_after_arrest(const lac_friction_params *law, double strength,
     return x;
 }
 
-static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, lac_error *err)
+static lac_status drops_from_friction(const lac_case *c, lac_scene_joint *j, double *sum,
+                                      lac_error *err)
 {
     const lac_friction_params *law = c->friction.params;
     const double damping = lac_damping_of(&c->material);
@@ -123,7 +125,8 @@ static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, 
     return LAC_OK;
 }
 
-static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_error *err)
+lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg *out,
+                            lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
     lac_status status = LAC_OK;
@@ -149,7 +152,7 @@ out:
     return status;
 }
 
-static lac_status create_studies(const lac_case *c, lac_scene_rg *out, lac_error *err)
+lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     lac_rg_study_def def = lac_rg_study_default();
     lac_status status = LAC_OK;
@@ -169,7 +172,7 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
                             lac_scene_rg *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    joint j = {0};
+    lac_scene_joint j = {0};
     for (size_t i = 0; i < out->seeds; i++) {
         if (watch != NULL && !watch->go_on(watch->context, i, out->seeds)) {
             status = lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i,
@@ -177,18 +180,18 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
             goto out;
         }
         LAC_TRY(make_joint(c, &j, err));
-        LAC_TRY(add_joint(c, &j, out, err));
+        LAC_TRY(lac_scene_rg_add(c, &j, out, err));
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
         }
-        joint_clear(&j);
+        lac_scene_joint_clear(&j);
         if (seed != NULL) {
             ++*seed;
         }
     }
 out:
-    joint_clear(&j);
+    lac_scene_joint_clear(&j);
     return status;
 }
 
@@ -209,6 +212,21 @@ static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, 
     return LAC_OK;
 }
 
+lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err)
+{
+    const double n = (double)out->seeds;
+    lac_status status = LAC_OK;
+    out->strength /= n;
+    out->contact_fraction /= n;
+    out->dimension /= n;
+    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
+    for (size_t k = 0; k < out->betas; k++) {
+        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
+    }
+out:
+    return status;
+}
+
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
                             lac_error *err)
 {
@@ -219,16 +237,9 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     if (status != LAC_OK) {
         return status;
     }
-    LAC_TRY(create_studies(c, out, err));
+    LAC_TRY(lac_scene_rg_begin(c, out, err));
     LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
-    double n = (double)out->seeds;
-    out->strength /= n;
-    out->contact_fraction /= n;
-    out->dimension /= n;
-    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
-    for (size_t k = 0; k < out->betas; k++) {
-        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
-    }
+    LAC_TRY(lac_scene_rg_end(c, out, err));
 out:
     free(slot->params);
     if (status != LAC_OK) {

@@ -42,6 +42,7 @@ HEADERS = {
     "rg_map": "rg",
     "rg_study": "rg",
     "scene_rg": "scene",
+    "store_cells": "store",
     "store_rg": "store",
     "tangential": "contact",
     "lacuna": "cli",
