@@ -39,13 +39,16 @@ static lac_status check_strengths(size_t n, const double *strength, lac_error *e
     if (n == 0) {
         return lac_fail(err, LAC_EINPUT, "no cell is in contact");
     }
+    double total = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
             return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
                             strength[i]);
         }
+        total += strength[i];
     }
-    return LAC_OK;
+    return isfinite(total) ? LAC_OK
+                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
 }
 
 static lac_status check_tractions(size_t n, const double *shear, lac_error *err)
