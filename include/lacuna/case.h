@@ -84,6 +84,9 @@ typedef struct lac_compare_def {
 /// How the shear force spreads over the cells in `rg`.
 typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL } lac_rg_field;
 
+/// Where the critical force of an elastic joint is looked for.
+typedef enum lac_rg_search { LAC_RG_SERIES = 0, LAC_RG_SOLVE } lac_rg_search;
+
 enum { LAC_MOST_BETAS = 32 };
 
 /// What `lacuna rg` does with the interface.
@@ -91,6 +94,8 @@ typedef struct lac_rg_def {
     bool named;      ///< the case has the section
     int rule;        ///< lac_rg_rule
     int field;       ///< lac_rg_field
+    int path;        ///< lac_rg_search
+    int64_t contacts; ///< solved along the path of an elastic joint
     int64_t shifts;  ///< places of the grid of blocks
     int64_t seeds;   ///< surfaces or domains: the case's seed and those that follow it
     int64_t loads;   ///< Q/Q_nom along the path

@@ -94,12 +94,13 @@ lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out
 lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
                                lac_rg_path **out, lac_error *err);
 
-enum { LAC_RG_LOADS = 24 };
+enum { LAC_RG_LOADS = 24, LAC_RG_MOST_LOADS = 500 };
 
-/// The 24 parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002
-/// by a constant factor, 0; Q_crit comes out within 0.005.
-/// @param part  [LAC_RG_LOADS] overwritten
-void lac_rg_loads(double part[LAC_RG_LOADS]);
+/// Parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002 by a
+/// constant factor, 0.
+/// @param loads  10 to LAC_RG_MOST_LOADS; LAC_RG_LOADS is usual
+/// @param part   [loads] overwritten
+void lac_rg_loads(size_t loads, double *part);
 
 /// Contact pressures of the same cells under falling load.
 typedef struct lac_rg_series {
@@ -117,10 +118,11 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
 /// Solves the contact at each part of the load, from one to the next.
 /// @param contact   load control
 /// @param domain    its solution's domain
-/// @param pressure  [LAC_RG_LOADS * domain->n] [Pa]; overwritten
+/// @param loads     as lac_rg_loads
+/// @param pressure  [loads * domain->n] [Pa]; overwritten
 /// @return as lac_contact_solve
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
-                               double *pressure, lac_error *err);
+                               size_t loads, double *pressure, lac_error *err);
 
 /// Frees a path; NULL is fine.
 void lac_rg_path_free(lac_rg_path *path);
@@ -137,6 +139,22 @@ void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double 
 /// @return Q_crit/Q_nom, to 1e-9
 /// @cost   some 70 passes
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
+
+/// A contact that can be solved again under less load.
+typedef struct lac_rg_press {
+    const lac_contact_def *contact; ///< load control
+    const lac_domain *domain;       ///< its solution's
+    double friction;                ///< f [1]
+} lac_rg_press;
+
+/// The load at which the joint slides, on contacts that are solved for it, each from the one
+/// before, instead of interpolated ones: first near the critical load of the path, then closer.
+/// @param path      elastic, of the same contact
+/// @param critical  Q_crit/Q_nom, to 1e-6. The tree is left just before the joint slides
+/// @return as lac_contact_solve
+/// @cost   some 10 contacts
+lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
+                                  const lac_rg_path *path, double *critical, lac_error *err);
 
 /// N_slip/N_tot of every level along a path.
 /// @param n         loads

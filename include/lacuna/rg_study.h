@@ -11,6 +11,8 @@ typedef struct lac_rg_joint {
     const double *strength;  ///< [n] f p [Pa]
     const double *drop;      ///< [n] (1 - beta) f p [Pa]
     const lac_rg_path *path; ///< how the shear force grows
+    const lac_rg_press *press; ///< solved again for the critical force of each place; NULL: that
+                               ///< of the path
 } lac_rg_joint;
 
 /// How an ensemble of joints is studied.

@@ -4,11 +4,13 @@
 #include <string.h>
 
 #include "case/sections.h"
+#include "lacuna/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const rules[] = {"fix", "cons", "lump", NULL};
 static const char *const rg_fields[] = {"elastic", "equal", NULL};
+static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
@@ -65,6 +67,21 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_INTEGER,
      .offset = FIELD(rg.loads),
      .doc = "shear forces at which slipping blocks are counted"},
+    {.key = "contacts",
+     .unit = "1",
+     .fallback = LAC_RG_LOADS,
+     .min = 10,
+     .max = LAC_RG_MOST_LOADS,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.contacts),
+     .doc = "contacts solved along the path of field elastic, to interpolate between"},
+    {.key = "path",
+     .unit = "1",
+     .fallback = LAC_RG_SERIES,
+     .type = LAC_CHOICE,
+     .choices = rg_paths,
+     .offset = FIELD(rg.path),
+     .doc = "the critical force of field elastic from that series, or on contacts solved for it"},
 };
 
 const char *const lac_rg_own[] = {"beta", NULL};

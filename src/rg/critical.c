@@ -12,9 +12,9 @@ double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
     return lac_rg_pass(tree, rule, shear, gap);
 }
 
-// Where to look next: twice a little beyond the chord through the thresholds, on the side that was
-// not seen last, then in the middle. LUMP has no thresholds to draw a chord through.
-static double next_load(const lac_rg_bracket *b, int step, bool stuck, double within)
+// Twice a little beyond the chord through the thresholds, on the side that was not seen last, then
+// in the middle. LUMP has no thresholds to draw a chord through.
+double lac_rg_next_load(const lac_rg_bracket *b, int step, bool stuck, double within)
 {
     const double width = b->high - b->low;
     double x = b->low + width * b->at_low / (b->at_low - b->at_high);
@@ -31,7 +31,7 @@ double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path
     const double within = 1e-9;
     bool stuck = false;
     for (int step = 0; b.high - b.low > within; step++) {
-        double load = next_load(&b, step, stuck, within);
+        double load = lac_rg_next_load(&b, step, stuck, within);
         double at = lac_rg_root(tree, rule, path, load, work);
         stuck = !lac_rg_slips(tree, at);
         if (stuck) {

@@ -233,33 +233,35 @@ void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double 
     }
 }
 
-void lac_rg_loads(double part[LAC_RG_LOADS])
+void lac_rg_loads(size_t loads, double *part)
 {
-    const int even = 10; // 1, 0.9 ... 0.1
-    const int last = LAC_RG_LOADS - 2;
-    for (int k = 0; k < LAC_RG_LOADS; k++) {
-        part[k] =
-            k < even ? (10.0 - k) / 10.0 : 0.1 * pow(0.02, (k - even + 1.0) / (last - even + 1.0));
+    const size_t even = (10 * loads + 12) / 24; // 10 of 24: 1, 0.9 ... 0.1
+    const size_t falling = loads - even - 1;
+    for (size_t k = 0; k < loads; k++) {
+        double x = (double)k;
+        part[k] = k < even
+                      ? 1.0 - 0.9 * x / (double)(even - 1)
+                      : 0.1 * pow(0.02, (x - (double)even + 1.0) / (double)falling);
     }
-    part[LAC_RG_LOADS - 1] = 0.0;
+    part[loads - 1] = 0.0;
 }
 
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
-                               double *pressure, lac_error *err)
+                               size_t loads, double *pressure, lac_error *err)
 {
     const size_t n = domain->n;
-    double part[LAC_RG_LOADS];
+    double part[LAC_RG_MOST_LOADS];
     lac_contact_def def = *contact;
     lac_status status;
     double *p = calloc(lac_grid_cells(&contact->grid), sizeof *p);
     status = p != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    lac_rg_loads(part);
+    lac_rg_loads(loads, part);
     def.start = p;
     for (size_t i = 0; i < n; i++) {
         p[domain->index[i]] = domain->pressure[i];
     }
-    for (size_t k = 0; k < LAC_RG_LOADS; k++) {
+    for (size_t k = 0; k < loads; k++) {
         if (k > 0 && part[k] > 0.0) {
             def.mean_pressure = part[k] * contact->mean_pressure;
             LAC_TRY(lac_contact_solve(&def, p, NULL, NULL, err));

@@ -4,6 +4,8 @@
 
 #include "lacuna/rg.h"
 
+#define LAC_RG_WITHIN_SOLVED 1e-6 // of Q/Q_nom: contacts are solved to 1e-8
+
 enum { LAC_RG_SCAN = 60 }; // loads at which it is seen whether the joint slides, at least
 
 /// Whether every cell gets the same stress, up to its cap.
@@ -24,6 +26,11 @@ typedef struct lac_rg_bracket {
     double low, high;       ///< Q/Q_nom
     double at_low, at_high; ///< threshold of the root there [Pa]; INFINITY: not known
 } lac_rg_bracket;
+
+/// Where to look next inside a bracket, to close it to `within`.
+/// @param step   how many loads have been looked at
+/// @param stuck  whether the joint stuck at the last of them
+double lac_rg_next_load(const lac_rg_bracket *bracket, int step, bool stuck, double within);
 
 /// Threshold of the root at a load. @param work  [2 cells]
 double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,

@@ -122,6 +122,22 @@ out:
     return status;
 }
 
+lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                               size_t dy, lac_rg_sample *sample, lac_error *err)
+{
+    lac_rg_tree *tree = NULL;
+    lac_status status;
+    LAC_TRY(lac_rg_tree_create_at(joint->domain, dx, dy, joint->strength, joint->drop, &tree, err));
+    LAC_TRY(lac_rg_critical_solved(tree, def->rule, joint->press, joint->path, &sample->critical,
+                                   err));
+    for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
+        sample->slipping[level] = (double)lac_rg_slipping(tree, level);
+    }
+out:
+    lac_rg_tree_free(tree);
+    return status;
+}
+
 // The slipped cells as a domain of their own, with room for all of `domain`.
 static lac_status create_part(const lac_domain *domain, lac_domain **out, lac_error *err)
 {

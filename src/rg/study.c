@@ -158,6 +158,21 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
     return worst;
 }
 
+// One place after the other: the contact solver has the threads.
+static lac_status solve_samples(const lac_rg_study *study, const lac_rg_joint *joint,
+                                lac_rg_sample *samples, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t i = 0; joint->press != NULL && i < study->def.places; i++) {
+        size_t dx;
+        size_t dy;
+        draw_place(study, &joint->domain->grid, i, &dx, &dy);
+        LAC_TRY(lac_rg_sample_solve(joint, &study->def, dx, dy, &samples[i], err));
+    }
+out:
+    return status;
+}
+
 // Clusters and the order of slipping, at the grid's own place.
 static lac_status take_order(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
 {
@@ -206,6 +221,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
     study->of_joint = grown;
     LAC_TRY(create_samples(study, &samples, err));
     LAC_TRY(take_samples(study, joint, samples, err));
+    LAC_TRY(solve_samples(study, joint, samples, err));
     LAC_TRY(take_order(study, joint, err));
     study->of_joint[study->joints++] = samples;
     samples = NULL;

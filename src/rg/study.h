@@ -26,6 +26,10 @@ typedef struct lac_rg_order {
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
                               size_t dy, const double *load, lac_rg_sample *out, lac_error *err);
 
+/// The critical force of a sample on contacts that are solved for it, where the joint has them.
+lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                               size_t dy, lac_rg_sample *sample, lac_error *err);
+
 /// Levels of the trees of a grid; one that is not periodic is laid into one twice as long.
 size_t lac_rg_sample_levels(const lac_grid *grid);
 

@@ -29,23 +29,31 @@ static int64_t *seed_of(const lac_slot *slot)
     return NULL;
 }
 
-// Pressures under the falling load, and the gaps that follow.
-static lac_status elastic_path(const lac_scene_contact *contact, double friction,
-                               lac_rg_path **path, lac_error *err)
+// The contact, to be pressed again.
+static lac_contact_def contact_of(const lac_scene_contact *contact)
 {
-    const size_t n = contact->domain->n;
-    double part[LAC_RG_LOADS];
-    double *pressure = malloc(LAC_RG_LOADS * n * sizeof *pressure);
-    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
     lac_contact_def def = lac_contact_default();
     def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
     def.mean_pressure = contact->mean_pressure;
-    LAC_TRY(lac_rg_series_solve(&def, contact->domain, pressure, err));
-    lac_rg_loads(part);
-    const lac_rg_series series = {n, LAC_RG_LOADS, part, pressure, friction};
+    return def;
+}
+
+// Pressures under the falling load, and the gaps that follow.
+static lac_status elastic_path(const lac_case *c, const lac_scene_contact *contact,
+                               lac_rg_path **path, lac_error *err)
+{
+    const size_t n = contact->domain->n;
+    const size_t loads = (size_t)c->rg.contacts;
+    const lac_contact_def def = contact_of(contact);
+    double part[LAC_RG_MOST_LOADS];
+    double *pressure = malloc(loads * n * sizeof *pressure);
+    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(lac_rg_series_solve(&def, contact->domain, loads, pressure, err));
+    lac_rg_loads(loads, part);
+    const lac_rg_series series = {n, loads, part, pressure, c->rg.friction};
     LAC_TRY(lac_rg_path_elastic(&series, path, err));
 out:
     free(pressure);
@@ -74,7 +82,7 @@ static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *e
     LAC_TRY(lac_scene_joint_strengths(c, j, err));
     lac_rg_path *path = NULL;
     status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
-                                         : elastic_path(&j->contact, c->rg.friction, &path, err);
+                                         : elastic_path(c, &j->contact, &path, err);
     j->path = path;
 out:
     if (status != LAC_OK) {
@@ -129,6 +137,9 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
                             lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
+    const lac_contact_def contact = contact_of(&j->contact);
+    const lac_rg_press press = {&contact, domain, c->rg.friction};
+    const bool solved = c->rg.path == LAC_RG_SOLVE && c->rg.field == LAC_RG_ELASTIC;
     lac_status status = LAC_OK;
     for (size_t k = 0; k < out->betas; k++) {
         if (c->rg.betas == 0) {
@@ -137,7 +148,7 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
         for (size_t i = 0; i < domain->n && c->rg.betas > 0; i++) {
             j->drop[i] = (1.0 - out->beta[k]) * j->strength[i];
         }
-        const lac_rg_joint part = {domain, j->strength, j->drop, j->path};
+        const lac_rg_joint part = {domain, j->strength, j->drop, j->path, solved ? &press : NULL};
         LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
     }
     double total = 0.0;
