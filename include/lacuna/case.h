@@ -91,16 +91,16 @@ enum { LAC_MOST_BETAS = 32 };
 
 /// What `lacuna rg` does with the interface.
 typedef struct lac_rg_def {
-    bool named;      ///< the case has the section
-    int rule;        ///< lac_rg_rule
-    int field;       ///< lac_rg_field
-    int path;        ///< lac_rg_search
+    bool named;       ///< the case has the section
+    int rule;         ///< lac_rg_rule
+    int field;        ///< lac_rg_field
+    int path;         ///< lac_rg_search
     int64_t contacts; ///< solved along the path of an elastic joint
-    int64_t shifts;  ///< places of the grid of blocks
-    int64_t seeds;   ///< surfaces or domains: the case's seed and those that follow it
-    int64_t loads;   ///< Q/Q_nom along the path
-    double friction; ///< Coulomb's f [1]
-    size_t betas;    ///< 0: from the friction law
+    int64_t shifts;   ///< places of the grid of blocks
+    int64_t seeds;    ///< surfaces or domains: the case's seed and those that follow it
+    int64_t loads;    ///< Q/Q_nom along the path
+    double friction;  ///< Coulomb's f [1]
+    size_t betas;     ///< 0: from the friction law
     double beta[LAC_MOST_BETAS];
 } lac_rg_def;
 

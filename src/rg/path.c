@@ -239,9 +239,8 @@ void lac_rg_loads(size_t loads, double *part)
     const size_t falling = loads - even - 1;
     for (size_t k = 0; k < loads; k++) {
         double x = (double)k;
-        part[k] = k < even
-                      ? 1.0 - 0.9 * x / (double)(even - 1)
-                      : 0.1 * pow(0.02, (x - (double)even + 1.0) / (double)falling);
+        part[k] = k < even ? 1.0 - 0.9 * x / (double)(even - 1)
+                           : 0.1 * pow(0.02, (x - (double)even + 1.0) / (double)falling);
     }
     part[loads - 1] = 0.0;
 }

@@ -128,8 +128,8 @@ lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def
     lac_rg_tree *tree = NULL;
     lac_status status;
     LAC_TRY(lac_rg_tree_create_at(joint->domain, dx, dy, joint->strength, joint->drop, &tree, err));
-    LAC_TRY(lac_rg_critical_solved(tree, def->rule, joint->press, joint->path, &sample->critical,
-                                   err));
+    LAC_TRY(
+        lac_rg_critical_solved(tree, def->rule, joint->press, joint->path, &sample->critical, err));
     for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
         sample->slipping[level] = (double)lac_rg_slipping(tree, level);
     }

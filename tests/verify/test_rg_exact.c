@@ -114,8 +114,8 @@ static void test_solved_contacts_bracket_the_critical_force(void **state)
         for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
             lac_error err = {""};
             double critical = NAN;
-            assert_int_equal(
-                lac_rg_critical_solved(j.tree, rule, &press, path, &critical, &err), LAC_OK);
+            assert_int_equal(lac_rg_critical_solved(j.tree, rule, &press, path, &critical, &err),
+                             LAC_OK);
             assert_false(slides(&j, rule, critical - 3e-6));
             assert_true(slides(&j, rule, critical + 2e-6));
             assert_true(fabs(critical - lac_rg_critical(j.tree, rule, path, work)) < 0.05);

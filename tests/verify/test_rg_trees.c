@@ -89,8 +89,8 @@ static bool brute_slips(const scene *s, const double *shear, size_t level, uint3
                         uint32_t end)
 {
     if (level == 0) {
-        return s->strength[begin] - shear[begin] <= 1e-12 * sum(s->strength, 0, (uint32_t)s->n) /
-                                                        (double)s->n;
+        return s->strength[begin] - shear[begin] <=
+               1e-12 * sum(s->strength, 0, (uint32_t)s->n) / (double)s->n;
     }
     lump_point p[MOST];
     size_t n = 0;
@@ -127,8 +127,8 @@ static void test_lump_event_after_event(void **state)
         slid += lac_rg_slips(tree, lac_rg_pass(tree, LAC_RG_LUMP, s.shear, NULL)) ? 1 : 0;
         for (size_t level = 0; level <= s.levels; level++) {
             for (size_t b = 0; b < s.t.count[level]; b++) {
-                bool expected = brute_slips(&s, s.shear, level, s.t.first[level][b],
-                                            s.t.first[level][b + 1]);
+                bool expected =
+                    brute_slips(&s, s.shear, level, s.t.first[level][b], s.t.first[level][b + 1]);
                 bool slips = lac_rg_slips(tree, lac_rg_thresholds(tree, level)[b]);
                 assert_int_equal(slips, expected);
             }
