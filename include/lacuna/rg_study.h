@@ -62,7 +62,7 @@ typedef struct lac_rg_result {
     double *begin;      ///< [levels + 1] N_slip where a path begins loaded, mean; of the root: the
                         ///< share of joints and places that slide there; else 0
     lac_rg_sizes *size; ///< [levels + 1] mean over joints and places
-    double *cell_load;  ///< [n of the last joint] load at which each cell has slipped [1]
+    double *cell_load;  ///< [n of the last joint] first load at which each cell has slipped [1]
     double *own_level;  ///< [n of the last joint] level of the largest block around each cell that
                         ///< slips by itself where a path begins loaded; NaN: none
     size_t last_n;      ///< n of the last joint
@@ -77,7 +77,7 @@ lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, 
 /// Lets the cascade run on one joint, its places shared among the threads; the results do not
 /// depend on how many these are.
 /// @return LAC_OK; LAC_EINPUT (a joint of other levels than those before); LAC_ENOMEM
-/// @cost   some 75 passes a place, and as many once more with their pass down
+/// @cost   some 75 passes a place, and as many passes down for the first
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
 
 /// Statistics of what was added.

@@ -61,6 +61,25 @@ static void slip(slide *s, const lac_rg_layer *below, uint32_t c)
     }
 }
 
+// Of two children: the one that slips first, and what it leaves the other to bear.
+static double threshold_of_two(const lac_rg_tree *tree, const lac_rg_layer *below, double all,
+                               uint32_t c)
+{
+    const lac_rg_child one = {below->gap[c], below->strength[c], c};
+    const lac_rg_child two = {below->gap[c + 1], below->strength[c + 1], c + 1};
+    const uint32_t first = before(&two, &one) ? c + 1 : c;
+    const uint32_t last = 2 * c + 1 - first;
+    const double left = below->cells[last];
+    double needed = below->gap[last];
+    if (tree->rule == LAC_RG_FIX) {
+        needed -= below->drop[first] / left;
+    } else {
+        double kept = below->strength[first] - below->drop[first];
+        needed = (left * needed - (below->shear[first] - kept)) / all;
+    }
+    return fmax(needed, below->gap[first]);
+}
+
 // The smallest stress on all cells of a block that makes each child slip in turn.
 static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_rg_layer *layer,
                         size_t block)
@@ -70,6 +89,9 @@ static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_
         return below->gap[child[0]];
     }
     const double all = layer->cells[block];
+    if (child[1] - child[0] == 2) {
+        return threshold_of_two(tree, below, all, child[0]);
+    }
     size_t n = lac_rg_sort(below, child[0], child[1], tree->order);
     double best = -INFINITY;
     slide s = {.left = all};

@@ -52,6 +52,72 @@ static void count_at_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_
     }
 }
 
+lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
+                               lac_error *err)
+{
+    *order = (lac_rg_order){.domain = domain};
+    order->cluster = malloc(loads * sizeof *order->cluster);
+    order->cell_load = malloc(domain->n * sizeof *order->cell_load);
+    order->own_level = malloc(domain->n * sizeof *order->own_level);
+    order->slipped = malloc(domain->n);
+    order->part = calloc(1, sizeof *order->part);
+    if (order->part != NULL) {
+        order->part->grid = domain->grid;
+        order->part->index = malloc(domain->n * sizeof *order->part->index);
+    }
+    if (order->cluster == NULL || order->cell_load == NULL || order->own_level == NULL ||
+        order->slipped == NULL || order->part == NULL || order->part->index == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t c = 0; c < domain->n; c++) {
+        order->cell_load[c] = NAN;
+        order->own_level[c] = NAN;
+    }
+    return LAC_OK;
+}
+
+void lac_rg_order_clear(lac_rg_order *order)
+{
+    lac_domain_free(order->part);
+    free(order->slipped);
+    free(order->own_level);
+    free(order->cell_load);
+    free(order->cluster);
+    *order = (lac_rg_order){0};
+}
+
+// Longer side of the largest cluster of slipped cells [m].
+static lac_status largest_cluster(const lac_domain *domain, const uint8_t *slipped,
+                                  lac_domain *part, double *extent, lac_error *err)
+{
+    lac_clusters *clusters = NULL;
+    *extent = 0.0;
+    part->n = 0;
+    for (size_t i = 0; i < domain->n; i++) {
+        part->index[part->n] = domain->index[i];
+        part->n += slipped[i];
+    }
+    lac_status status = part->n > 0 ? lac_clusters_create(part, &clusters, err) : LAC_OK;
+    for (size_t c = 0; clusters != NULL && c < clusters->n; c++) {
+        *extent = fmax(*extent, lac_cluster_extent(clusters, &domain->grid, c));
+    }
+    lac_clusters_free(clusters);
+    return status;
+}
+
+// Takes note of the cells that have slipped in the end at load i; the loads rise.
+static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, double load,
+                             lac_error *err)
+{
+    const lac_domain *domain = order->domain;
+    lac_rg_settle(tree, order->slipped, NULL);
+    for (size_t c = 0; c < domain->n; c++) {
+        double at = order->cell_load[c];
+        order->cell_load[c] = order->slipped[c] == 0 || !isnan(at) ? at : load;
+    }
+    return largest_cluster(domain, order->slipped, order->part, &order->cluster[i], err);
+}
+
 // Along a path: every pass tells of the blocks that slip, and one of them that the joint does.
 typedef struct scan {
     lac_rg_tree *tree;
@@ -62,6 +128,7 @@ typedef struct scan {
     lac_rg_bracket bracket;
     double at; // the load reached
     bool slides;
+    lac_rg_order *order; // NULL: not wanted
 } scan;
 
 static void scan_to(scan *s, double load)
@@ -78,13 +145,18 @@ static void scan_to(scan *s, double load)
 
 // Slipped fractions at the loads asked for; between them as many more as it takes to see where the
 // joint slides.
-static void scan_path(scan *s, size_t loads, const double *load, double *fraction, double *begin)
+static lac_status scan_path(scan *s, size_t loads, const double *load, lac_rg_sample *out,
+                            lac_error *err)
 {
+    lac_status status = LAC_OK;
     const size_t levels = lac_rg_levels(s->tree) + 1;
     const size_t parts = (LAC_RG_SCAN + loads - 1) / loads;
     scan_to(s, s->at);
     for (size_t level = 0; level < levels; level++) {
-        begin[level] = (double)lac_rg_slipping(s->tree, level);
+        out->begin[level] = (double)lac_rg_slipping(s->tree, level);
+    }
+    if (s->order != NULL && lac_rg_path_is_laden(s->path)) {
+        lac_rg_own_levels(s->tree, s->order->own_level);
     }
     for (size_t i = 0; i < loads; i++) {
         double from = s->at;
@@ -93,24 +165,31 @@ static void scan_path(scan *s, size_t loads, const double *load, double *fractio
         }
         scan_to(s, load[i]);
         for (size_t level = 0; level < levels; level++) {
-            fraction[i * levels + level] =
+            out->fraction[i * levels + level] =
                 (double)lac_rg_slipping(s->tree, level) / (double)lac_rg_blocks_at(s->tree, level);
         }
+        LAC_TRY(s->order != NULL ? note_order(s->order, s->tree, i, load[i], err) : LAC_OK);
     }
+out:
+    return status;
 }
 
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
-                              size_t dy, const double *load, lac_rg_sample *out, lac_error *err)
+                              size_t dy, const double *load, lac_rg_order *order,
+                              lac_rg_sample *out, lac_error *err)
 {
     const lac_domain *domain = joint->domain;
-    scan s = {.path = joint->path, .rule = def->rule, .at = lac_rg_path_load(joint->path, 0.0)};
+    scan s = {.path = joint->path,
+              .rule = def->rule,
+              .at = lac_rg_path_load(joint->path, 0.0),
+              .order = order};
     s.work = malloc(2 * domain->n * sizeof *s.work);
     lac_status status = s.work != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     LAC_TRY(lac_rg_tree_create_at(domain, dx, dy, joint->strength, joint->drop, &s.tree, err));
     LAC_TRY(lac_rg_states_create(s.tree, &s.states, err));
     s.bracket = (lac_rg_bracket){s.at, s.at, INFINITY, INFINITY};
-    scan_path(&s, def->loads, load, out->fraction, out->begin);
+    LAC_TRY(scan_path(&s, def->loads, load, out, err));
     lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
     out->critical = lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work);
     largest_block(s.tree, &domain->grid, def->loads, out);
@@ -134,93 +213,6 @@ lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def
         sample->slipping[level] = (double)lac_rg_slipping(tree, level);
     }
 out:
-    lac_rg_tree_free(tree);
-    return status;
-}
-
-// The slipped cells as a domain of their own, with room for all of `domain`.
-static lac_status create_part(const lac_domain *domain, lac_domain **out, lac_error *err)
-{
-    lac_domain *part = calloc(1, sizeof *part);
-    *out = part;
-    if (part == NULL) {
-        return lac_fail_memory(err);
-    }
-    part->grid = domain->grid;
-    part->index = malloc(domain->n * sizeof *part->index);
-    return part->index != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
-// Longer side of the largest cluster of slipped cells [m].
-static lac_status largest_cluster(const lac_domain *domain, const uint8_t *slipped,
-                                  lac_domain *part, double *extent, lac_error *err)
-{
-    lac_clusters *clusters = NULL;
-    *extent = 0.0;
-    part->n = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        part->index[part->n] = domain->index[i];
-        part->n += slipped[i];
-    }
-    lac_status status = part->n > 0 ? lac_clusters_create(part, &clusters, err) : LAC_OK;
-    for (size_t c = 0; clusters != NULL && c < clusters->n; c++) {
-        *extent = fmax(*extent, lac_cluster_extent(clusters, &domain->grid, c));
-    }
-    lac_clusters_free(clusters);
-    return status;
-}
-
-static lac_status take_order(const lac_rg_joint *joint, const lac_rg_study_def *def,
-                             const double *load, lac_rg_tree *tree, lac_rg_order *out,
-                             lac_error *err)
-{
-    const lac_domain *domain = joint->domain;
-    lac_status status;
-    size_t before = SIZE_MAX;
-    lac_domain *part = NULL;
-    double *work = malloc(2 * domain->n * sizeof *work);
-    uint8_t *slipped = malloc(domain->n);
-    status = work != NULL && slipped != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(create_part(domain, &part, err));
-    for (size_t i = def->loads; i-- > 0;) {
-        (void)lac_rg_root(tree, def->rule, joint->path, load[i], work);
-        lac_rg_settle(tree, slipped, NULL);
-        bool all = true;
-        for (size_t c = 0; c < domain->n; c++) {
-            out->cell_load[c] = slipped[c] != 0 ? load[i] : out->cell_load[c];
-            all = all && slipped[c] != 0;
-        }
-        if (all && before == domain->n) {
-            out->cluster[i] = out->cluster[i + 1]; // the same cells as at the load above
-        } else {
-            LAC_TRY(largest_cluster(domain, slipped, part, &out->cluster[i], err));
-        }
-        before = all ? domain->n : 0;
-    }
-    if (lac_rg_path_is_laden(joint->path)) {
-        lac_rg_own_levels(tree, out->own_level); // the load of the last pass is the path's first
-    }
-out:
-    lac_domain_free(part);
-    free(slipped);
-    free(work);
-    return status;
-}
-
-lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,
-                             const double *load, lac_rg_order *out, lac_error *err)
-{
-    lac_rg_tree *tree = NULL;
-    for (size_t i = 0; i < joint->domain->n; i++) {
-        out->cell_load[i] = NAN;
-        out->own_level[i] = NAN;
-    }
-    lac_status status =
-        lac_rg_tree_create_at(joint->domain, 0, 0, joint->strength, joint->drop, &tree, err);
-    if (status == LAC_OK) {
-        status = take_order(joint, def, load, tree, out, err);
-    }
     lac_rg_tree_free(tree);
     return status;
 }

@@ -133,7 +133,7 @@ static void draw_place(const lac_rg_study *study, const lac_grid *grid, size_t p
 }
 
 static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *joint,
-                               lac_rg_sample *samples, lac_error *err)
+                               lac_rg_sample *samples, lac_rg_order *order, lac_error *err)
 {
     const int places = (int)study->def.places;
     lac_status worst = LAC_OK;
@@ -143,8 +143,8 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
         size_t dx;
         size_t dy;
         draw_place(study, &joint->domain->grid, (size_t)i, &dx, &dy);
-        lac_status status =
-            lac_rg_sample_take(joint, &study->def, dx, dy, study->load, &samples[i], &own);
+        lac_status status = lac_rg_sample_take(joint, &study->def, dx, dy, study->load,
+                                               i == 0 ? order : NULL, &samples[i], &own);
         if (status != LAC_OK) {
 #pragma omp critical
             {
@@ -174,36 +174,25 @@ out:
 }
 
 // Clusters and the order of slipping, at the grid's own place.
-static lac_status take_order(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
+static void keep_order(lac_rg_study *study, lac_rg_order *order)
 {
-    const size_t n = joint->domain->n;
-    lac_rg_order order = {malloc(study->def.loads * sizeof(double)), malloc(n * sizeof(double)),
-                          malloc(n * sizeof(double))};
     lac_rg_result *r = study->result;
-    bool made = order.cluster != NULL && order.cell_load != NULL && order.own_level != NULL;
-    lac_status status = made ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(lac_rg_order_take(joint, &study->def, study->load, &order, err));
     for (size_t i = 0; i < study->def.loads; i++) {
-        study->cluster[i] += order.cluster[i];
+        study->cluster[i] += order->cluster[i];
     }
     free(r->cell_load);
     free(r->own_level);
-    r->cell_load = order.cell_load;
-    r->own_level = order.own_level;
-    r->last_n = n;
-    order.cell_load = NULL;
-    order.own_level = NULL;
-out:
-    free(order.own_level);
-    free(order.cell_load);
-    free(order.cluster);
-    return status;
+    r->cell_load = order->cell_load;
+    r->own_level = order->own_level;
+    r->last_n = order->domain->n;
+    order->cell_load = NULL;
+    order->own_level = NULL;
 }
 
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
 {
     lac_rg_sample *samples = NULL;
+    lac_rg_order order = {0};
     lac_status status;
     const size_t levels = lac_rg_sample_levels(&joint->domain->grid);
     if (study->joints > 0 && levels != study->levels) {
@@ -220,12 +209,14 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
     LAC_TRY(status);
     study->of_joint = grown;
     LAC_TRY(create_samples(study, &samples, err));
-    LAC_TRY(take_samples(study, joint, samples, err));
+    LAC_TRY(lac_rg_order_create(joint->domain, study->def.loads, &order, err));
+    LAC_TRY(take_samples(study, joint, samples, &order, err));
     LAC_TRY(solve_samples(study, joint, samples, err));
-    LAC_TRY(take_order(study, joint, err));
+    keep_order(study, &order);
     study->of_joint[study->joints++] = samples;
     samples = NULL;
 out:
+    lac_rg_order_clear(&order);
     free_samples(study, samples);
     return status;
 }

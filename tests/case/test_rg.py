@@ -226,7 +226,7 @@ class Cascade(unittest.TestCase):
             self.assertEqual(done.returncode, 2)
             self.assertIn("load.normal.pressure: \"0 Pa\" must be > 0", done.stderr)
         done = self.joint(domain=self.SURFACE + ", boundary: free", levels=5,
-                          load="approach: -1 m")
+                          load="approach: 1 m")
         self.assertEqual(done.returncode, 2)
         self.assertIn("the faces do not touch", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)
