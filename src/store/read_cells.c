@@ -3,6 +3,7 @@
 #include "lacuna/store_cells.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,7 +77,7 @@ static lac_status read_all(const lac_input *in, const char *name, size_t n, doub
 
 static lac_status new_doubles(size_t n, double **out, lac_error *err)
 {
-    *out = malloc((n + 1) * sizeof **out);
+    *out = calloc(n + 1, sizeof **out);
     return *out != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
@@ -96,7 +97,7 @@ static lac_status read_provenance(const lac_input *in, lac_stored_cells *out, la
     nc_type type = NC_NAT;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         if (lac_input_has_status(in, known[i])) {
-            (void)strcpy(out->status, known[i]);
+            (void)snprintf(out->status, sizeof out->status, "%s", known[i]);
         }
     }
     if (nc_inq_att(in->id, NC_GLOBAL, "case", &type, &length) != NC_NOERR || type != NC_CHAR ||

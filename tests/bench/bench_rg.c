@@ -4,6 +4,7 @@
 // thread. Floors at 1024: series <= 12 s, pass <= 15 ns a node, study <= 2 s. bench_rg [side
 // [loads]]
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -137,6 +138,7 @@ int main(int argc, char **argv)
     const double loads[] = {0.033, 0.01, 0.105};
     size_t cases = argc > 2 ? (size_t)atoi(argv[2]) : sizeof loads / sizeof *loads;
     lac_error err = {""};
+    omp_set_num_threads(1);
     (void)setvbuf(stdout, NULL, _IOLBF, 0);
     for (size_t i = 0; i < cases && i < sizeof loads / sizeof *loads; i++) {
         joint j = {0};

@@ -92,7 +92,7 @@ static bool brute_slips(const scene *s, const double *shear, size_t level, uint3
         return s->strength[begin] - shear[begin] <=
                1e-12 * sum(s->strength, 0, (uint32_t)s->n) / (double)s->n;
     }
-    lump_point p[MOST];
+    lump_point p[MOST] = {0};
     size_t n = 0;
     for (size_t b = 0; b < s->t.count[level - 1]; b++) {
         uint32_t from = s->t.first[level - 1][b];
