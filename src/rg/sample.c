@@ -110,10 +110,17 @@ static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, d
                              lac_error *err)
 {
     const lac_domain *domain = order->domain;
+    const bool was_whole = i > 0 && order->part->n == domain->n;
+    size_t count = 0;
     lac_rg_settle(tree, order->slipped, NULL);
     for (size_t c = 0; c < domain->n; c++) {
         double at = order->cell_load[c];
         order->cell_load[c] = order->slipped[c] == 0 || !isnan(at) ? at : load;
+        count += order->slipped[c];
+    }
+    if (was_whole && count == domain->n) {
+        order->cluster[i] = order->cluster[i - 1];
+        return LAC_OK;
     }
     return largest_cluster(domain, order->slipped, order->part, &order->cluster[i], err);
 }
