@@ -135,7 +135,7 @@ typedef struct lac_case {
     char *path;
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
-    lac_slot surface, domain; ///< at most one is set
+    lac_slot surface, domain;         ///< at most one is set
     lac_spread_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
     lac_slot normal;

@@ -90,8 +90,7 @@ lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out
 /// f p - tau, < 0 where a cell has slipped on the way.
 /// @param strength  [n] f p of each contact cell [Pa], > 0
 /// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
-lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out,
-                               lac_error *err);
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
 enum { LAC_RG_LOADS = 24 };
 

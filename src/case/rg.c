@@ -26,8 +26,9 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_CHOICE,
      .choices = rg_fields,
      .offset = FIELD(rg.field),
-     .doc = "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
-            "stress on all (uniform), as a ramp with share: equal puts it on"},
+     .doc =
+         "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
+         "stress on all (uniform), as a ramp with share: equal puts it on"},
     {.key = "beta",
      .doc = "strength left after slip, as a number, a list, or from-friction",
      .unit = "1",
