@@ -176,10 +176,12 @@ def draw(bridge, path):
     for rule, colour in (("cons", "tab:blue"), ("fix", "tab:orange")):
         left.axhline(bridge.predicted(rule, 64, 0.6, 0.3, 1), color=colour, ls="--", label=rule.upper())
     left.set(xlabel="time [day]", ylabel="$Q/Q_{nom}$")
+    low, high = left.get_ylim()
+    left.set_ylim(low, high + 0.35 * (high - low))
     left.legend(loc="upper left")
     slips = left.twinx()
     slips.semilogy(time, rate, color="tab:red", lw=0.6)
-    slips.set(ylim=(1e-16, 1e8), yticks=[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1])
+    slips.set(ylim=(1e-16, 1e14), yticks=[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1])
     slips.set_ylabel("fastest contact [m/s]", color="tab:red")
     left.set_title("64 contacts, β 0.6, pressures ± 0.3, ratio 0.01", fontsize=10)
     for contacts, marker in ((16, "o"), (64, "s")):
