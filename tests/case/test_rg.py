@@ -232,6 +232,16 @@ class Bridge(unittest.TestCase):
         # the seeds that rg goes through are those
         self.assertAlmostEqual(self.critical("rg.seeds=3"), sum(expected) / 3, delta=1e-9)
 
+    def test_the_tool_makes_its_table(self):
+        tool = os.path.join(SOURCE, "tools/bridge.py")
+        done = subprocess.run([sys.executable, tool, "contrast", "--runs", "2", "--program", PROGRAM],
+                              text=True, capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split("|")[1:-1] for line in done.stdout.splitlines() if line.startswith("| ±")]
+        self.assertEqual([row[0].strip() for row in rows], ["± 0.16", "± 0.3"])
+        for row in rows:
+            self.assertLess(float(row[1].split()[0]), 0.005)
+
     def test_pressures_are_spread_and_their_load_is_held(self):
         self.call("contact")
         with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as data:
