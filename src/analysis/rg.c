@@ -148,7 +148,9 @@ static const lac_extra table[EXTRAS] = {
     {.name = "correlation_length",
      .unit = "m",
      .long_name = "longest side of a connected cluster of slipping cells",
-     .comment = "8 neighbours, through the edges where periodic; 0 where no cell slips",
+     .comment =
+         "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for "
+         "some records where many cells slip and others stick again all the time",
      .cell_methods = "time: point",
      .over = LAC_OVER_TIME},
     {.name = "critical_fraction",
@@ -260,8 +262,9 @@ static void observe(lac_indicator *self, const lac_record *record, double *value
     for (size_t k = 0; k < s->changes; k++) {
         lac_slip_blocks_change(&r->blocks, s->changed[k], s->slips[s->changed[k]]);
     }
+    lac_slip_clusters_update(&r->clusters, s->slips, lac_slip_blocks_at(&r->blocks, 0), s->changed,
+                             s->changes);
     if (s->changes > 0) {
-        lac_slip_clusters_update(&r->clusters, s->slips, s->changed, s->changes);
         lac_run_map_look(&r->map, &r->blocks);
     }
     for (size_t level = 0; level < levels; level++) {

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { NEIGHBOURS = 8, AHEAD = 4 };
+enum { SHARE = 8, MOST_CREDIT = 2 }; // of all cells: joined anew a record, saved up at most
 
 // The first four are ahead: with them each pair of neighbours comes up once.
 static const int32_t step_x[NEIGHBOURS] = {1, -1, 0, 1, -1, 1, 0, -1};
@@ -41,7 +42,7 @@ lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters 
 {
     const size_t n = domain->n;
     const size_t cells = lac_grid_cells(&domain->grid);
-    *out = (lac_slip_clusters){.grid = domain->grid, .n = n};
+    *out = (lac_slip_clusters){.grid = domain->grid, .n = n, .credit = MOST_CREDIT * n};
     uint32_t *at = malloc(cells * sizeof *at);
     out->neighbour = malloc(NEIGHBOURS * n * sizeof *out->neighbour);
     out->node = malloc(n * sizeof *out->node);
@@ -175,18 +176,26 @@ static void rebuild(lac_slip_clusters *c, const uint8_t *slips)
     }
 }
 
-void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, const uint32_t *changed,
-                              size_t changes)
+void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t slipping,
+                              const uint32_t *changed, size_t changes)
 {
+    const size_t cost = slipping + c->n / (2 * SHARE); // to go through all cells is not free either
+    size_t credit = c->credit + c->n / SHARE + 1;
+    c->credit = credit < MOST_CREDIT * c->n ? credit : MOST_CREDIT * c->n;
     for (size_t k = 0; k < changes; k++) {
-        if (!slips[changed[k]]) {
-            rebuild(c, slips);
-            return;
-        }
+        c->stale |= !slips[changed[k]];
     }
-    for (size_t k = 0; k < changes; k++) {
-        enter(c, changed[k]);
-        measure(c, &c->box[changed[k]]);
-        join_all(c, changed[k], NEIGHBOURS);
+    if (!c->stale) {
+        for (size_t k = 0; k < changes; k++) {
+            enter(c, changed[k]);
+            measure(c, &c->box[changed[k]]);
+            join_all(c, changed[k], NEIGHBOURS);
+        }
+    } else if (c->credit >= cost) {
+        c->credit -= cost;
+        c->stale = false;
+        rebuild(c, slips);
+    } else {
+        c->extent = NAN;
     }
 }

