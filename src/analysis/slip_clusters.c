@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Union-find on a torus: each cell keeps its place relative to the root of its cluster, and two
-// ways to a cell that differ close a loop round the interface.
+// Union-find on a torus: each cell keeps its place relative to the root of its cluster, as if the
+// interface were unrolled. A connected set leaves no line out between its first and its last there,
+// so that it occupies as many lines of the interface as lie between them, or all.
 #include "analysis/slip_clusters.h"
 
 #include <math.h>
@@ -91,16 +92,15 @@ static uint32_t find(lac_cluster_node *node, uint32_t i, int32_t *x, int32_t *y)
     return i;
 }
 
-static double side(int32_t first, int32_t last, bool round, size_t n, double cell)
+static double side(int32_t first, int32_t last, size_t n, double cell)
 {
-    double cells = (double)last - (double)first + 1.0;
-    return cell * (round ? (double)n : fmin(cells, (double)n));
+    return cell * fmin((double)last - (double)first + 1.0, (double)n);
 }
 
 static void measure(lac_slip_clusters *c, const lac_cluster_box *box)
 {
-    double along = side(box->x0, box->x1, box->round_x, c->grid.nx, c->grid.dx);
-    double across = side(box->y0, box->y1, box->round_y, c->grid.ny, c->grid.dy);
+    double along = side(box->x0, box->x1, c->grid.nx, c->grid.dx);
+    double across = side(box->y0, box->y1, c->grid.ny, c->grid.dy);
     // The width of a line is no extent.
     c->extent = fmax(c->extent, c->grid.ny > 1 ? fmax(along, across) : along);
 }
@@ -119,8 +119,6 @@ static void merge(lac_slip_clusters *c, uint32_t from, uint32_t into, int32_t x,
     b->x1 = larger(b->x1, a->x1 + x);
     b->y0 = smaller(b->y0, a->y0 + y);
     b->y1 = larger(b->y1, a->y1 + y);
-    b->round_x |= a->round_x;
-    b->round_y |= a->round_y;
     measure(c, b);
 }
 
@@ -130,16 +128,14 @@ static void join(lac_slip_clusters *c, uint32_t i, uint32_t j, size_t k)
     int32_t xi, yi, xj, yj;
     uint32_t a = find(c->node, i, &xi, &yi);
     uint32_t b = find(c->node, j, &xj, &yj);
+    if (a == b) {
+        return;
+    }
+    // Where the second root lies from the first.
     int32_t x = xi + step_x[k] - xj;
     int32_t y = yi + step_y[k] - yj;
-    if (a != b) {
-        bool swap = c->box[a].size < c->box[b].size;
-        merge(c, swap ? a : b, swap ? b : a, swap ? -x : x, swap ? -y : y);
-    } else if ((x != 0 && !c->box[a].round_x) || (y != 0 && !c->box[a].round_y)) {
-        c->box[a].round_x |= x != 0;
-        c->box[a].round_y |= y != 0;
-        measure(c, &c->box[a]);
-    }
+    bool swap = c->box[a].size < c->box[b].size;
+    merge(c, swap ? a : b, swap ? b : a, swap ? -x : x, swap ? -y : y);
 }
 
 static void enter(lac_slip_clusters *c, uint32_t i)

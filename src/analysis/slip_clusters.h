@@ -15,7 +15,6 @@ typedef struct lac_cluster_node {
 typedef struct lac_cluster_box {
     uint32_t size;          ///< cells
     int32_t x0, x1, y0, y1; ///< relative to the root [cells]
-    bool round_x, round_y;  ///< goes round the interface
 } lac_cluster_box;
 
 /// The clusters of slipping cells, 8 neighbours, through the edges where periodic. Cells are joined
