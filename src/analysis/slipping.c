@@ -66,7 +66,7 @@ static size_t look_at_rates(lac_slipping *s, const double *v)
 {
     size_t changes = 0;
     for (size_t i = 0; i < s->n; i++) {
-        uint8_t now = v[i] >= s->rate;
+        uint8_t now = fabs(v[i]) >= s->rate;
         s->changed[changes] = (uint32_t)i;
         changes += now ^ s->slips[i];
         s->slips[i] = now;
