@@ -9,6 +9,7 @@
 
 struct lac_rg_path {
     size_t n;
+    bool uniform;     // equal without caps
     double from, to;  // Q/Q_nom at its start and end
     double *strength; // [n] equal: f p of each cell
     double *shear;    // [n] equal: what each carries before; NULL: nothing
@@ -118,6 +119,15 @@ lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out
     return lac_rg_path_further(n, strength, NULL, out, err);
 }
 
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+{
+    lac_status status = lac_rg_path_equal(n, strength, out, err);
+    if (status == LAC_OK) {
+        (*out)->uniform = true;
+    }
+    return status;
+}
+
 static lac_status check_series(const lac_rg_series *s, lac_error *err)
 {
     bool falls = s->loads >= 2 && s->part[0] == 1.0 && s->part[s->loads - 1] == 0.0;
@@ -185,6 +195,9 @@ double lac_rg_path_stress(const lac_rg_path *path, double load)
     const size_t n = path->n;
     double force =
         path->shear != NULL ? (load - path->from) * path->nominal : load * path->below[n];
+    if (path->uniform) {
+        return force / (double)n;
+    }
     size_t low = 0; // cells at their cap
     size_t high = n - 1;
     while (low < high) {
@@ -204,7 +217,7 @@ static void equal_at(const lac_rg_path *path, double load, double *shear, double
     double tau = lac_rg_path_stress(path, load);
     for (size_t i = 0; i < path->n; i++) {
         double q = path->shear != NULL ? path->shear[i] : 0.0;
-        shear[i] = fmax(q, fmin(q + tau, path->strength[i]));
+        shear[i] = path->uniform ? tau : fmax(q, fmin(q + tau, path->strength[i]));
         gap[i] = path->strength[i] - q - tau;
     }
 }

@@ -198,7 +198,7 @@ lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def 
     s.bracket = (lac_rg_bracket){s.at, s.at, INFINITY, INFINITY};
     LAC_TRY(scan_path(&s, def->loads, load, out, err));
     lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
-    out->critical = lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work);
+    out->critical = s.slides ? lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
     largest_block(s.tree, &domain->grid, def->loads, out);
     count_at_critical(s.tree, def->rule, joint->path, s.work, out);
 out:

@@ -81,8 +81,17 @@ static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *e
     const lac_domain *domain = j->contact.domain;
     LAC_TRY(lac_scene_joint_strengths(c, j, err));
     lac_rg_path *path = NULL;
-    status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
-                                         : elastic_path(c, &j->contact, &path, err);
+    switch ((lac_rg_field)c->rg.field) {
+    case LAC_RG_ELASTIC:
+        status = elastic_path(c, &j->contact, &path, err);
+        break;
+    case LAC_RG_EQUAL:
+        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
+        break;
+    case LAC_RG_UNIFORM:
+        status = lac_rg_path_uniform(domain->n, j->strength, &path, err);
+        break;
+    }
     j->path = path;
 out:
     if (status != LAC_OK) {
@@ -179,8 +188,20 @@ out:
     return status;
 }
 
-static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_t *seed,
-                            lac_scene_rg *out, lac_error *err)
+// The next interface: of what makes it every seed, one higher.
+static void next_seed(const lac_case *c)
+{
+    int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    if (seed != NULL) {
+        ++*seed;
+    }
+    for (size_t k = 0; k < c->interface_spread.count; k++) {
+        c->interface_spread.item[k].seed++;
+    }
+}
+
+static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
+                            lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_scene_joint j = {0};
@@ -197,25 +218,37 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
             j.contact.domain = NULL;
         }
         lac_scene_joint_clear(&j);
-        if (seed != NULL) {
-            ++*seed;
-        }
+        next_seed(c);
     }
 out:
     lac_scene_joint_clear(&j);
     return status;
 }
 
-// The case with parameters of its own for what makes the interface, so that its seed can be set.
+static void free_source(const lac_case *own, const lac_slot *slot)
+{
+    free(slot->params);
+    free(own->interface_spread.item);
+}
+
+// The case with parameters of its own for what makes the interface, so that its seeds can be set.
 static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
 {
     *own = *c;
     *slot = c->surface.about != NULL ? &own->surface : &own->domain;
     size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
+    size_t spreads = own->interface_spread.count * sizeof(lac_spread);
     void *params = malloc(size + 1);
-    if (params == NULL) {
+    lac_spread *spread = malloc(spreads + 1);
+    if (params == NULL || spread == NULL) {
+        free(params);
+        free(spread);
         return lac_fail_memory(err);
     }
+    if (spreads > 0) {
+        memcpy(spread, c->interface_spread.item, spreads); // their keys stay the case's
+    }
+    own->interface_spread.item = spread;
     if (size > 0) {
         memcpy(params, (*slot)->params, size); // its texts stay the case's
     }
@@ -249,10 +282,10 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
         return status;
     }
     LAC_TRY(lac_scene_rg_begin(c, out, err));
-    LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
+    LAC_TRY(all_seeds(&own, watch, out, err));
     LAC_TRY(lac_scene_rg_end(c, out, err));
 out:
-    free(slot->params);
+    free_source(&own, slot);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }
