@@ -42,6 +42,7 @@ static lac_status write_file(const cli_request *request, const lac_case *c, cons
                               .betas = rg->betas,
                               .beta = rg->beta,
                               .result = rg->result,
+                              .interface = rg->interface,
                               .strength = rg->strength};
     lac_provenance provenance =
         cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));

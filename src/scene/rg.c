@@ -141,12 +141,30 @@ static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_
     for (size_t i = 0; i < domain->n; i++) {
         total += j->strength[i];
     }
-    double cells = (double)lac_grid_cells(&domain->grid);
-    out->strength += total / cells;
-    out->contact_fraction += (double)domain->n / cells;
-    out->dimension += j->contact.counted ? j->contact.boxes.dimension : NAN;
+    out->strength += total / (double)lac_grid_cells(&domain->grid) / (double)out->seeds;
 out:
     return status;
+}
+
+// Adds what an interface is like to the list and to the mean.
+static void note_interface(const lac_scene_contact *contact, const int64_t *seed, size_t i,
+                           lac_scene_rg *out)
+{
+    const double cells = (double)lac_grid_cells(&contact->grid);
+    const double n = (double)out->seeds;
+    lac_rg_interface *one = &out->interface[i];
+    *one = (lac_rg_interface){
+        .seed = seed != NULL ? *seed : INT64_MIN,
+        .pressure = contact->mean_pressure,
+        .contact_fraction = (double)contact->domain->n / cells,
+        .dimension = contact->counted ? contact->boxes.dimension : NAN,
+        .dyadic = contact->blocks.dimension,
+    };
+    out->mean.seed = INT64_MIN;
+    out->mean.pressure += one->pressure / n;
+    out->mean.contact_fraction += one->contact_fraction / n;
+    out->mean.dimension += one->dimension / n;
+    out->mean.dyadic += one->dyadic / n;
 }
 
 static lac_status create_studies(const lac_case *c, lac_scene_rg *out, lac_error *err)
@@ -156,6 +174,9 @@ static lac_status create_studies(const lac_case *c, lac_scene_rg *out, lac_error
     def.rule = (lac_rg_rule)c->rg.rule;
     def.places = (size_t)c->rg.shifts;
     def.loads = (size_t)c->rg.loads;
+    out->interface = calloc(out->seeds, sizeof *out->interface);
+    status = out->interface != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
     out->betas = c->rg.betas > 0 ? c->rg.betas : 1;
     for (size_t k = 0; k < out->betas; k++) {
         out->beta[k] = c->rg.betas > 0 ? c->rg.beta[k] : 0.0;
@@ -178,6 +199,7 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
         }
         LAC_TRY(make_joint(c, &j, err));
         LAC_TRY(add_joint(c, &j, out, err));
+        note_interface(&j.contact, seed, i, out);
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
@@ -221,11 +243,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     }
     LAC_TRY(create_studies(c, out, err));
     LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
-    double n = (double)out->seeds;
-    out->strength /= n;
-    out->contact_fraction /= n;
-    out->dimension /= n;
-    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
+    out->beta[0] /= c->rg.betas == 0 ? (double)out->seeds : 1.0;
     for (size_t k = 0; k < out->betas; k++) {
         LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
     }
@@ -243,5 +261,6 @@ void lac_scene_rg_clear(lac_scene_rg *rg)
         lac_rg_study_free(rg->study[k]);
     }
     lac_domain_free(rg->domain);
+    free(rg->interface);
     *rg = (lac_scene_rg){0};
 }
