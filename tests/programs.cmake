@@ -82,7 +82,7 @@ set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
 add_test(NAME case.test_rg
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_rg.py
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_rg PROPERTIES LABELS case TIMEOUT 300
+set_tests_properties(case.test_rg PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
 
 # Cases for `lacuna rg`: each checks, runs, and its file meets CF.
