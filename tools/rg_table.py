@@ -213,14 +213,14 @@ def maps(run, arguments):
         value, error = result[name], result[name + "_error"]
         if value is None:
             return "none"
-        return f"{value:.{places}f} ± {math.nan if error is None else error:.{places}f}"
+        return f"{value:.{places}f}" + ("" if error is None else f" ± {error:.{places}f}")
 
     wanted = [("fix", "elastic"), ("cons", "elastic"), ("lump", "elastic"), ("fix", "equal"),
               ("cons", "equal"), ("lump", "equal")]
     jobs = {(rule, field, d): run.start(arguments.levels, arguments.seeds, d, rule=rule,
                                         **({"field": field} if field == "equal" else {}))
             for d in arguments.dimensions for rule, field in wanted}
-    table = Table(["rule, field", "β", *(f"D {d:g}: λ; C, of the means" for d in
+    table = Table(["rule, field", "β", *(f"D {d:g}: λ; C (of the means)" for d in
                                          arguments.dimensions)])
     for rule, field in wanted:
         for k, beta in enumerate(BETAS):
@@ -228,8 +228,8 @@ def maps(run, arguments):
             for d in arguments.dimensions:
                 done = jobs[rule, field, d].result()
                 r = done["results"][k]
-                cells.append(f"{number(r, 'lambda', 3)}; {number(r, 'critical_fraction', 2)}, "
-                             f"{mean_map(done['output'], k)}")
+                cells.append(f"{number(r, 'lambda', 3)}; {number(r, 'critical_fraction', 2)} "
+                             f"({mean_map(done['output'], k)})")
             table.row(f"{rule.upper()}, {field}", f"{beta:g}", *cells)
 
 
@@ -237,7 +237,7 @@ def read_arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/rg/table.yaml"))
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
-    parser.add_argument("--seeds", type=int, default=48, help="interfaces, half for each "
+    parser.add_argument("--seeds", type=int, default=24, help="interfaces, half for each "
                         "doubling beyond 256 cells")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time")
     parser.add_argument("--levels", type=int, default=8, help="2^levels cells a side")

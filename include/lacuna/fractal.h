@@ -55,7 +55,7 @@ lac_dyadic lac_dyadic_count(const lac_domain *domain);
 /// @param pressure   [ny * nx] as lac_contact_solve gives at report->mean_pressure; overwritten
 /// @param gap        [ny * nx] likewise; NULL if not wanted
 /// @return LAC_OK; LAC_EINPUT also where no load gives this dimension; as lac_contact_solve
-/// @cost   some 12 solutions, all but the first and the last from the one before
+/// @cost   6 to 30 solutions, all but the first and the last from the one before
 lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
                                double *gap, lac_contact_report *report, lac_error *err);
 
