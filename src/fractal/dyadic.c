@@ -177,11 +177,14 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
     s.def.control = LAC_CONTROL_LOAD;
     s.def.start = NULL;
     s.unit = def->e_star * slope_of(def);
-    if (!(s.unit > 0.0 && isfinite(s.unit))) {
+    if (s.unit == 0.0 && def->e_star > 0.0) {
         return lac_fail(err, LAC_EINPUT,
                         "no load gives a dimension of %g: the faces are flat and touch everywhere "
                         "under any",
                         dimension);
+    }
+    if (!(s.unit > 0.0 && isfinite(s.unit))) {
+        s.unit = 1.0; // a wrong height or modulus, which the contact names
     }
     LAC_TRY(bracket(&s, &low, &high, err));
     LAC_TRY(narrow(&s, low, high, err));
