@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "load/kinds.h"
+#include "load/signal.h"
 
 typedef struct ramp_params {
     double rate;  // [Pa/s]
@@ -9,21 +10,30 @@ typedef struct ramp_params {
 
 static double end_of(const ramp_params *ramp) { return isnan(ramp->end) ? INFINITY : ramp->end; }
 
-// stress = rate (min(t, end) - start), from start on
-static void add(const void *p, double t, lac_load_state *sum)
+// rate (min(t, end) - start), from start on
+static lac_signal ramp_at(const lac_load *load, double t)
 {
-    const ramp_params *ramp = p;
+    const ramp_params *ramp = load->params;
     double end = end_of(ramp);
     if (t < ramp->start || end <= ramp->start) {
-        return;
+        return (lac_signal){0.0, 0.0};
     }
-    sum->stress += ramp->rate * (fmin(t, end) - ramp->start);
-    sum->stress_rate += t < end ? ramp->rate : 0;
+    return (lac_signal){ramp->rate * (fmin(t, end) - ramp->start), t < end ? ramp->rate : 0.0};
 }
 
-static double next_break(const void *p, double t)
+static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    const ramp_params *ramp = p;
+    lac_add_stress(sum, ramp_at(load, t));
+}
+
+static void add_pore(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_pore(sum, ramp_at(load, t));
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const ramp_params *ramp = load->params;
     double end = end_of(ramp);
     if (end <= ramp->start) {
         return INFINITY;
@@ -41,29 +51,29 @@ static const char *fault(const void *p)
 }
 
 static const lac_param params[] = {
-    {.key = "rate",
-     .unit = "Pa/s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, rate),
-     .doc = "rate of the shear stress over the nominal area; negative unloads"},
-    {.key = "start",
-     .unit = "s",
-     .fallback = 0,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, start),
-     .doc = "when it begins, since the start of the run"},
-    {.key = "end",
-     .unit = "s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, end),
-     .flags = LAC_OPTIONAL,
-     .doc = "when it ends, since the start of the run, the stress being held from then on; never "
-            "if absent"},
+        {.key = "rate",
+         .unit = "Pa/s",
+         .fallback = NAN,
+         .min = -INFINITY,
+         .max = INFINITY,
+         .offset = offsetof(ramp_params, rate),
+         .doc = "rate of the shear stress over the nominal area, or of the pore pressure; negative unloads or drains"},
+            {.key = "start",
+             .unit = "s",
+             .fallback = 0,
+             .min = -INFINITY,
+             .max = INFINITY,
+             .offset = offsetof(ramp_params, start),
+             .doc = "when it begins, since the start of the run"},
+            {.key = "end",
+             .unit = "s",
+             .fallback = NAN,
+             .min = -INFINITY,
+             .max = INFINITY,
+             .offset = offsetof(ramp_params, end),
+             .flags = LAC_OPTIONAL,
+             .doc = "when it ends, since the start of the run, what it has come to being held "
+                    "from then on; never if absent"},
 };
 
 const lac_load_kind lac_shear_ramp = {
@@ -74,6 +84,18 @@ const lac_load_kind lac_shear_ramp = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),
               .fault = fault},
-    .add = add,
+    .add = add_shear,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pore_ramp = {
+    .about = {.name = "ramp",
+              .summary = "pore pressure that changes at a constant rate between two times",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(ramp_params),
+              .fault = fault},
+    .add = add_pore,
     .next_break = next_break,
 };
