@@ -73,10 +73,9 @@ static lac_status prepare_all(const lac_slot *slots, size_t count, const char *l
         lac_load *load = &(*out)[i];
         load->kind = kind_of(&slots[i]);
         load->params = slots[i].params;
-        lac_status status =
-            load->kind->prepare == NULL
-                ? LAC_OK
-                : load->kind->prepare(load->params, clock, &load->state, err);
+        lac_status status = load->kind->prepare == NULL
+                                ? LAC_OK
+                                : load->kind->prepare(load->params, clock, &load->state, err);
         if (status != LAC_OK) {
             return lac_fail_within(err, status, "%s.%zu.%s", list, i, load->kind->about.name);
         }

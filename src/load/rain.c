@@ -139,8 +139,9 @@ static const lac_param params[] = {
      .min = 0,
      .max = 1e12,
      .offset = offsetof(rain_params, rise),
-     .doc = "pore pressure that a metre of rain makes: 9807 Pa/m over the drainable porosity, times "
-            "the part that infiltrates"},
+     .doc =
+         "pore pressure that a metre of rain makes: 9807 Pa/m over the drainable porosity, times "
+         "the part that infiltrates"},
     {.key = "drain",
      .unit = "s",
      .fallback = NAN,
@@ -156,8 +157,9 @@ static const lac_param params[] = {
      .max = INFINITY,
      .offset = offsetof(rain_params, interval),
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .doc = "time over which each reading fell, evenly, dry where none covers it; from one reading to "
-            "the other if absent"},
+     .doc =
+         "time over which each reading fell, evenly, dry where none covers it; from one reading to "
+         "the other if absent"},
     {.key = "stamp",
      .unit = "1",
      .fallback = END,

@@ -51,29 +51,30 @@ static const char *fault(const void *p)
 }
 
 static const lac_param params[] = {
-        {.key = "rate",
-         .unit = "Pa/s",
-         .fallback = NAN,
-         .min = -INFINITY,
-         .max = INFINITY,
-         .offset = offsetof(ramp_params, rate),
-         .doc = "rate of the shear stress over the nominal area, or of the pore pressure; negative unloads or drains"},
-            {.key = "start",
-             .unit = "s",
-             .fallback = 0,
-             .min = -INFINITY,
-             .max = INFINITY,
-             .offset = offsetof(ramp_params, start),
-             .doc = "when it begins, since the start of the run"},
-            {.key = "end",
-             .unit = "s",
-             .fallback = NAN,
-             .min = -INFINITY,
-             .max = INFINITY,
-             .offset = offsetof(ramp_params, end),
-             .flags = LAC_OPTIONAL,
-             .doc = "when it ends, since the start of the run, what it has come to being held "
-                    "from then on; never if absent"},
+    {.key = "rate",
+     .unit = "Pa/s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(ramp_params, rate),
+     .doc = "rate of the shear stress over the nominal area, or of the pore pressure; negative "
+            "unloads or drains"},
+    {.key = "start",
+     .unit = "s",
+     .fallback = 0,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(ramp_params, start),
+     .doc = "when it begins, since the start of the run"},
+    {.key = "end",
+     .unit = "s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(ramp_params, end),
+     .flags = LAC_OPTIONAL,
+     .doc = "when it ends, since the start of the run, what it has come to being held "
+            "from then on; never if absent"},
 };
 
 const lac_load_kind lac_shear_ramp = {

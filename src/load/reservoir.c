@@ -66,11 +66,8 @@ static void add_pieces(const reservoir_params *s, const lac_readings *r, lac_lag
 static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
 {
     const reservoir_params *s = p;
-    const lac_readings_def def = {.path = s->file,
-                                  .time = s->time,
-                                  .column = s->level,
-                                  .si = "m",
-                                  .offset = s->offset};
+    const lac_readings_def def = {
+        .path = s->file, .time = s->time, .column = s->level, .si = "m", .offset = s->offset};
     lac_readings readings = {0};
     lac_status status = LAC_OK;
     reservoir_state *state = calloc(1, sizeof *state);

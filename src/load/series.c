@@ -79,8 +79,8 @@ static lac_status prepare(const void *p, const lac_load_clock *clock, void **out
     }
     LAC_TRY(lac_readings_read(&def, clock, &state->readings, err));
     if (s->outside == REFUSE) {
-        LAC_TRY(lac_readings_cover(&state->readings, s->file, clock, ", or say outside: hold or zero",
-                                   err));
+        LAC_TRY(lac_readings_cover(&state->readings, s->file, clock,
+                                   ", or say outside: hold or zero", err));
     }
     if (s->interpolation == SMOOTH) {
         LAC_TRY(smooth(state, err));
@@ -137,12 +137,15 @@ static void add_pore(const lac_load *load, double t, lac_load_state *sum)
     lac_add_pore(sum, series_at(load, t));
 }
 
-// A smooth curve turns at every reading too: to begin anew there took a thirteenth of the steps that
-// going on through them did (docs/theory/loads.md, "Breaks").
+// Straight lines bend at every reading, smooth curves only where the data begin and end.
 static double next_break(const lac_load *load, double t)
 {
+    const series_params *s = load->params;
     const lac_readings *r = &((const series_state *)load->state)->readings;
-    return lac_readings_next(r->t, r->n, t);
+    if (s->interpolation == LINEAR || t < r->t[0]) {
+        return lac_readings_next(r->t, r->n, t);
+    }
+    return t < r->t[r->n - 1] ? r->t[r->n - 1] : INFINITY;
 }
 
 static const char *const interpolations[] = {"linear", "smooth", NULL};
@@ -195,7 +198,8 @@ static const lac_param params[] = {
      .type = LAC_CHOICE,
      .choices = interpolations,
      .offset = offsetof(series_params, interpolation),
-     .doc = "straight lines between readings, or a smooth curve that overshoots nowhere"},
+     .doc = "straight lines, at whose corners the integrator begins anew, or a smooth curve that "
+            "overshoots nowhere"},
     {.key = "outside",
      .unit = "1",
      .fallback = REFUSE,

@@ -19,8 +19,9 @@ static lac_status split_column(const char *text, char name[LONGEST], const char 
     const char *colon = strrchr(text, ':');
     size_t end = colon != NULL ? (size_t)(colon - text) : length;
     if (end == 0 || length >= LONGEST) {
-        return lac_fail(err, LAC_EINPUT, "\"%.40s\" must be a column and its unit such as "
-                                         "\"level:m\"",
+        return lac_fail(err, LAC_EINPUT,
+                        "\"%.40s\" must be a column and its unit such as "
+                        "\"level:m\"",
                         text);
     }
     memcpy(name, text, end);
@@ -45,10 +46,11 @@ static lac_status find_factor(const struct lac_units *units, const char *per, co
         *factor = 1.0;
     }
     if (status != LAC_OK) {
-        return lac_fail(err, LAC_EINPUT,
-                        "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
-                        "as \"1 %s\"",
-                        unit != NULL ? unit : "", per != NULL ? per : "1", si);
+        return lac_fail(
+            err, LAC_EINPUT,
+            "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
+            "as \"1 %s\"",
+            unit != NULL ? unit : "", per != NULL ? per : "1", si);
     }
     return LAC_OK;
 }
@@ -90,8 +92,8 @@ static lac_status read_column(const lac_readings_def *def, const char *name, con
                            .value_si = unit != NULL ? unit : "1"};
     LAC_TRY(lac_series_read(&file, units, &series, err));
     if (series->dated && !clock->dated) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has dates, so time.start must be a date",
-                         def->path));
+        LAC_TRY(
+            lac_fail(err, LAC_EINPUT, "%s: has dates, so time.start must be a date", def->path));
     }
     double shift = (series->dated ? clock->start : 0.0) - def->offset;
     LAC_TRY(keep_readings(series, shift, factor, out, err));

@@ -55,8 +55,8 @@ static lac_status find_column(series_file *file, const char *name, int *var, lac
     }
     if (nc_inq_varndims(file->id, *var, &dims) != NC_NOERR || dims != 1 ||
         nc_inq_vardimid(file->id, *var, &dim) != NC_NOERR ||
-        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || type == NC_CHAR ||
-        type == NC_STRING || type > NC_MAX_ATOMIC_TYPE) {
+        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || type == NC_CHAR || type == NC_STRING ||
+        type > NC_MAX_ATOMIC_TYPE) {
         return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
                         name);
     }
@@ -143,8 +143,7 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
     if (unit[0] != '\0') {
         status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
         if (status != LAC_OK) {
-            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, def->time,
-                                  unit);
+            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, def->time, unit);
             goto out;
         }
     }
@@ -152,8 +151,9 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;
         if (!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1]))) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s[%zu] = %.17g s; must be later than the one "
-                                              "before",
+            LAC_TRY(lac_fail(err, LAC_EINPUT,
+                             "%s: %s[%zu] = %.17g s; must be later than the one "
+                             "before",
                              file->path, def->time, i, s->time[i]));
         }
     }

@@ -71,9 +71,8 @@ static lac_slot drawn_once(const lac_descriptor *about, uint64_t trial)
         if (param->type == LAC_REAL) {
             test_slot_set(&slot, param->key, draw(param, trial, i));
         } else if (param->type == LAC_CHOICE && strcmp(param->key, "outside") == 0) {
-            test_slot_set(&slot, param->key, 1 + (double)(trial % 2 < 1 || param->choices[2] == NULL
-                                                              ? 0
-                                                              : 1));
+            test_slot_set(&slot, param->key,
+                          1 + (double)(trial % 2 < 1 || param->choices[2] == NULL ? 0 : 1));
         } else if (param->type == LAC_CHOICE) {
             test_slot_set(&slot, param->key, (double)(trial % 2));
         } else if (param->type == LAC_PATH) {

@@ -60,8 +60,7 @@ static lac_slot pore_slot(const char *name)
 {
     lac_slot slot = {0};
     size_t i = 0;
-    while (lac_pore_load_at(i) != NULL &&
-           strcmp(lac_pore_load_at(i)->about.name, name) != 0) {
+    while (lac_pore_load_at(i) != NULL && strcmp(lac_pore_load_at(i)->about.name, name) != 0) {
         i++;
     }
     assert_int_equal(lac_slot_create(&lac_pore_load_at(i)->about, &slot, NULL), LAC_OK);
