@@ -6,7 +6,13 @@ typedef struct ramp_params {
     double rate;  // [Pa/s]
     double start; // [s]
     double end;   // [s]; NaN: it never ends
+    int share;    // ramp_share; of shear only
 } ramp_params;
+
+// How the stress is shared by the cells.
+typedef enum ramp_share { BY_PRESSURE = 0, EQUAL } ramp_share;
+
+static const char *const shares[] = {"pressure", "equal", NULL};
 
 static double end_of(const ramp_params *ramp) { return isnan(ramp->end) ? INFINITY : ramp->end; }
 
@@ -23,7 +29,14 @@ static lac_signal ramp_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, ramp_at(load, t));
+    lac_signal ramp = ramp_at(load, t);
+    if (((const ramp_params *)load->params)->share == EQUAL) {
+        // A spring's stress is the same on all cells; here it has no stiffness.
+        sum->spring_stress += ramp.value;
+        sum->spring_rate += ramp.rate;
+        return;
+    }
+    lac_add_stress(sum, ramp);
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -75,6 +88,13 @@ static const lac_param params[] = {
      .flags = LAC_OPTIONAL,
      .doc = "when it ends, since the start of the run, what it has come to being held "
             "from then on; never if absent"},
+    {.key = "share",
+     .unit = "1",
+     .fallback = BY_PRESSURE,
+     .type = LAC_CHOICE,
+     .choices = shares,
+     .offset = offsetof(ramp_params, share),
+     .doc = "of each cell: in proportion to its pressure, or the same stress on all (equal)"},
 };
 
 const lac_load_kind lac_shear_ramp = {
@@ -94,7 +114,8 @@ const lac_load_kind lac_pore_ramp = {
               .summary = "pore pressure that changes at a constant rate between two times",
               .reference = "",
               .params = params,
-              .param_count = sizeof params / sizeof params[0],
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(ramp_params),
               .fault = fault},
     .add = add_pore,
