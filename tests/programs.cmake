@@ -6,7 +6,8 @@ include(cli.cmake)
 # meets CF and opens in xarray.
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
-file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml)
+file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml
+     ${CMAKE_SOURCE_DIR}/cases/load/*.yaml)
 foreach(bundled ${bundled_cases})
   get_filename_component(name ${bundled} NAME_WE)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.nc)
@@ -25,6 +26,13 @@ foreach(bundled ${bundled_cases})
   set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
   set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
 endforeach()
+
+# Loads that change in time, and the files that they come from.
+add_test(NAME case.test_loads
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_loads.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_loads PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
 
 # Histories of load, and the commands of the tutorials with what they print.
 add_test(NAME case.test_history

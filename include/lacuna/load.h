@@ -31,23 +31,65 @@ typedef struct lac_normal_load {
     double (*dimension)(const void *params);
 } lac_normal_load;
 
+struct lac_load_kind;
+
+/// A load made ready: its row, its parameters and what was prepared from them.
+typedef struct lac_load {
+    const struct lac_load_kind *kind;
+    const void *params; ///< borrowed from the slot
+    void *state;        ///< what `prepare` made; NULL
+} lac_load;
+
+/// The run that loads belong to.
+typedef struct lac_load_clock {
+    bool dated;   ///< the run starts at a date
+    double start; ///< that date [s since 1970 UTC]
+    double end;   ///< of the run, since its start [s]; NaN where nothing is run
+} lac_load_clock;
+
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
     lac_descriptor about;
     bool fixes_shear; ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
+    /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+    lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
+                          lac_error *err);
+    void (*release)(void *state);
     /// Adds its values at time t [s since the start of the run].
-    void (*add)(const void *params, double t, lac_load_state *sum);
+    void (*add)(const lac_load *load, double t, lac_load_state *sum);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
-    double (*next_break)(const void *params, double t);
+    double (*next_break)(const lac_load *load, double t);
 } lac_load_kind;
 
-/// The loads of a scene. The slots must outlive it.
+/// The loads of a scene.
 typedef struct lac_load_set {
+    lac_load *shear; ///< [shear_count]
+    size_t shear_count;
+    lac_load *pore; ///< [pore_count]
+    size_t pore_count;
+} lac_load_set;
+
+/// The loads that a case names.
+typedef struct lac_load_slots {
     const lac_slot *shear; ///< [shear_count] of lac_load_kind
     size_t shear_count;
     const lac_slot *pore; ///< [pore_count]
     size_t pore_count;
-} lac_load_set;
+} lac_load_slots;
+
+/// Makes loads ready: reads the files that they name.
+/// @param slots  must outlive the set
+/// @return LAC_OK; LAC_EINPUT (data that do not fit the run ...); LAC_EIO; LAC_ENOMEM. The message
+///         names the load: "load.shear.0: ..."
+lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
+                               lac_load_set *set, lac_error *err);
+
+/// Frees what a set owns. The set is empty afterwards.
+void lac_load_set_clear(lac_load_set *set);
+
+/// Whether any of these loads reads a file.
+bool lac_load_slots_need_files(const lac_load_slots *slots);
 
 /// The index-th row of each registry, NULL past the end.
 const lac_normal_load *lac_normal_load_at(size_t index);

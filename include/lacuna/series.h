@@ -17,6 +17,9 @@ typedef struct lac_series_def {
     const char *displacement_unit; ///< as UDUNITS reads it; NULL: m
     const char *velocity;          ///< column name; NULL: none
     const char *velocity_unit;     ///< NULL: m/s
+    const char *value;             ///< column of any other quantity; NULL: none
+    const char *value_unit;        ///< NULL: value_si
+    const char *value_si;          ///< SI unit of what is kept
 } lac_series_def;
 
 /// A monitoring series, in the order of time.
@@ -26,6 +29,7 @@ typedef struct lac_series {
     double *time;         ///< [n] strictly increasing [s]
     double *displacement; ///< [n] [m], NaN where not given; NULL where no column was asked for
     double *velocity;     ///< [n] [m/s], same
+    double *value;        ///< [n] [value_si], same
     size_t *line;         ///< [n] line of the file
     char *attribution;    ///< the file's leading comment lines, joined; may be ""
     size_t missing;       ///< readings that were NA
@@ -34,7 +38,9 @@ typedef struct lac_series {
 
 /// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
 /// `#` comments, quoted fields, NA / NaN / empty / - for a missing value. Times are ISO 8601
-/// (without zone: UTC) or seconds.
+/// (without zone: UTC) or seconds. Or a netCDF file (known by its first bytes): columns are
+/// variables of one dimension that they share, times CF ("days since 2015-06-07") or a time unit;
+/// `units` of the file go before those given here, `_FillValue` and NaN are missing.
 /// @param units  the units database, for the columns' units
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
 ///         LAC_ENOMEM

@@ -298,6 +298,36 @@ lac_status lac_units_convert(const lac_units *units, const char *from, const cha
     return status;
 }
 
+lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
+                          bool *dated, lac_error *err)
+{
+    char unit[MAX_UNIT];
+    const char *since = strstr(text, " since ");
+    size_t length = since != NULL ? (size_t)(since - text) : strlen(text);
+    *dated = since != NULL;
+    if (length >= sizeof unit || strlen(text) >= MAX_QUANTITY) {
+        return refuse(err, "s", "");
+    }
+    memcpy(unit, text, length);
+    unit[length] = '\0';
+    lac_status status = lac_units_convert(units, unit, "s", scale, offset, err);
+    if (status != LAC_OK || !*dated) {
+        return status;
+    }
+    ut_unit *from = parse_unit(units, text);
+    ut_unit *to = parse_unit(units, "seconds since 1970-01-01 00:00:00 UTC");
+    cv_converter *converter = from != NULL && to != NULL ? ut_get_converter(from, to) : NULL;
+    if (converter == NULL) {
+        status = lac_fail(err, LAC_EINPUT, "must be like \"days since 2015-06-07 12:00\"");
+    } else {
+        *offset = cv_convert_double(converter, 0.0);
+    }
+    cv_free(converter);
+    ut_free(to);
+    ut_free(from);
+    return status;
+}
+
 // End of a decimal number; `text` itself where there is none. No hex, no nan, no inf.
 static const char *number_end(const char *text)
 {

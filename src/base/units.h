@@ -2,6 +2,7 @@
 #ifndef LACUNA_BASE_UNITS_H
 #define LACUNA_BASE_UNITS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "lacuna/error.h"
@@ -30,6 +31,13 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
                              double *scale, double *offset, lac_error *err);
+
+/// Factor and offset that take times in a file's unit to seconds: y = scale x + offset.
+/// @param text   "day" or, as CF has it, "days since 2015-06-07 12:00"
+/// @param dated  set where it counts from a date: seconds are then since 1970-01-01 UTC
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
+                          bool *dated, lac_error *err);
 
 /// Writes a value with the unit that reads best ("3 MPa", "1 cm/week", "12.5 day").
 /// @param unit  SI unit of the value

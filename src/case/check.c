@@ -106,12 +106,22 @@ static double normal_stress(const lac_reader *reader, const lac_case *c)
 static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                          bool fixed_by_initial)
 {
-    lac_load_set loads = {.shear = c->shear.item,
-                          .shear_count = c->shear.count,
-                          .pore = c->pore.item,
-                          .pore_count = c->pore.count};
+    const lac_load_slots slots = {.shear = c->shear.item,
+                                  .shear_count = c->shear.count,
+                                  .pore = c->pore.item,
+                                  .pore_count = c->pore.count};
+    lac_load_set loads;
     lac_load_state sum;
+    // What files hold is looked at when the scene is built.
+    if (lac_load_slots_need_files(&slots)) {
+        return;
+    }
+    if (lac_load_set_create(&slots, &(lac_load_clock){.end = c->run.end}, &loads, NULL) != LAC_OK) {
+        reader->no_memory = true;
+        return;
+    }
     lac_load_evaluate(&loads, 0.0, &sum);
+    lac_load_set_clear(&loads);
     if (!(sum.pore < pressure)) {
         char high[64];
         char low[64];

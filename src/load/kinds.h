@@ -10,9 +10,13 @@
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57
 
+#define LAC_PI 3.14159265358979323846
+
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
     lac_normal_approach, lac_normal_dimension;
-extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring;
-extern const lac_load_kind lac_pore_constant;
+extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring,
+    lac_shear_step, lac_shear_sine, lac_shear_shaking, lac_shear_series;
+extern const lac_load_kind lac_pore_constant, lac_pore_ramp, lac_pore_step, lac_pore_sine,
+    lac_pore_series, lac_pore_reservoir, lac_pore_rain;
 
 #endif

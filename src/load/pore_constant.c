@@ -5,10 +5,10 @@ typedef struct constant_params {
     double value; // [Pa]
 } constant_params;
 
-static void add(const void *p, double t, lac_load_state *sum)
+static void add(const lac_load *load, double t, lac_load_state *sum)
 {
     (void)t;
-    sum->pore += ((const constant_params *)p)->value;
+    sum->pore += ((const constant_params *)load->params)->value;
 }
 
 static const lac_param params[] = {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "load/kinds.h"
+#include "load/signal.h"
 
 typedef struct ramp_params {
     double rate;  // [Pa/s]
     double start; // [s]
     double end;   // [s]; NaN: it never ends
-    int share;    // ramp_share
+    int share;    // ramp_share; of shear only
 } ramp_params;
 
 // How the stress is shared by the cells.
@@ -15,24 +16,37 @@ static const char *const shares[] = {"pressure", "equal", NULL};
 
 static double end_of(const ramp_params *ramp) { return isnan(ramp->end) ? INFINITY : ramp->end; }
 
-// stress = rate (min(t, end) - start), from start on
-static void add(const void *p, double t, lac_load_state *sum)
+// rate (min(t, end) - start), from start on
+static lac_signal ramp_at(const lac_load *load, double t)
 {
-    const ramp_params *ramp = p;
+    const ramp_params *ramp = load->params;
     double end = end_of(ramp);
     if (t < ramp->start || end <= ramp->start) {
-        return;
+        return (lac_signal){0.0, 0.0};
     }
-    double stress = ramp->rate * (fmin(t, end) - ramp->start);
-    double rate = t < end ? ramp->rate : 0;
-    // A spring's stress is the same on all cells; here it has no stiffness.
-    *(ramp->share == EQUAL ? &sum->spring_stress : &sum->stress) += stress;
-    *(ramp->share == EQUAL ? &sum->spring_rate : &sum->stress_rate) += rate;
+    return (lac_signal){ramp->rate * (fmin(t, end) - ramp->start), t < end ? ramp->rate : 0.0};
 }
 
-static double next_break(const void *p, double t)
+static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    const ramp_params *ramp = p;
+    lac_signal ramp = ramp_at(load, t);
+    if (((const ramp_params *)load->params)->share == EQUAL) {
+        // A spring's stress is the same on all cells; here it has no stiffness.
+        sum->spring_stress += ramp.value;
+        sum->spring_rate += ramp.rate;
+        return;
+    }
+    lac_add_stress(sum, ramp);
+}
+
+static void add_pore(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_pore(sum, ramp_at(load, t));
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const ramp_params *ramp = load->params;
     double end = end_of(ramp);
     if (end <= ramp->start) {
         return INFINITY;
@@ -56,7 +70,8 @@ static const lac_param params[] = {
      .min = -INFINITY,
      .max = INFINITY,
      .offset = offsetof(ramp_params, rate),
-     .doc = "rate of the shear stress over the nominal area; negative unloads"},
+     .doc = "rate of the shear stress over the nominal area, or of the pore pressure; negative "
+            "unloads or drains"},
     {.key = "start",
      .unit = "s",
      .fallback = 0,
@@ -71,8 +86,8 @@ static const lac_param params[] = {
      .max = INFINITY,
      .offset = offsetof(ramp_params, end),
      .flags = LAC_OPTIONAL,
-     .doc = "when it ends, since the start of the run, the stress being held from then on; never "
-            "if absent"},
+     .doc = "when it ends, since the start of the run, what it has come to being held "
+            "from then on; never if absent"},
     {.key = "share",
      .unit = "1",
      .fallback = BY_PRESSURE,
@@ -90,6 +105,19 @@ const lac_load_kind lac_shear_ramp = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),
               .fault = fault},
-    .add = add,
+    .add = add_shear,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pore_ramp = {
+    .about = {.name = "ramp",
+              .summary = "pore pressure that changes at a constant rate between two times",
+              .reference = "",
+              .params = params,
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
+              .params_size = sizeof(ramp_params),
+              .fault = fault},
+    .add = add_pore,
     .next_break = next_break,
 };

@@ -5,10 +5,10 @@ typedef struct ratio_params {
     double value; // Q/P [1]
 } ratio_params;
 
-static void add(const void *p, double t, lac_load_state *sum)
+static void add(const lac_load *load, double t, lac_load_state *sum)
 {
     (void)t;
-    sum->ratio += ((const ratio_params *)p)->value;
+    sum->ratio += ((const ratio_params *)load->params)->value;
 }
 
 static const lac_param params[] = {

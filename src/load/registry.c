@@ -9,14 +9,13 @@ static const lac_normal_load *const normal[] = {
 };
 
 static const lac_load_kind *const shear[] = {
-    &lac_shear_ratio,
-    &lac_shear_slope,
-    &lac_shear_ramp,
-    &lac_shear_spring,
+    &lac_shear_ratio, &lac_shear_slope, &lac_shear_ramp,    &lac_shear_spring,
+    &lac_shear_step,  &lac_shear_sine,  &lac_shear_shaking, &lac_shear_series,
 };
 
 static const lac_load_kind *const pore[] = {
-    &lac_pore_constant,
+    &lac_pore_constant, &lac_pore_ramp,      &lac_pore_step, &lac_pore_sine,
+    &lac_pore_series,   &lac_pore_reservoir, &lac_pore_rain,
 };
 
 const lac_normal_load *lac_normal_load_at(size_t index)

@@ -6,10 +6,10 @@ typedef struct slope_params {
 } slope_params;
 
 // Q/P = tan(angle), whatever the thickness
-static void add(const void *p, double t, lac_load_state *sum)
+static void add(const lac_load *load, double t, lac_load_state *sum)
 {
     (void)t;
-    sum->ratio += tan(((const slope_params *)p)->angle);
+    sum->ratio += tan(((const slope_params *)load->params)->angle);
 }
 
 static const lac_param params[] = {

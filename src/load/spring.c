@@ -7,9 +7,9 @@ typedef struct spring_params {
 } spring_params;
 
 // tau = k (V t - mean slip); the slip's part is the model's
-static void add(const void *p, double t, lac_load_state *sum)
+static void add(const lac_load *load, double t, lac_load_state *sum)
 {
-    const spring_params *spring = p;
+    const spring_params *spring = load->params;
     double rate = spring->stiffness * spring->speed;
     sum->spring_stiffness += spring->stiffness;
     sum->spring_stress += rate * t;

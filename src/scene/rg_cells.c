@@ -9,17 +9,21 @@
 // Effective over total normal pressure at a time, as in the run itself.
 static lac_status find_share(const lac_case *c, double time, double *share, lac_error *err)
 {
-    const lac_load_set loads = {.shear = c->shear.item,
-                                .shear_count = c->shear.count,
-                                .pore = c->pore.item,
-                                .pore_count = c->pore.count};
+    const lac_load_slots slots = {.pore = c->pore.item, .pore_count = c->pore.count};
+    const lac_load_clock clock = {.dated = c->dated, .start = c->start_date, .end = time};
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    lac_load_set loads;
     lac_load_state at;
     *share = 1.0;
     if (isnan(time) || c->pore.count == 0) {
         return LAC_OK;
     }
+    lac_status status = lac_load_set_create(&slots, &clock, &loads, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     lac_load_evaluate(&loads, time, &at);
+    lac_load_set_clear(&loads);
     double total = normal->pressure(c->normal.params, c->material.density);
     *share = 1.0 - at.pore / total;
     if (!(*share > 0.0 && isfinite(*share))) {

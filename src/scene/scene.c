@@ -119,10 +119,13 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
     }
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
-    scene->loads = (lac_load_set){.shear = c->shear.item,
-                                  .shear_count = c->shear.count,
-                                  .pore = c->pore.item,
-                                  .pore_count = c->pore.count};
+    LAC_TRY(lac_load_set_create(
+        &(lac_load_slots){.shear = c->shear.item,
+                          .shear_count = c->shear.count,
+                          .pore = c->pore.item,
+                          .pore_count = c->pore.count},
+        &(lac_load_clock){.dated = c->dated, .start = c->start_date, .end = c->run.end},
+        &scene->loads, err));
     LAC_TRY(lac_scene_contact_solve(c, false, &scene->contact, err));
     LAC_TRY(lac_hierarchy_create(scene->contact.domain, &scene->hierarchy, err));
     lac_transfer_scene from = {.domain = scene->contact.domain,
@@ -149,6 +152,7 @@ void lac_scene_free(lac_scene *scene)
         return;
     }
     lac_problem_free(scene->problem);
+    lac_load_set_clear(&scene->loads);
     lac_friction_free(scene->friction);
     lac_transfer_clear(&scene->transfer);
     lac_hierarchy_free(scene->hierarchy);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
-#include <errno.h>
 #include <locale.h>
 #include <math.h>
 #include <stdint.h>
@@ -11,9 +10,9 @@
 #include "base/units.h"
 #include "series/text.h"
 
-enum { COLUMNS = 3, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
+enum { VALUES = 3, COLUMNS = 1 + VALUES, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
 
-// Of time, displacement and velocity: 0, 1, 2.
+// Of time, displacement, velocity and any other value: 0 ... 3.
 typedef struct lac_wanted {
     const char *name; ///< NULL: not asked for
     size_t index;     ///< in the header
@@ -21,7 +20,7 @@ typedef struct lac_wanted {
 } lac_wanted;
 
 typedef struct lac_reading {
-    double time, value[2];
+    double time, value[VALUES];
     size_t line;
 } lac_reading;
 
@@ -52,7 +51,10 @@ static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
 {
     const struct {
         const char *unit, *si;
-    } table[COLUMNS] = {{NULL, "s"}, {def->displacement_unit, "m"}, {def->velocity_unit, "m/s"}};
+    } table[COLUMNS] = {{NULL, "s"},
+                        {def->displacement_unit, "m"},
+                        {def->velocity_unit, "m/s"},
+                        {def->value_unit, def->value_si}};
     for (size_t c = 0; c < COLUMNS; c++) {
         p->wanted[c].scale = 1.0;
         if (p->wanted[c].name == NULL || table[c].unit == NULL) {
@@ -75,12 +77,10 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
     p->wanted[0].name = def->time;
     p->wanted[1].name = def->displacement;
     p->wanted[2].name = def->velocity;
-    if (def->time == NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s: no time column was named", def->path);
-    }
-    if (def->displacement == NULL && def->velocity == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: neither a displacement nor a velocity column was named", def->path);
+    p->wanted[3].name = def->value;
+    lac_status status = lac_series_check(def, err);
+    if (status != LAC_OK) {
+        return status;
     }
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (p->plain == (locale_t)0) {
@@ -309,7 +309,7 @@ static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *bl
 static lac_status read_row(lac_parser *p, lac_error *err)
 {
     const char *fields[COLUMNS];
-    lac_reading reading = {.value = {NAN, NAN}, .line = p->lines.number};
+    lac_reading reading = {.value = {NAN, NAN, NAN}, .line = p->lines.number};
     bool blank = false;
     lac_status status = LAC_OK;
     LAC_TRY(split_row(p, fields, &blank, err));
@@ -379,7 +379,7 @@ static size_t drop_duplicates(lac_parser *p)
             p->readings[++kept] = *next;
             continue;
         }
-        for (size_t c = 0; c < 2; c++) {
+        for (size_t c = 0; c < VALUES; c++) {
             last->value[c] = isnan(last->value[c]) ? next->value[c] : last->value[c];
         }
     }
@@ -391,26 +391,41 @@ static size_t drop_duplicates(lac_parser *p)
 static lac_status check_any_value(const lac_parser *p, lac_error *err)
 {
     for (size_t i = 0; i < p->count; i++) {
-        if (!isnan(p->readings[i].value[0]) || !isnan(p->readings[i].value[1])) {
-            return LAC_OK;
+        for (size_t c = 0; c < VALUES; c++) {
+            if (!isnan(p->readings[i].value[c])) {
+                return LAC_OK;
+            }
         }
     }
     return lac_fail(err, LAC_EINPUT, "%s: every reading is missing", p->lines.path);
 }
 
-static lac_status allocate_series(lac_series *s, const lac_parser *p)
+// One column of values over the readings kept.
+static double *copy_values(const lac_parser *p, size_t column)
 {
+    double *values = malloc(p->count * sizeof *values);
+    for (size_t i = 0; values != NULL && i < p->count; i++) {
+        values[i] = p->readings[i].value[column];
+    }
+    return values;
+}
+
+static lac_status fill_series(lac_series *s, const lac_parser *p)
+{
+    double **const target[VALUES] = {&s->displacement, &s->velocity, &s->value};
     s->time = malloc(p->count * sizeof *s->time);
     s->line = malloc(p->count * sizeof *s->line);
     s->attribution = strdup(p->attribution != NULL ? p->attribution : "");
     bool whole = s->time != NULL && s->line != NULL && s->attribution != NULL;
-    if (p->wanted[1].name != NULL) {
-        s->displacement = malloc(p->count * sizeof *s->displacement);
-        whole = whole && s->displacement != NULL;
+    for (size_t c = 0; c < VALUES; c++) {
+        if (p->wanted[c + 1].name != NULL) {
+            *target[c] = copy_values(p, c);
+            whole = whole && *target[c] != NULL;
+        }
     }
-    if (p->wanted[2].name != NULL) {
-        s->velocity = malloc(p->count * sizeof *s->velocity);
-        whole = whole && s->velocity != NULL;
+    for (size_t i = 0; whole && i < p->count; i++) {
+        s->time[i] = p->readings[i].time;
+        s->line[i] = p->readings[i].line;
     }
     return whole ? LAC_OK : LAC_ENOMEM;
 }
@@ -424,7 +439,7 @@ static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
         return status;
     }
     lac_series *s = calloc(1, sizeof *s);
-    if (s == NULL || allocate_series(s, p) != LAC_OK) {
+    if (s == NULL || fill_series(s, p) != LAC_OK) {
         lac_series_free(s);
         return lac_fail_memory(err);
     }
@@ -432,16 +447,6 @@ static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
     s->dated = p->dated;
     s->missing = p->missing;
     s->duplicates = duplicates;
-    for (size_t i = 0; i < p->count; i++) {
-        s->time[i] = p->readings[i].time;
-        s->line[i] = p->readings[i].line;
-        if (s->displacement != NULL) {
-            s->displacement[i] = p->readings[i].value[0];
-        }
-        if (s->velocity != NULL) {
-            s->velocity[i] = p->readings[i].value[1];
-        }
-    }
     *out = s;
     return LAC_OK;
 }
@@ -465,30 +470,4 @@ out:
     free(p.readings);
     free(p.lines.text);
     return status;
-}
-
-lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
-                           lac_series **out, lac_error *err)
-{
-    *out = NULL;
-    FILE *stream = fopen(def->path, "rbe");
-    if (stream == NULL) {
-        return lac_fail(err, LAC_EIO, "%s: %s", def->path, strerror(errno));
-    }
-    lac_status status = lac_series_read_stream(stream, def, units, out, err);
-    (void)fclose(stream);
-    return status;
-}
-
-void lac_series_free(lac_series *series)
-{
-    if (series == NULL) {
-        return;
-    }
-    free(series->time);
-    free(series->displacement);
-    free(series->velocity);
-    free(series->line);
-    free(series->attribution);
-    free(series);
 }

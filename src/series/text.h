@@ -10,6 +10,17 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
+/// Whether a time column and one of values are named.
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_series_check(const lac_series_def *def, lac_error *err);
+
+/// Whether a file begins as netCDF does; the stream is at its beginning before and after.
+bool lac_series_is_netcdf(FILE *stream);
+
+/// Reads as lac_series_read from a netCDF file.
+lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
+                                  lac_series **out, lac_error *err);
+
 /// Lines of a text, one at a time; any of LF, CRLF and CR ends one.
 typedef struct lac_lines {
     FILE *stream;

@@ -15,6 +15,7 @@
 #include "lacuna/case.h"
 #include "lacuna/store.h"
 #include "lacuna/surface.h"
+#include "support/slot.h"
 
 #define VALID LACUNA_SOURCE_DIR "/tests/case/valid"
 
@@ -38,6 +39,18 @@ static void is_nearly(double value, double expected)
     }
 }
 
+static lac_load_state loads_at(const lac_case *c, double t)
+{
+    lac_load_set set = test_load_set(&(lac_load_slots){.shear = c->shear.item,
+                                                       .shear_count = c->shear.count,
+                                                       .pore = c->pore.item,
+                                                       .pore_count = c->pore.count});
+    lac_load_state load;
+    lac_load_evaluate(&set, t, &load);
+    lac_load_set_clear(&set);
+    return load;
+}
+
 static void the_example_reads_in_si(void **state)
 {
     (void)state;
@@ -45,9 +58,7 @@ static void the_example_reads_in_si(void **state)
     const lac_self_affine *surface = c->surface.params;
     const lac_friction_params *law = c->friction.params;
     const lac_transfer_hierarchy *transfer = c->transfer.params;
-    lac_load_state load;
-    lac_load_set set = {.pore = c->pore.item, .pore_count = c->pore.count};
-    lac_load_evaluate(&set, 0.0, &load);
+    lac_load_state load = loads_at(c, 0.0);
 
     assert_string_equal(c->title, "A rough joint under its own slope");
     assert_null(c->references);
@@ -88,12 +99,7 @@ static void every_key_reads(void **state)
 {
     (void)state;
     lac_case *c = read_or_fail(VALID "/every-key.yaml", NULL, 0);
-    lac_load_set set = {.shear = c->shear.item,
-                        .shear_count = c->shear.count,
-                        .pore = c->pore.item,
-                        .pore_count = c->pore.count};
-    lac_load_state load;
-    lac_load_evaluate(&set, 2 * 86400.0, &load);
+    lac_load_state load = loads_at(c, 2 * 86400.0);
     assert_string_equal(c->title, "Everything: \"quoted\", \xc3\xa9t\xc3\xa9, tab\t, back\\slash, "
                                   "\x07 and \xe2\x80\xa8");
     assert_string_equal(c->references, "First line\nsecond line\n");

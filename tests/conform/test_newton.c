@@ -17,9 +17,9 @@
 #include "support/tree.h"
 
 // Everything that can pull at a cell: ratio, force, spring and a changing pore pressure.
-static void pull(const void *params, double t, lac_load_state *sum)
+static void pull(const lac_load *load, double t, lac_load_state *sum)
 {
-    (void)params;
+    (void)load;
     sum->ratio += 1e-5 * t;
     sum->ratio_rate += 1e-5;
     sum->stress += 10.0 * t;
@@ -32,7 +32,6 @@ static void pull(const void *params, double t, lac_load_state *sum)
 }
 
 static const lac_load_kind pull_kind = {.about = {.name = "pull"}, .add = pull};
-static const lac_slot pull_slot = {.about = &pull_kind.about};
 
 // One row of J by central differences: stepping one unknown moves all rates.
 static void jacobian(const lac_problem *problem, double t, const double *y, gsl_matrix *j)
@@ -107,7 +106,8 @@ static void newton_solve_is_exact(void **state)
                 def.keep = 0.4;
                 def.ratio = 0.7;
                 def.state = 4e3;
-                def.loads = (lac_load_set){.shear = &pull_slot, .shear_count = 1};
+                lac_load load = {.kind = &pull_kind};
+                def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
                 tree t;
                 tree_create(&def, &t);
                 double y[128];

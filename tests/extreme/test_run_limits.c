@@ -78,15 +78,15 @@ typedef struct jump {
     double time, size;
 } jump;
 
-static void add_jump(const void *params, double t, lac_load_state *sum)
+static void add_jump(const lac_load *load, double t, lac_load_state *sum)
 {
-    const jump *j = params;
+    const jump *j = load->params;
     sum->ratio += t < j->time ? 0.0 : j->size;
 }
 
-static double jump_break(const void *params, double t)
+static double jump_break(const lac_load *load, double t)
 {
-    const jump *j = params;
+    const jump *j = load->params;
     return t < j->time ? j->time : INFINITY;
 }
 

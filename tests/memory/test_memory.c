@@ -308,6 +308,47 @@ out:
     return status;
 }
 
+static const char wet[] =
+    "lacuna: 1\n"
+    "load:\n"
+    "  normal: {pressure: 1e9}\n"
+    "  shear: [{series: {file: wet.csv, time: t, value: v, interpolation: smooth}}, {ratio: 0.5}]\n"
+    "  pore_pressure:\n"
+    "    - {rain: {file: wet.csv, time: t, rain: v, rise: 1, drain: 2}}\n"
+    "    - {reservoir: {file: wet.csv, time: t, level: v, elevation: 1, distance: 1, diffusivity: "
+    "1}}\n"
+    "friction: {aging: {a: 0.01, b: 0.015, dc: \"1 mm\"}}\n"
+    "initial: {state: steady}\n"
+    "time: {end: 5}\n";
+
+// Case to loads made ready, from a file.
+static lac_status whole_loads(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_load_set loads = {0};
+    const lac_override overrides[] = {{"load.shear.0.series.file", path},
+                                      {"load.pore_pressure.0.rain.file", path},
+                                      {"load.pore_pressure.1.reservoir.file", path}};
+    const lac_case_request how = {.overrides = overrides, .count = 3};
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    (void)fputs("t,v\n-1,2\n1,0\n2,3\n9,4\n", file);
+    (void)fclose(file);
+    LAC_TRY(lac_case_read_text("case.yaml", wet, sizeof wet - 1, &how, &c, &report, err));
+    LAC_TRY(lac_load_set_create(&(lac_load_slots){.shear = c->shear.item,
+                                                  .shear_count = c->shear.count,
+                                                  .pore = c->pore.item,
+                                                  .pore_count = c->pore.count},
+                                &(lac_load_clock){.end = c->run.end}, &loads, err));
+out:
+    lac_load_set_clear(&loads);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
                                    bool for_good)
 {
@@ -342,6 +383,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_cascade, false);
     every_allocation_fails(whole_stored_cascade, false);
     every_allocation_fails(whole_dimension, false);
+    every_allocation_fails(whole_loads, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -353,6 +395,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_cascade, true);
     every_allocation_fails(whole_stored_cascade, true);
     every_allocation_fails(whole_dimension, true);
+    every_allocation_fails(whole_loads, true);
 }
 
 int main(void)

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/slot.h"
+
 static void must(lac_status status, const lac_error *err)
 {
     if (status != LAC_OK) {
@@ -62,18 +64,21 @@ void block_create(const block_def *def, block *out)
     must(lac_friction_create(&slot, 1, &out->friction, &err), &err);
     lac_slot_clear(&slot);
 
-    lac_load_set loads = {.shear = def->shear, .shear_count = def->shear_count};
+    out->loads = test_load_set(&(lac_load_slots){.shear = def->shear,
+                                                 .shear_count = def->shear_count,
+                                                 .pore = def->pore,
+                                                 .pore_count = def->pore_count});
     lac_initial_def initial = {
         .slip_rate = def->slip_rate, .state = LAC_STATE_RATIO, .state_value = def->x};
     double u;
     double w;
-    must(
-        lac_initial_solve(&initial, out->domain, out->friction, &loads, def->damping, &u, &w, &err),
-        &err);
+    must(lac_initial_solve(&initial, out->domain, out->friction, &out->loads, def->damping, &u, &w,
+                           &err),
+         &err);
     lac_problem_def problem = {.domain = out->domain,
                                .friction = out->friction,
                                .transfer = &out->transfer,
-                               .loads = loads,
+                               .loads = out->loads,
                                .damping = def->damping,
                                .log_rate = &u,
                                .log_state = &w};
@@ -83,6 +88,7 @@ void block_create(const block_def *def, block *out)
 void block_clear(block *b)
 {
     lac_problem_free(b->problem);
+    lac_load_set_clear(&b->loads);
     lac_friction_free(b->friction);
     lac_transfer_clear(&b->transfer);
     lac_hierarchy_free(b->hierarchy);

@@ -14,6 +14,8 @@ typedef struct block_def {
     double x;         // theta/theta_ss under the load that follows
     const lac_slot *shear;
     size_t shear_count;
+    const lac_slot *pore;
+    size_t pore_count;
 } block_def;
 
 typedef struct block {
@@ -21,6 +23,7 @@ typedef struct block {
     lac_hierarchy *hierarchy;
     lac_transfer transfer;
     lac_friction *friction;
+    lac_load_set loads;
     lac_problem *problem;
 } block;
 

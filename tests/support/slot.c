@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/slot.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,4 +38,15 @@ lac_slot test_slot_shear(const char *name)
         abort();
     }
     return slot;
+}
+
+lac_load_set test_load_set(const lac_load_slots *slots)
+{
+    lac_error err;
+    lac_load_set set;
+    if (lac_load_set_create(slots, &(lac_load_clock){.end = NAN}, &set, &err) != LAC_OK) {
+        (void)fprintf(stderr, "%s\n", err.message);
+        abort();
+    }
+    return set;
 }

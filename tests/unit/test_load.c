@@ -70,13 +70,18 @@ static lac_slot slot_of(const char *name)
 static lac_load_state shear_at(const lac_slot *slot, double t)
 {
     lac_load_state sum;
-    lac_load_evaluate(&(lac_load_set){.shear = slot, .shear_count = 1}, t, &sum);
+    lac_load_set set = test_load_set(&(lac_load_slots){.shear = slot, .shear_count = 1});
+    lac_load_evaluate(&set, t, &sum);
+    lac_load_set_clear(&set);
     return sum;
 }
 
 static double break_after(const lac_slot *slot, double t)
 {
-    return lac_load_next_break(&(lac_load_set){.shear = slot, .shear_count = 1}, t);
+    lac_load_set set = test_load_set(&(lac_load_slots){.shear = slot, .shear_count = 1});
+    double next = lac_load_next_break(&set, t);
+    lac_load_set_clear(&set);
+    return next;
 }
 
 static void constant_loads(void **state)
@@ -94,7 +99,9 @@ static void constant_loads(void **state)
 
     assert_int_equal(lac_slot_create(&lac_pore_load_at(0)->about, &pore, NULL), LAC_OK);
     test_slot_set(&pore, "value", 2e5);
-    lac_load_evaluate(&(lac_load_set){.pore = &pore, .pore_count = 1}, 3, &sum);
+    lac_load_set set = test_load_set(&(lac_load_slots){.pore = &pore, .pore_count = 1});
+    lac_load_evaluate(&set, 3, &sum);
+    lac_load_set_clear(&set);
     assert_true(sum.pore == 2e5 && sum.pore_rate == 0 && sum.ratio == 0);
     lac_slot_clear(&ratio);
     lac_slot_clear(&slope);
@@ -151,12 +158,13 @@ static void loads_add_up(void **state)
     test_slot_set(&shear[2], "start", 7);
     test_slot_set(&shear[3], "stiffness", 4);
     test_slot_set(&shear[3], "speed", 0);
-    lac_load_set set = {.shear = shear, .shear_count = 4};
+    lac_load_set set = test_load_set(&(lac_load_slots){.shear = shear, .shear_count = 4});
     lac_load_state sum;
     lac_load_evaluate(&set, 10, &sum);
     assert_true(sum.stress == 47 && sum.stress_rate == 4);
     assert_true(sum.spring_stiffness == 7 && sum.spring_stress == 60 && sum.spring_rate == 6);
     assert_true(lac_load_next_break(&set, 1) == 7 && lac_load_next_break(&set, 7) == INFINITY);
+    lac_load_set_clear(&set);
     for (size_t i = 0; i < 4; i++) {
         lac_slot_clear(&shear[i]);
     }

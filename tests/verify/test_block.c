@@ -248,16 +248,16 @@ typedef struct callback {
     double jump_time;
 } callback;
 
-static void add_callback(const void *params, double t, lac_load_state *sum)
+static void add_callback(const lac_load *load, double t, lac_load_state *sum)
 {
-    const callback *c = params;
+    const callback *c = load->params;
     sum->ratio += c->ratio(t);
     sum->ratio_rate += c->rate(t);
 }
 
-static double callback_break(const void *params, double t)
+static double callback_break(const lac_load *load, double t)
 {
-    const callback *c = params;
+    const callback *c = load->params;
     return t < c->jump_time ? c->jump_time : INFINITY;
 }
 
@@ -275,12 +275,13 @@ static void create_driven(const lac_slot *slot, double start_drive, block *b)
     lac_error err;
     block_create(&def, b);
     lac_problem_free(b->problem);
+    b->loads = test_load_set(&(lac_load_slots){.shear = slot, .shear_count = 1});
     double u = log(start_drive / 2.0);
     double w = log(2.0);
     lac_problem_def problem = {.domain = b->domain,
                                .friction = b->friction,
                                .transfer = &b->transfer,
-                               .loads = {.shear = slot, .shear_count = 1},
+                               .loads = b->loads,
                                .log_rate = &u,
                                .log_state = &w};
     assert_int_equal(lac_problem_create(&problem, &b->problem, &err), LAC_OK);

@@ -173,10 +173,11 @@ static outcome run_one(const pull *how, uint64_t seed)
     lac_slot ramp = test_slot_shear("ramp");
     test_slot_set(&ramp, "rate", f0 / ramp_time);
     test_slot_set(&ramp, "share", 1);
+    lac_load_set loads = test_load_set(&(lac_load_slots){.shear = &ramp, .shear_count = 1});
     lac_problem_def problem = {.domain = t.domain,
                                .friction = t.friction,
                                .transfer = &t.transfer,
-                               .loads = {.shear = &ramp, .shear_count = 1},
+                               .loads = loads,
                                .damping = 1,
                                .log_rate = y,
                                .log_state = y + n};
@@ -197,6 +198,7 @@ static outcome run_one(const pull *how, uint64_t seed)
     out.peak = w.fastest / (x * f0 * p);
     out.left = 1 + b / f0 * log(v0 * w.state / dc);
     out.formula = 1 - x;
+    lac_load_set_clear(&loads);
     lac_slot_clear(&ramp);
     tree_clear(&t);
     free(shear);

@@ -22,8 +22,8 @@ USES = {
     "rg": ["hierarchy", "fractal"],
     "friction": [],
     "transfer": ["hierarchy"],
-    "load": [],
     "series": [],
+    "load": ["series"],
     "model": ["contact", "hierarchy", "friction", "transfer", "load"],
     "run": ["model"],
     "analysis": ["run", "rg"],
@@ -53,7 +53,7 @@ HEADERS = {
 # Where a library may be used, by its headers.
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
-    (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c")),
+    (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c", "src/series/read_netcdf.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
     (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),

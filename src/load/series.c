@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+
+#include "load/kinds.h"
+#include "load/signal.h"
+#include "load/table.h"
+
+enum { LINEAR, SMOOTH };
+enum { REFUSE, HOLD, ZERO };
+
+typedef struct series_params {
+    char *file, *time, *value, *per;
+    double scale;  // [1]
+    double offset; // [s]
+    int interpolation, outside;
+} series_params;
+
+typedef struct series_state {
+    lac_readings readings;
+    double *slope; // [n] of the smooth curve at each reading [Pa/s]; NULL: straight lines
+} series_state;
+
+static void release(void *p)
+{
+    series_state *state = p;
+    lac_readings_clear(&state->readings);
+    free(state->slope);
+    free(state);
+}
+
+static double secant(const lac_readings *r, size_t i)
+{
+    return (r->value[i + 1] - r->value[i]) / (r->t[i + 1] - r->t[i]);
+}
+
+// Steffen's slope at a reading between two others: that of their parabola, but no more than twice
+// either secant, and none at an extreme, so that the curve overshoots nowhere (1990, eq. 11).
+static double steffen_slope(const lac_readings *r, size_t i)
+{
+    double left = secant(r, i - 1);
+    double right = secant(r, i);
+    double h_left = r->t[i] - r->t[i - 1];
+    double h_right = r->t[i + 1] - r->t[i];
+    double parabola = (left * h_right + right * h_left) / (h_left + h_right);
+    double least = fmin(fmin(fabs(left), fabs(right)), 0.5 * fabs(parabola));
+    return (copysign(1.0, left) + copysign(1.0, right)) * least;
+}
+
+// Slopes of the smooth curve: at its ends the secants.
+static lac_status smooth(series_state *state, lac_error *err)
+{
+    const lac_readings *r = &state->readings;
+    state->slope = malloc(r->n * sizeof *state->slope);
+    if (state->slope == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 1; i + 1 < r->n; i++) {
+        state->slope[i] = steffen_slope(r, i);
+    }
+    state->slope[0] = r->n > 1 ? secant(r, 0) : 0.0;
+    state->slope[r->n - 1] = r->n > 1 ? secant(r, r->n - 2) : 0.0;
+    return LAC_OK;
+}
+
+static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
+{
+    const series_params *s = p;
+    const lac_readings_def def = {.path = s->file,
+                                  .time = s->time,
+                                  .column = s->value,
+                                  .per = s->per,
+                                  .si = "Pa",
+                                  .offset = s->offset};
+    lac_status status = LAC_OK;
+    series_state *state = calloc(1, sizeof *state);
+    if (state == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_TRY(lac_readings_read(&def, clock, &state->readings, err));
+    if (s->outside == REFUSE) {
+        LAC_TRY(lac_readings_cover(&state->readings, s->file, clock,
+                                   ", or say outside: hold or zero", err));
+    }
+    if (s->interpolation == SMOOTH) {
+        LAC_TRY(smooth(state, err));
+    }
+    *out = state;
+    state = NULL;
+out:
+    if (state != NULL) {
+        release(state);
+    }
+    return status;
+}
+
+// Value and rate between readings i and i + 1.
+static lac_signal between(const series_state *state, size_t i, double t)
+{
+    const lac_readings *r = &state->readings;
+    double h = r->t[i + 1] - r->t[i];
+    double x = (t - r->t[i]) / h;
+    double rise = r->value[i + 1] - r->value[i];
+    if (state->slope == NULL) {
+        return (lac_signal){r->value[i] + x * rise, rise / h};
+    }
+    // Cubic Hermite: what the ends' slopes have beyond the secant
+    double first = h * state->slope[i] - rise;
+    double last = h * state->slope[i + 1] - rise;
+    double bend = x * (1.0 - x) * ((1.0 - x) * first - x * last);
+    double turn = (1.0 - x) * (1.0 - 3.0 * x) * first + x * (3.0 * x - 2.0) * last;
+    return (lac_signal){r->value[i] + x * rise + bend, (rise + turn) / h};
+}
+
+static lac_signal series_at(const lac_load *load, double t)
+{
+    const series_params *s = load->params;
+    const series_state *state = load->state;
+    const lac_readings *r = &state->readings;
+    bool before = t < r->t[0];
+    bool after = t >= r->t[r->n - 1];
+    if (before || after) {
+        double held = s->outside == ZERO ? 0.0 : r->value[before ? 0 : r->n - 1];
+        return (lac_signal){s->scale * held, 0.0};
+    }
+    lac_signal signal = between(state, lac_readings_before(r->t, r->n, t), t);
+    return (lac_signal){s->scale * signal.value, s->scale * signal.rate};
+}
+
+static void add_shear(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_stress(sum, series_at(load, t));
+}
+
+static void add_pore(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_pore(sum, series_at(load, t));
+}
+
+// Straight lines bend at every reading, smooth curves only where the data begin and end.
+static double next_break(const lac_load *load, double t)
+{
+    const series_params *s = load->params;
+    const lac_readings *r = &((const series_state *)load->state)->readings;
+    if (s->interpolation == LINEAR || t < r->t[0]) {
+        return lac_readings_next(r->t, r->n, t);
+    }
+    return t < r->t[r->n - 1] ? r->t[r->n - 1] : INFINITY;
+}
+
+static const char *const interpolations[] = {"linear", "smooth", NULL};
+static const char *const outsides[] = {"refuse", "hold", "zero", NULL};
+
+static const lac_param params[] = {
+    {.key = "file",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_PATH,
+     .offset = offsetof(series_params, file),
+     .doc = "CSV with a header, or netCDF"},
+    {.key = "time",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_TEXT,
+     .offset = offsetof(series_params, time),
+     .doc = "name of the time column: dates, or seconds since the start of the run"},
+    {.key = "value",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_TEXT,
+     .offset = offsetof(series_params, value),
+     .doc = "column and its unit, such as \"pressure:kPa\" or, with per, \"acceleration:cm/s2\""},
+    {.key = "per",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_TEXT,
+     .flags = LAC_OPTIONAL,
+     .offset = offsetof(series_params, per),
+     .doc = "stress that one unit of the column makes, such as \"9807 Pa/m\" or \"5e5 kg/m2\"; the "
+            "column is a stress if absent"},
+    {.key = "scale",
+     .unit = "1",
+     .fallback = 1,
+     .min = -1e12,
+     .max = 1e12,
+     .offset = offsetof(series_params, scale),
+     .doc = "factor on it all"},
+    {.key = "offset",
+     .unit = "s",
+     .fallback = 0,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(series_params, offset),
+     .doc = "the data come this much later than their times say"},
+    {.key = "interpolation",
+     .unit = "1",
+     .fallback = LINEAR,
+     .type = LAC_CHOICE,
+     .choices = interpolations,
+     .offset = offsetof(series_params, interpolation),
+     .doc = "straight lines, at whose corners the integrator begins anew, or a smooth curve that "
+            "overshoots nowhere"},
+    {.key = "outside",
+     .unit = "1",
+     .fallback = REFUSE,
+     .type = LAC_CHOICE,
+     .choices = outsides,
+     .offset = offsetof(series_params, outside),
+     .doc = "before the first reading and after the last: refuse, hold them, or zero"},
+};
+
+const lac_load_kind lac_shear_series = {
+    .about = {.name = "series",
+              .summary = "shear stress read from a file: recorded shaking, tremor",
+              .reference = "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(series_params)},
+    .prepare = prepare,
+    .release = release,
+    .add = add_shear,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pore_series = {
+    .about = {.name = "series",
+              .summary = "pore pressure read from a file: a piezometer",
+              .reference = "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(series_params)},
+    .prepare = prepare,
+    .release = release,
+    .add = add_pore,
+    .next_break = next_break,
+};

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+#include "load/signal.h"
+
+typedef struct shaking_params {
+    double acceleration; // of the ground, its peak [m/s2]
+    double frequency;    // [1/s]
+    double mass;         // of the rock above, for each unit of nominal area [kg/m2]
+    double start;        // [s]
+    double duration;     // [s]
+    double taper;        // of its rise and of its fall [s]
+} shaking_params;
+
+// How much of the swing is there at tau after the start: a cosine up and down, 1 between.
+static lac_signal envelope(const shaking_params *s, double tau)
+{
+    double left = fmin(tau, s->duration - tau);
+    if (left >= s->taper) {
+        return (lac_signal){1.0, 0.0};
+    }
+    double pace = LAC_PI / s->taper;
+    double sense = tau < 0.5 * s->duration ? 1.0 : -1.0;
+    return (lac_signal){0.5 * (1.0 - cos(pace * left)), sense * 0.5 * pace * sin(pace * left)};
+}
+
+// The rock's own frame: a mass m under the acceleration a pushes with m a.
+static lac_signal shaking_at(const lac_load *load, double t)
+{
+    const shaking_params *s = load->params;
+    double tau = t - s->start;
+    if (tau < 0.0 || t >= s->start + s->duration) {
+        return (lac_signal){0.0, 0.0};
+    }
+    double omega = 2.0 * LAC_PI * s->frequency;
+    double stress = s->mass * s->acceleration;
+    lac_signal share = envelope(s, tau);
+    double swing = sin(omega * tau);
+    return (lac_signal){stress * share.value * swing,
+                        stress * (share.rate * swing + share.value * omega * cos(omega * tau))};
+}
+
+static void add(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_stress(sum, shaking_at(load, t));
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const shaking_params *s = load->params;
+    double end = s->start + s->duration;
+    const double breaks[] = {s->start, s->start + s->taper, end - s->taper, end};
+    for (size_t i = 0; i < sizeof breaks / sizeof breaks[0]; i++) {
+        if (t < breaks[i]) {
+            return breaks[i];
+        }
+    }
+    return INFINITY;
+}
+
+static const char *fault(const void *p)
+{
+    const shaking_params *s = p;
+    return 2.0 * s->taper > s->duration ? "taper must be at most half the duration" : NULL;
+}
+
+static const lac_param params[] = {
+    {.key = "acceleration",
+     .unit = "m/s2",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e6,
+     .offset = offsetof(shaking_params, acceleration),
+     .doc = "peak acceleration along the slip"},
+    {.key = "frequency",
+     .unit = "1/s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .offset = offsetof(shaking_params, frequency),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "of the swing"},
+    {.key = "mass",
+     .unit = "kg/m2",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .offset = offsetof(shaking_params, mass),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "of the rock that rides on the interface, for each unit of nominal area: density times "
+            "thickness"},
+    {.key = "start",
+     .unit = "s",
+     .fallback = 0,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(shaking_params, start),
+     .doc = "when it begins, since the start of the run"},
+    {.key = "duration",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(shaking_params, duration),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "how long it lasts"},
+    {.key = "taper",
+     .unit = "s",
+     .fallback = 0,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(shaking_params, taper),
+     .doc = "time in which it grows at first and fades at last, as half a cosine"},
+};
+
+const lac_load_kind lac_shear_shaking = {
+    .about = {.name = "shaking",
+              .summary = "ground that shakes as a sine under a rigid mass; records: series",
+              .reference = "Newmark (1965) Geotechnique 15, 139, doi 10.1680/geot.1965.15.2.139",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(shaking_params),
+              .fault = fault},
+    .add = add,
+    .next_break = next_break,
+};

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LOAD_SIGNAL_H
+#define LACUNA_LOAD_SIGNAL_H
+
+#include "lacuna/load.h"
+
+/// A quantity and its rate at one time.
+typedef struct lac_signal {
+    double value, rate;
+} lac_signal;
+
+/// Adds shear stress over the nominal area [Pa], [Pa/s].
+static inline void lac_add_stress(lac_load_state *sum, lac_signal s)
+{
+    sum->stress += s.value;
+    sum->stress_rate += s.rate;
+}
+
+/// Adds pore pressure [Pa], [Pa/s].
+static inline void lac_add_pore(lac_load_state *sum, lac_signal s)
+{
+    sum->pore += s.value;
+    sum->pore_rate += s.rate;
+}
+
+#endif

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+#include "load/signal.h"
+
+typedef struct sine_params {
+    double amplitude; // [Pa]
+    double period;    // [s]
+    double phase;     // [rad]
+    double start;     // [s]
+    double end;       // [s]; NaN: never
+} sine_params;
+
+static double end_of(const sine_params *sine) { return isnan(sine->end) ? INFINITY : sine->end; }
+
+// amplitude sin(2 pi (t - start)/period + phase) from start to end
+static lac_signal sine_at(const lac_load *load, double t)
+{
+    const sine_params *sine = load->params;
+    if (t < sine->start || t >= end_of(sine)) {
+        return (lac_signal){0.0, 0.0};
+    }
+    double omega = 2.0 * LAC_PI / sine->period;
+    double angle = omega * fmod(t - sine->start, sine->period) + sine->phase;
+    return (lac_signal){sine->amplitude * sin(angle), sine->amplitude * omega * cos(angle)};
+}
+
+static void add_shear(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_stress(sum, sine_at(load, t));
+}
+
+static void add_pore(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_pore(sum, sine_at(load, t));
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const sine_params *sine = load->params;
+    double end = end_of(sine);
+    if (end <= sine->start) {
+        return INFINITY;
+    }
+    if (t < sine->start) {
+        return sine->start;
+    }
+    return t < end ? end : INFINITY;
+}
+
+static const char *fault(const void *p)
+{
+    const sine_params *sine = p;
+    return sine->end <= sine->start ? "end must be later than start" : NULL;
+}
+
+static const lac_param params[] = {
+    {.key = "amplitude",
+     .unit = "Pa",
+     .fallback = NAN,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(sine_params, amplitude),
+     .doc = "half the range, of shear stress over the nominal area or of pore pressure"},
+    {.key = "period",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = INFINITY,
+     .offset = offsetof(sine_params, period),
+     .flags = LAC_ABOVE_MIN,
+     .doc = "of one cycle"},
+    {.key = "phase",
+     .unit = "rad",
+     .fallback = 0,
+     .min = -1e6,
+     .max = 1e6,
+     .offset = offsetof(sine_params, phase),
+     .doc = "at the start; 90 degree begins at the crest"},
+    {.key = "start",
+     .unit = "s",
+     .fallback = 0,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(sine_params, start),
+     .doc = "when it begins, since the start of the run"},
+    {.key = "end",
+     .unit = "s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(sine_params, end),
+     .flags = LAC_OPTIONAL,
+     .doc = "when it ends, since the start of the run; never if absent"},
+};
+
+const lac_load_kind lac_shear_sine = {
+    .about = {.name = "sine",
+              .summary = "shear stress that swings, as tides and machines make it",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(sine_params),
+              .fault = fault},
+    .add = add_shear,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pore_sine = {
+    .about = {.name = "sine",
+              .summary = "pore pressure that swings, as the seasons make it",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(sine_params),
+              .fault = fault},
+    .add = add_pore,
+    .next_break = next_break,
+};

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+#include "load/signal.h"
+
+typedef struct step_params {
+    double value; // [Pa]
+    double at;    // [s]
+    double until; // [s]; NaN: for good
+} step_params;
+
+static double until_of(const step_params *step)
+{
+    return isnan(step->until) ? INFINITY : step->until;
+}
+
+// value from `at` to `until`
+static lac_signal step_at(const lac_load *load, double t)
+{
+    const step_params *step = load->params;
+    bool on = t >= step->at && t < until_of(step);
+    return (lac_signal){on ? step->value : 0.0, 0.0};
+}
+
+static void add_shear(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_stress(sum, step_at(load, t));
+}
+
+static void add_pore(const lac_load *load, double t, lac_load_state *sum)
+{
+    lac_add_pore(sum, step_at(load, t));
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const step_params *step = load->params;
+    double until = until_of(step);
+    if (until <= step->at) {
+        return INFINITY;
+    }
+    if (t < step->at) {
+        return step->at;
+    }
+    return t < until ? until : INFINITY;
+}
+
+static const char *fault(const void *p)
+{
+    const step_params *step = p;
+    return step->until <= step->at ? "until must be later than at" : NULL;
+}
+
+static const lac_param params[] = {
+    {.key = "value",
+     .unit = "Pa",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(step_params, value),
+     .doc =
+         "stress that is added, shear over the nominal area or pore pressure; negative takes away"},
+    {.key = "at",
+     .unit = "s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(step_params, at),
+     .doc = "when it comes, since the start of the run"},
+    {.key = "until",
+     .unit = "s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(step_params, until),
+     .flags = LAC_OPTIONAL,
+     .doc = "when it goes again, since the start of the run; stays if absent"},
+};
+
+const lac_load_kind lac_shear_step = {
+    .about = {.name = "step",
+              .summary = "shear stress that comes at a stated time, for good or for a while",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(step_params),
+              .fault = fault},
+    .add = add_shear,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pore_step = {
+    .about = {.name = "step",
+              .summary = "pore pressure that comes at a stated time, for good or for a while",
+              .reference = "",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(step_params),
+              .fault = fault},
+    .add = add_pore,
+    .next_break = next_break,
+};

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "lacuna/series.h"
+
+enum { LONGEST = 256 };
+
+// "level:m" is a name and a unit, "level" a name alone. NULL, reported, where it is neither.
+static lac_status split_column(const char *text, char name[LONGEST], const char **unit,
+                               lac_error *err)
+{
+    size_t length = strlen(text);
+    const char *colon = strrchr(text, ':');
+    size_t end = colon != NULL ? (size_t)(colon - text) : length;
+    if (end == 0 || length >= LONGEST) {
+        return lac_fail(err, LAC_EINPUT,
+                        "\"%.40s\" must be a column and its unit such as "
+                        "\"level:m\"",
+                        text);
+    }
+    memcpy(name, text, end);
+    name[end] = '\0';
+    *unit = colon != NULL && colon[1] != '\0' ? colon + 1 : NULL;
+    return LAC_OK;
+}
+
+// What one unit of the column comes to: "9810 Pa/m" and "m" are 9810 Pa.
+static lac_status find_factor(const struct lac_units *units, const char *per, const char *unit,
+                              const char *si, double *factor, lac_error *err)
+{
+    char product[LONGEST];
+    int length = snprintf(product, sizeof product, "%s %s", per != NULL ? per : "1",
+                          unit != NULL ? unit : "");
+    lac_status status = LAC_EINPUT;
+    if (length > 0 && (size_t)length < sizeof product) {
+        status = lac_units_parse(units, product, si, factor, err);
+    }
+    // A column without a unit whose `per` has none either is SI.
+    if (status == LAC_OK && unit == NULL && per == NULL) {
+        *factor = 1.0;
+    }
+    if (status != LAC_OK) {
+        return lac_fail(
+            err, LAC_EINPUT,
+            "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
+            "as \"1 %s\"",
+            unit != NULL ? unit : "", per != NULL ? per : "1", si);
+    }
+    return LAC_OK;
+}
+
+// Readings that are there, on the clock of the run.
+static lac_status keep_readings(const lac_series *series, double shift, double factor,
+                                lac_readings *out, lac_error *err)
+{
+    out->t = malloc(series->n * sizeof *out->t);
+    out->value = malloc(series->n * sizeof *out->value);
+    if (out->t == NULL || out->value == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < series->n; i++) {
+        if (isnan(series->value[i])) {
+            continue;
+        }
+        out->t[out->n] = series->time[i] - shift;
+        out->value[out->n] = factor * series->value[i];
+        out->n++;
+    }
+    return LAC_OK;
+}
+
+// The numbers of the column are read as they stand; `factor` has their unit.
+static lac_status read_column(const lac_readings_def *def, const char *name, const char *unit,
+                              const lac_load_clock *clock, lac_readings *out, lac_error *err)
+{
+    lac_units *units = NULL;
+    lac_series *series = NULL;
+    double factor = 1.0;
+    lac_status status;
+    LAC_TRY(lac_units_create(&units, err));
+    LAC_TRY(find_factor(units, def->per, unit, def->si, &factor, err));
+    lac_series_def file = {.path = def->path,
+                           .time = def->time,
+                           .value = name,
+                           .value_unit = unit,
+                           .value_si = unit != NULL ? unit : "1"};
+    LAC_TRY(lac_series_read(&file, units, &series, err));
+    if (series->dated && !clock->dated) {
+        LAC_TRY(
+            lac_fail(err, LAC_EINPUT, "%s: has dates, so time.start must be a date", def->path));
+    }
+    double shift = (series->dated ? clock->start : 0.0) - def->offset;
+    LAC_TRY(keep_readings(series, shift, factor, out, err));
+out:
+    lac_series_free(series);
+    lac_units_free(units);
+    return status;
+}
+
+lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
+                             lac_readings *out, lac_error *err)
+{
+    char name[LONGEST];
+    const char *unit = NULL;
+    *out = (lac_readings){0};
+    lac_status status = split_column(def->column, name, &unit, err);
+    if (status == LAC_OK) {
+        status = read_column(def, name, unit, clock, out, err);
+    }
+    if (status != LAC_OK) {
+        lac_readings_clear(out);
+    }
+    return status;
+}
+
+void lac_readings_clear(lac_readings *readings)
+{
+    free(readings->t);
+    free(readings->value);
+    *readings = (lac_readings){0};
+}
+
+lac_status lac_readings_cover(const lac_readings *readings, const char *path,
+                              const lac_load_clock *clock, const char *remedy, lac_error *err)
+{
+    double last = readings->t[readings->n - 1];
+    if (readings->t[0] > 0.0) {
+        return lac_fail(err, LAC_EINPUT, "%s: begins %g s after the run; must begin before it%s",
+                        path, readings->t[0], remedy);
+    }
+    if (last < clock->end) {
+        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run; must not end before it%s",
+                        path, clock->end - last, remedy);
+    }
+    return LAC_OK;
+}
+
+size_t lac_readings_before(const double *t, size_t n, double at)
+{
+    size_t low = 0;
+    size_t high = n;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (t[middle] <= at) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low == 0 ? SIZE_MAX : low - 1;
+}
+
+double lac_readings_next(const double *t, size_t n, double at)
+{
+    size_t next = lac_readings_before(t, n, at) + 1; // SIZE_MAX + 1 is 0
+    return next < n ? t[next] : INFINITY;
+}

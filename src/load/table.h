@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LOAD_TABLE_H
+#define LACUNA_LOAD_TABLE_H
+
+#include "lacuna/load.h"
+
+struct lac_units;
+
+/// A column of a monitoring file on the clock of a run; missing readings left out.
+typedef struct lac_readings {
+    size_t n;
+    double *t;     ///< [n] since the start of the run [s], rising
+    double *value; ///< [n] SI
+} lac_readings;
+
+/// What is read.
+typedef struct lac_readings_def {
+    const char *path, *time;
+    const char *column; ///< "name" or "name:unit"
+    const char *per;    ///< what one unit of the column makes, "9810 Pa/m"; NULL: 1
+    const char *si;     ///< unit of the product
+    double offset;      ///< laid on the run this much later [s]
+} lac_readings_def;
+
+/// Reads a column.
+/// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
+                             lac_readings *out, lac_error *err);
+
+void lac_readings_clear(lac_readings *readings);
+
+/// Refuses readings that do not cover a run from its start to its end.
+/// @param remedy  what the user may do, for the message
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_readings_cover(const lac_readings *readings, const char *path,
+                              const lac_load_clock *clock, const char *remedy, lac_error *err);
+
+/// Index of the last reading at or before t; SIZE_MAX before the first.
+size_t lac_readings_before(const double *t, size_t n, double at);
+
+/// First of the times after `at`; INFINITY beyond the last.
+double lac_readings_next(const double *t, size_t n, double at);
+
+#endif

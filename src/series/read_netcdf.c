@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A monitoring series in netCDF: variables of one dimension that they share.
+#include <math.h>
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "series/text.h"
+
+enum { LONGEST_UNIT = 128, MOST_READINGS = 100000000 };
+
+typedef struct series_file {
+    const char *path;
+    int id;
+    int dim; ///< that all columns share
+    size_t n;
+} series_file;
+
+static const char magic[][5] = {"\x89HDF", "CDF\x01", "CDF\x02", "CDF\x05"};
+
+bool lac_series_is_netcdf(FILE *stream)
+{
+    char head[4];
+    bool found = false;
+    if (fread(head, 1, sizeof head, stream) == sizeof head) {
+        for (size_t i = 0; i < sizeof magic / sizeof magic[0]; i++) {
+            found = found || memcmp(head, magic[i], sizeof head) == 0;
+        }
+    }
+    rewind(stream);
+    return found;
+}
+
+static lac_status check(const series_file *file, int code, const char *what, lac_error *err)
+{
+    if (code == NC_NOERR) {
+        return LAC_OK;
+    }
+    if (code == NC_ENOMEM) {
+        return lac_fail_memory(err);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", file->path, what,
+                    nc_strerror(code));
+}
+
+// The variable of a column: numbers over the one dimension.
+static lac_status find_column(series_file *file, const char *name, int *var, lac_error *err)
+{
+    int dims = 0;
+    int dim = -1;
+    nc_type type = NC_NAT;
+    if (nc_inq_varid(file->id, name, var) != NC_NOERR) {
+        return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"", file->path, name);
+    }
+    if (nc_inq_varndims(file->id, *var, &dims) != NC_NOERR || dims != 1 ||
+        nc_inq_vardimid(file->id, *var, &dim) != NC_NOERR ||
+        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || type == NC_CHAR || type == NC_STRING ||
+        type > NC_MAX_ATOMIC_TYPE) {
+        return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
+                        name);
+    }
+    if (file->dim >= 0 && dim != file->dim) {
+        return lac_fail(err, LAC_EINPUT, "%s: %s: must have the dimension of the time", file->path,
+                        name);
+    }
+    file->dim = dim;
+    return LAC_OK;
+}
+
+static void take_unit(const series_file *file, int var, char *unit)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    unit[0] = '\0';
+    if (nc_inq_att(file->id, var, "units", &type, &length) == NC_NOERR && type == NC_CHAR &&
+        length < LONGEST_UNIT && nc_get_att_text(file->id, var, "units", unit) == NC_NOERR) {
+        unit[length] = '\0';
+    }
+    char *string = NULL;
+    if (type == NC_STRING && length == 1 &&
+        nc_get_att_string(file->id, var, "units", &string) == NC_NOERR && string != NULL) {
+        if (strlen(string) < LONGEST_UNIT) {
+            memcpy(unit, string, strlen(string) + 1);
+        }
+        (void)nc_free_string(1, &string);
+    }
+}
+
+static double take_number(const series_file *file, int var, const char *name, double fallback)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    double value = fallback;
+    if (nc_inq_att(file->id, var, name, &type, &length) != NC_NOERR || length != 1 ||
+        type == NC_CHAR || type == NC_STRING ||
+        nc_get_att_double(file->id, var, name, &value) != NC_NOERR) {
+        return fallback;
+    }
+    return value;
+}
+
+// The numbers of a variable, missing ones NaN, packed ones unpacked.
+static lac_status read_numbers(const series_file *file, int var, const char *name, double **out,
+                               lac_error *err)
+{
+    double *x = malloc((file->n > 0 ? file->n : 1) * sizeof *x);
+    if (x == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = check(file, nc_get_var_double(file->id, var, x), name, err);
+    if (status != LAC_OK) {
+        free(x);
+        return status;
+    }
+    double fill = take_number(file, var, "_FillValue", NC_FILL_DOUBLE);
+    double missing = take_number(file, var, "missing_value", (double)NAN);
+    double scale = take_number(file, var, "scale_factor", 1.0);
+    double offset = take_number(file, var, "add_offset", 0.0);
+    for (size_t i = 0; i < file->n; i++) {
+        bool none = x[i] == fill || x[i] == missing;
+        x[i] = none ? (double)NAN : scale * x[i] + offset;
+    }
+    *out = x;
+    return LAC_OK;
+}
+
+static lac_status read_time(series_file *file, const lac_series_def *def,
+                            const struct lac_units *units, lac_series *s, lac_error *err)
+{
+    char unit[LONGEST_UNIT];
+    int var = -1;
+    double scale = 1.0;
+    double offset = 0.0;
+    lac_status status;
+    LAC_TRY(find_column(file, def->time, &var, err));
+    LAC_TRY(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), def->time, err));
+    if (file->n == 0 || file->n > MOST_READINGS) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
+                         file->n, MOST_READINGS));
+    }
+    take_unit(file, var, unit);
+    if (unit[0] != '\0') {
+        status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
+        if (status != LAC_OK) {
+            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, def->time, unit);
+            goto out;
+        }
+    }
+    LAC_TRY(read_numbers(file, var, def->time, &s->time, err));
+    for (size_t i = 0; i < file->n; i++) {
+        s->time[i] = scale * s->time[i] + offset;
+        if (!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1]))) {
+            LAC_TRY(lac_fail(err, LAC_EINPUT,
+                             "%s: %s[%zu] = %.17g s; must be later than the one "
+                             "before",
+                             file->path, def->time, i, s->time[i]));
+        }
+    }
+out:
+    return status;
+}
+
+typedef struct column {
+    const char *name, *unit, *si;
+    double **values;
+} column;
+
+static lac_status read_column(series_file *file, const column *c, const struct lac_units *units,
+                              lac_series *s, lac_error *err)
+{
+    char unit[LONGEST_UNIT];
+    int var = -1;
+    double scale = 1.0;
+    double offset = 0.0;
+    lac_status status;
+    LAC_TRY(find_column(file, c->name, &var, err));
+    take_unit(file, var, unit);
+    const char *from = unit[0] != '\0' ? unit : c->unit;
+    if (from != NULL) {
+        status = lac_units_convert(units, from, c->si, &scale, &offset, err);
+        if (status != LAC_OK) {
+            (void)lac_fail_within(err, status, "%s: %s: unit \"%s\"", file->path, c->name, from);
+            goto out;
+        }
+    }
+    LAC_TRY(read_numbers(file, var, c->name, c->values, err));
+    double *x = *c->values;
+    for (size_t i = 0; i < file->n; i++) {
+        x[i] = scale * x[i] + offset;
+        s->missing += isnan(x[i]) ? 1 : 0;
+        if (isinf(x[i])) {
+            LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s[%zu] is infinite", file->path, c->name, i));
+        }
+    }
+out:
+    return status;
+}
+
+static lac_status read_all(series_file *file, const lac_series_def *def,
+                           const struct lac_units *units, lac_series *s, lac_error *err)
+{
+    const column columns[] = {
+        {def->displacement, def->displacement_unit, "m", &s->displacement},
+        {def->velocity, def->velocity_unit, "m/s", &s->velocity},
+        {def->value, def->value_unit, def->value_si, &s->value},
+    };
+    lac_status status;
+    LAC_TRY(read_time(file, def, units, s, err));
+    s->n = file->n;
+    s->line = malloc(s->n * sizeof *s->line);
+    s->attribution = strdup("");
+    if (s->line == NULL || s->attribution == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    for (size_t i = 0; i < s->n; i++) {
+        s->line[i] = i + 1;
+    }
+    for (size_t c = 0; c < sizeof columns / sizeof columns[0]; c++) {
+        if (columns[c].name != NULL) {
+            LAC_TRY(read_column(file, &columns[c], units, s, err));
+        }
+    }
+out:
+    return status;
+}
+
+lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
+                                  lac_series **out, lac_error *err)
+{
+    series_file file = {.path = def->path, .id = -1, .dim = -1};
+    lac_series *s = NULL;
+    lac_status status = lac_series_check(def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    status = check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    s = calloc(1, sizeof *s);
+    status = s == NULL ? lac_fail_memory(err) : read_all(&file, def, units, s, err);
+    (void)nc_close(file.id);
+    if (status != LAC_OK) {
+        lac_series_free(s);
+        return status;
+    }
+    *out = s;
+    return LAC_OK;
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "series/text.h"
+
+lac_status lac_series_check(const lac_series_def *def, lac_error *err)
+{
+    if (def->time == NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s: no time column was named", def->path);
+    }
+    if (def->displacement == NULL && def->velocity == NULL && def->value == NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s: no column of values was named", def->path);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
+                           lac_series **out, lac_error *err)
+{
+    *out = NULL;
+    FILE *stream = fopen(def->path, "rbe");
+    if (stream == NULL) {
+        return lac_fail(err, LAC_EIO, "%s: %s", def->path, strerror(errno));
+    }
+    bool is_netcdf = lac_series_is_netcdf(stream);
+    lac_status status = is_netcdf ? lac_series_read_netcdf(def, units, out, err)
+                                  : lac_series_read_stream(stream, def, units, out, err);
+    (void)fclose(stream);
+    return status;
+}
+
+void lac_series_free(lac_series *series)
+{
+    if (series == NULL) {
+        return;
+    }
+    free(series->time);
+    free(series->displacement);
+    free(series->velocity);
+    free(series->value);
+    free(series->line);
+    free(series->attribution);
+    free(series);
+}

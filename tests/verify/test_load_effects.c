@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What loads do to a relaxing block, against exact solutions: docs/theory/loads.md, "Triggering".
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "support/block.h"
+#include "support/quadrature.h"
+#include "support/slot.h"
+
+// A block with b > a at x = 1.3 theta_ss relaxes; x grows.
+static const double m = 1.5, step_at = 1.0;
+
+static block_def relaxing(void) { return block_default(m, 1.3); }
+
+// x at a later time, by bisection on the exact time from one x to another.
+static double x_after(double x, double duration)
+{
+    bool grows = x > 1.0;
+    double low = grows ? x : 0.0;
+    double high = grows ? 1e3 : x;
+    for (int i = 0; i < 200; i++) {
+        double middle = 0.5 * (low + high);
+        bool early = aging_time(m, x, middle) < duration;
+        if (early == grows) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+static bool fails(const block_def *def)
+{
+    block b;
+    lac_error err = {""};
+    lac_run_result result;
+    lac_run_def how = lac_run_default();
+    how.rtol = 1e-10;
+    how.failure_rate = 1e6;
+    how.end = 1e6;
+    block_create(def, &b);
+    lac_status status = lac_run(b.problem, &how, NULL, &result, &err);
+    block_clear(&b);
+    if (status != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    return result.failed;
+}
+
+static lac_slot pore_slot(const char *name)
+{
+    lac_slot slot = {0};
+    size_t i = 0;
+    while (lac_pore_load_at(i) != NULL && strcmp(lac_pore_load_at(i)->about.name, name) != 0) {
+        i++;
+    }
+    assert_int_equal(lac_slot_create(&lac_pore_load_at(i)->about, &slot, NULL), LAC_OK);
+    return slot;
+}
+
+// Ratio of shear to normal traction that the start carries.
+static double start_ratio(const block_def *def)
+{
+    double v = def->slip_rate;
+    double theta = block_steady_state(def) * def->x;
+    return def->f0 + def->a * log(v / def->v0) + def->b * log(def->v0 * theta / def->dc);
+}
+
+// A pore pressure u lifts tau/sigma' from f to f/(1 - u/p): it triggers iff that is more than
+// (b - a) ln x.
+static void a_pore_step_triggers_at_its_threshold(void **state)
+{
+    (void)state;
+    block_def def = relaxing();
+    double x = x_after(def.x, step_at / block_steady_state(&def));
+    double f = start_ratio(&def);
+    double rise = (def.b - def.a) * log(x);
+    lac_slot slot = pore_slot("step");
+    def.pore = &slot;
+    def.pore_count = 1;
+    test_slot_set(&slot, "at", step_at);
+    const double factors[] = {0.99, 0.999, 1.001, 1.01};
+    for (size_t i = 0; i < 4; i++) {
+        double u = def.pressure * (1.0 - f / (f + factors[i] * rise));
+        test_slot_set(&slot, "value", u);
+        assert_int_equal(fails(&def), factors[i] > 1.0);
+    }
+    lac_slot_clear(&slot);
+}
+
+// State after a pulse of the load: x -> x s at once, its own time for the pulse's length, back.
+static double x_after_pulse(const block_def *def, double x, double step, double duration)
+{
+    double s = exp(-step / (def->b - def->a));
+    double steady = block_steady_state(def) / s; // theta does not jump
+    double pushed = x * s;
+    if (pushed < 1.0 && aging_time(m, pushed, 1e-9) < duration / steady) {
+        return 0.0; // it failed before the pulse was over
+    }
+    return x_after(pushed, duration / steady) / s;
+}
+
+// A pulse of shear triggers iff it leaves x below 1: a short one must be stronger.
+static void a_pulse_triggers_at_its_threshold(void **state)
+{
+    (void)state;
+    const double durations[] = {0.05, 0.5};
+    block_def def = relaxing();
+    double x = x_after(def.x, step_at / block_steady_state(&def));
+    lac_slot slot = test_slot_shear("step");
+    def.shear = &slot;
+    def.shear_count = 1;
+    test_slot_set(&slot, "at", step_at);
+    double before = 0.0;
+    for (size_t d = 0; d < 2; d++) {
+        double low = (def.b - def.a) * log(x); // for a step that stays
+        double high = 20.0 * low;
+        for (int i = 0; i < 100; i++) {
+            double middle = 0.5 * (low + high);
+            if (x_after_pulse(&def, x, middle, durations[d]) < 1.0) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        assert_true(d == 0 || high < before);
+        before = high;
+        test_slot_set(&slot, "until", step_at + durations[d]);
+        const double factors[] = {0.99, 1.01};
+        for (size_t i = 0; i < 2; i++) {
+            test_slot_set(&slot, "value", factors[i] * high * def.pressure);
+            assert_int_equal(fails(&def), factors[i] > 1.0);
+        }
+    }
+    lac_slot_clear(&slot);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pore_step_triggers_at_its_threshold),
+        cmocka_unit_test(a_pulse_triggers_at_its_threshold),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
