@@ -149,8 +149,11 @@ static void check_law(lac_reader *reader, const lac_case *c)
     if (c->rg.betas > 0) {
         return;
     }
+    const lac_friction_params *law = c->friction.params;
     if (!lac_present(reader, "friction")) {
         lac_blame_key(reader, "rg.beta", "needs a friction law");
+    } else if (law != NULL && (!isnan(law->v1) || !isnan(law->v2))) {
+        lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
     if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
         lac_blame_key(reader, "rg.beta", "needs material.shear_modulus and shear_speed or density");
