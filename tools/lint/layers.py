@@ -43,6 +43,8 @@ HEADERS = {
     "rg_study": "rg",
     "scene_rg": "scene",
     "store_rg": "store",
+    "spread": "case",
+    "store_map": "store",
     "tangential": "contact",
     "lacuna": "cli",
 }
