@@ -62,7 +62,7 @@ typedef struct lac_compare_def {
 } lac_compare_def;
 
 /// How the shear force spreads over the cells in `rg`.
-typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL } lac_rg_field;
+typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL, LAC_RG_UNIFORM } lac_rg_field;
 
 enum { LAC_MOST_BETAS = 32 };
 
@@ -115,7 +115,8 @@ typedef struct lac_case {
     char *path;
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
-    lac_slot surface, domain; ///< at most one is set
+    lac_slot surface, domain;         ///< at most one is set
+    lac_spread_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
     lac_slot normal;
     lac_slot_list shear, pore;

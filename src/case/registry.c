@@ -74,7 +74,8 @@ static const lac_kind kinds[] = {
     [LAC_KIND_SPREAD] = {.name = "spread",
                          .section = "friction.spread",
                          .summary =
-                             "how a parameter varies from cell to cell (also initial.spread)",
+                             "how a parameter varies from cell to cell (also initial.spread and "
+                             "interface.spread)",
                          .at = spread_at},
 };
 

@@ -402,6 +402,7 @@ char *lac_case_text(const lac_case *c)
     put_section(&w, 1, LAC_SECTION_INTERFACE, c);
     put_slot(&w, 1, "surface", &c->surface);
     put_slot(&w, 1, "domain", &c->domain);
+    put_spreads(&w, &c->interface_spread);
     put(&w, "material:\n");
     put_section(&w, 1, LAC_SECTION_MATERIAL, c);
     put(&w, "load:\n");

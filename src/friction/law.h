@@ -7,7 +7,8 @@
 
 #include "lacuna/friction.h"
 
-extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_composite;
+extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening,
+    lac_friction_composite;
 
 /// Steady state of a law that renews the contacts over dc: theta = dc/v.
 double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double u);

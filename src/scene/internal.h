@@ -10,7 +10,7 @@ double lac_damping_of(const lac_material_def *material);
 // Where a parameter varies.
 typedef struct lac_spread_place {
     const lac_domain *domain;
-    const lac_hierarchy *hierarchy;
+    const lac_hierarchy *hierarchy; // of the domain; NULL: made where it is needed
 } lac_spread_place;
 
 // Values of one parameter over the cells: nominal, or the map of values, times the factors of all

@@ -72,8 +72,17 @@ static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
     lac_rg_path *path = NULL;
-    status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
-                                         : elastic_path(&j->contact, c->rg.friction, &path, err);
+    switch ((lac_rg_field)c->rg.field) {
+    case LAC_RG_ELASTIC:
+        status = elastic_path(&j->contact, c->rg.friction, &path, err);
+        break;
+    case LAC_RG_EQUAL:
+        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
+        break;
+    case LAC_RG_UNIFORM:
+        status = lac_rg_path_uniform(domain->n, j->strength, &path, err);
+        break;
+    }
     j->path = path;
 out:
     if (status != LAC_OK) {
@@ -165,8 +174,23 @@ out:
     return status;
 }
 
-static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_t *seed,
-                            lac_scene_rg *out, lac_error *err)
+// The next interface: of what makes it every seed, one higher.
+static void next_seed(const lac_case *c)
+{
+    int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    if (seed != NULL) {
+        ++*seed;
+    }
+    for (size_t k = 0; k < c->interface_spread.count; k++) {
+        int64_t *of_spread = seed_of(&c->interface_spread.item[k].slot);
+        if (of_spread != NULL) {
+            ++*of_spread;
+        }
+    }
+}
+
+static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
+                            lac_error *err)
 {
     lac_status status = LAC_OK;
     joint j = {0};
@@ -183,30 +207,58 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
             j.contact.domain = NULL;
         }
         joint_clear(&j);
-        if (seed != NULL) {
-            ++*seed;
-        }
+        next_seed(c);
     }
 out:
     joint_clear(&j);
     return status;
 }
 
-// The case with parameters of its own for what makes the interface, so that its seed can be set.
-static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
+// Parameters of a slot's own, so that its seed can be set; their texts stay the case's.
+static lac_status own_params(lac_slot *slot, lac_error *err)
 {
-    *own = *c;
-    *slot = c->surface.about != NULL ? &own->surface : &own->domain;
-    size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
-    void *params = malloc(size + 1);
-    if (params == NULL) {
+    size_t size = slot->about != NULL ? slot->about->params_size : 0;
+    const void *given = slot->params;
+    slot->params = malloc(size + 1);
+    if (slot->params == NULL) {
         return lac_fail_memory(err);
     }
     if (size > 0) {
-        memcpy(params, (*slot)->params, size); // its texts stay the case's
+        memcpy(slot->params, given, size);
     }
-    (*slot)->params = params;
     return LAC_OK;
+}
+
+static void free_source(const lac_case *own, const lac_slot *slot)
+{
+    free(slot->params);
+    for (size_t k = 0; k < own->interface_spread.count; k++) {
+        free(own->interface_spread.item[k].slot.params);
+    }
+    free(own->interface_spread.item);
+}
+
+// The case with parameters of its own for what makes the interface.
+static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
+{
+    const lac_spread_list *given = &c->interface_spread;
+    *own = *c;
+    *slot = c->surface.about != NULL ? &own->surface : &own->domain;
+    lac_spread_list *list = &own->interface_spread;
+    *list = (lac_spread_list){.item = malloc((given->count + 1) * sizeof *list->item)};
+    lac_status status = own_params(*slot, err);
+    if (status == LAC_OK && list->item == NULL) {
+        status = lac_fail_memory(err);
+    }
+    for (size_t k = 0; status == LAC_OK && k < given->count; k++) {
+        list->item[k] = given->item[k]; // its key stays the case's
+        list->count++;
+        status = own_params(&list->item[k].slot, err);
+    }
+    if (status != LAC_OK) {
+        free_source(own, *slot);
+    }
+    return status;
 }
 
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
@@ -220,7 +272,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
         return status;
     }
     LAC_TRY(create_studies(c, out, err));
-    LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
+    LAC_TRY(all_seeds(&own, watch, out, err));
     double n = (double)out->seeds;
     out->strength /= n;
     out->contact_fraction /= n;
@@ -230,7 +282,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
         LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
     }
 out:
-    free(slot->params);
+    free_source(&own, slot);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }

@@ -17,9 +17,8 @@ static lac_status patch_sizes(const lac_domain *domain, double *size, lac_error 
 }
 
 // Level by level upwards: a block of 2^l x 2^l cells (2^l on a line) is full where as many touch.
-static void block_sizes(const lac_spread_place *place, double *size)
+static void block_sizes(const lac_domain *domain, const lac_hierarchy *blocks, double *size)
 {
-    const lac_domain *domain = place->domain;
     const lac_grid *grid = &domain->grid;
     bool line = grid->nx == 1 || grid->ny == 1;
     double side = sqrt(lac_grid_cell_area(grid));
@@ -27,11 +26,11 @@ static void block_sizes(const lac_spread_place *place, double *size)
     for (size_t i = 0; i < domain->n; i++) {
         size[i] = side;
     }
-    for (size_t level = 1; level <= lac_hierarchy_levels(place->hierarchy); level++) {
-        const uint32_t *first = lac_hierarchy_offsets(place->hierarchy, level);
+    for (size_t level = 1; level <= lac_hierarchy_levels(blocks); level++) {
+        const uint32_t *first = lac_hierarchy_offsets(blocks, level);
         side *= 2.0;
         full *= line ? 2 : 4;
-        for (size_t b = 0; b < lac_hierarchy_blocks(place->hierarchy, level); b++) {
+        for (size_t b = 0; b < lac_hierarchy_blocks(blocks, level); b++) {
             for (size_t i = first[b]; first[b + 1] - first[b] == full && i < first[b + 1]; i++) {
                 size[i] = side;
             }
@@ -45,6 +44,15 @@ lac_status lac_spread_sizes(const lac_spread_place *place, lac_size_of of, doubl
     if (of == LAC_SIZE_PATCH) {
         return patch_sizes(place->domain, size, err);
     }
-    block_sizes(place, size);
-    return LAC_OK;
+    if (place->hierarchy != NULL) {
+        block_sizes(place->domain, place->hierarchy, size);
+        return LAC_OK;
+    }
+    lac_hierarchy *blocks = NULL;
+    lac_status status = lac_hierarchy_create(place->domain, &blocks, err);
+    if (status == LAC_OK) {
+        block_sizes(place->domain, blocks, size);
+    }
+    lac_hierarchy_free(blocks);
+    return status;
 }

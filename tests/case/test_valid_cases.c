@@ -100,7 +100,9 @@ static void every_key_reads(void **state)
     assert_string_equal(c->references, "First line\nsecond line\n");
     is_nearly(c->material.density, 2600.0);
     is_nearly(load.ratio, 0.36397023426620234); // tan 20 degree
-    is_nearly(load.stress, -1.0);
+    // of the ramp, a day of it, and of the spring, two
+    is_nearly(load.spring_stress, -1.0 + 1e3 * 2.0 / 365.24219878125);
+    assert_true(load.stress == 0.0);
     is_nearly(load.spring_stiffness, 1e6);
     is_nearly(load.pore, 1.03e5);
     assert_int_equal(c->friction_spread.count, 9);
@@ -112,6 +114,7 @@ static void every_key_reads(void **state)
     assert_string_equal(map->path, VALID "/data/dc.nc");
     assert_true(map->as == LAC_MAP_FACTOR && !lac_spread_is_value(&c->friction_spread.item[2]));
     assert_true(lac_spread_is_value(&c->friction_spread.item[3]));
+    assert_int_equal(c->interface_spread.count, 1);
     assert_true(c->initial.state == LAC_STATE_FROM_LOAD);
     is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
     is_nearly(c->run.stop_rate, 3.0);
@@ -232,6 +235,7 @@ static void same_case(const lac_case *a, const lac_case *b)
     for (size_t i = 0; i < a->history.count; i++) {
         same_section(LAC_SECTION_STEP, &a->history.step[i], &b->history.step[i]);
     }
+    same_spreads(&a->interface_spread, &b->interface_spread);
     same_spreads(&a->friction_spread, &b->friction_spread);
     same_spreads(&a->initial_spread, &b->initial_spread);
     assert_int_equal(a->initial.state, b->initial.state);
