@@ -124,3 +124,10 @@ add_test(NAME case.test_friction
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_friction PROPERTIES LABELS case TIMEOUT 300
                      ENVIRONMENT ${case_environment})
+
+# The indicators of a run, counted again from the cells' own fields.
+add_test(NAME case.test_analysis
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_analysis.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_analysis PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

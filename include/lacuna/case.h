@@ -2,6 +2,7 @@
 #ifndef LACUNA_CASE_H
 #define LACUNA_CASE_H
 
+#include "lacuna/analysis.h"
 #include "lacuna/run.h"
 #include "lacuna/spread.h"
 
@@ -134,6 +135,7 @@ typedef struct lac_case {
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
     lac_rg_def rg;
+    lac_slot_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
 } lac_case;

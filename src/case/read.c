@@ -50,6 +50,7 @@ void lac_case_free(lac_case *c)
     clear_slots(&c->shear);
     clear_slots(&c->pore);
     lac_spreads_clear(&c->interface_spread);
+    clear_slots(&c->analysis);
     lac_spreads_clear(&c->friction_spread);
     lac_spreads_clear(&c->initial_spread);
     for (size_t i = 0; i < c->compare_count; i++) {

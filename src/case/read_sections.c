@@ -194,6 +194,7 @@ void lac_read_sections(lac_reader *reader, lac_case *c)
         lac_read_output(reader, output, c);
     }
     lac_read_rg(reader, lac_node_child(reader->root, "rg"), c);
+    lac_read_analysis(reader, lac_node_child(reader->root, "analysis"), c);
     const lac_node *compare = lac_node_child(reader->root, "compare");
     if (compare != NULL) {
         lac_read_compare(reader, compare, c);

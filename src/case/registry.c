@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case/schema.h"
+#include "lacuna/analysis.h"
 #include "lacuna/surface.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -42,6 +43,11 @@ static const lac_descriptor *spread_at(size_t index)
     return (const void *)lac_spread_kind_at(index);
 }
 
+static const lac_descriptor *indicator_at(size_t index)
+{
+    return (const void *)lac_indicator_kind_at(index);
+}
+
 static const lac_kind kinds[] = {
     [LAC_KIND_SURFACE] = {.name = "surface",
                           .section = "interface.surface",
@@ -77,6 +83,10 @@ static const lac_kind kinds[] = {
                              "how a parameter varies from cell to cell (also initial.spread and "
                              "interface.spread)",
                          .at = spread_at},
+    [LAC_KIND_INDICATOR] = {.name = "indicator",
+                            .section = "analysis",
+                            .summary = "what a run follows beside its own quantities",
+                            .at = indicator_at},
 };
 
 const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }

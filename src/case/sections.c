@@ -28,7 +28,7 @@ static const lac_param case_rows[] = {
 
 static const char *const case_own[] = {"lacuna",  "interface", "material", "load",   "friction",
                                        "initial", "transfer",  "time",     "solver", "output",
-                                       "rg",      "compare",   NULL};
+                                       "rg",      "analysis",  "compare",  NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
