@@ -24,6 +24,7 @@
 #include "lacuna/series.h"
 #include "lacuna/spread.h"
 #include "lacuna/store.h"
+#include "lacuna/store_cells.h"
 #include "lacuna/store_map.h"
 #include "lacuna/store_rg.h"
 #include "lacuna/surface.h"

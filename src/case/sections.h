@@ -42,7 +42,7 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// The keys of `rg`.
-enum { LAC_RG_ROWS = 7 };
+enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];
 extern const char *const lac_rg_own[];
 
