@@ -169,15 +169,16 @@ out:
     return status;
 }
 
-// The seed of the interface at hand, else that of its first spread; INT64_MIN where it has none.
+// The seed of the interface at hand, else that of its first random spread; INT64_MIN where it has
+// none.
 static int64_t seed_now(const lac_case *c)
 {
     const int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
     const lac_spread_list *spreads = &c->interface_spread;
-    if (seed != NULL) {
-        return *seed;
+    for (size_t k = 0; seed == NULL && k < spreads->count; k++) {
+        seed = seed_of(&spreads->item[k].slot);
     }
-    return spreads->count > 0 ? (int64_t)spreads->item[0].seed : INT64_MIN;
+    return seed != NULL ? *seed : INT64_MIN;
 }
 
 void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
