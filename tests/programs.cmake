@@ -112,6 +112,29 @@ foreach(bundled ${rg_cases})
   set_tests_properties(case.rg.${name}.cf PROPERTIES FIXTURES_REQUIRED rg_${name})
 endforeach()
 
+# Cases of friction: each checks, runs, and its file meets CF; and shows what it says.
+file(GLOB friction_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/friction/*.yaml)
+foreach(bundled ${friction_cases})
+  get_filename_component(name ${bundled} NAME_WE)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-friction.nc)
+  add_test(NAME case.friction.${name}.check COMMAND lacuna_program check -q ${bundled})
+  add_test(NAME case.friction.${name}.run
+           COMMAND lacuna_program run ${bundled} -o ${output} --force --no-progress)
+  add_test(NAME case.friction.${name}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                   --status complete ${output})
+  set_tests_properties(case.friction.${name}.check case.friction.${name}.run
+                       case.friction.${name}.cf PROPERTIES LABELS case
+                       ENVIRONMENT ${case_environment})
+  set_tests_properties(case.friction.${name}.run PROPERTIES FIXTURES_SETUP friction_${name})
+  set_tests_properties(case.friction.${name}.cf PROPERTIES FIXTURES_REQUIRED friction_${name})
+endforeach()
+add_test(NAME case.test_friction
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_friction.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_friction PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
 # The indicators of a run, counted again from the cells' own fields.
 add_test(NAME case.test_analysis
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_analysis.py

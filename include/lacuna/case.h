@@ -4,6 +4,7 @@
 
 #include "lacuna/analysis.h"
 #include "lacuna/run.h"
+#include "lacuna/spread.h"
 
 /// One thing that is wrong with a case.
 typedef struct lac_case_issue {
@@ -47,27 +48,6 @@ typedef struct lac_material_def {
     double shear_speed;   ///< [m/s]; NaN: from the density, or no damping
     double density;       ///< [kg/m3]; NaN
 } lac_material_def;
-
-/// A distribution over cells: value_i = nominal * factor or nominal + shift.
-typedef enum lac_spread_kind {
-    LAC_SPREAD_LOGNORMAL = 0,
-    LAC_SPREAD_NORMAL,
-    LAC_SPREAD_UNIFORM
-} lac_spread_kind;
-
-typedef struct lac_spread {
-    char *key; ///< the parameter that varies
-    int kind;
-    double
-        width; ///< sigma of ln (lognormal), relative sigma (normal), relative half width (uniform)
-    int64_t seed;
-    size_t line;
-} lac_spread;
-
-typedef struct lac_spread_list {
-    size_t count;
-    lac_spread *item;
-} lac_spread_list;
 
 typedef struct lac_slot_list {
     size_t count;

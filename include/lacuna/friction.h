@@ -9,15 +9,19 @@ enum { LAC_FRICTION_BLOCK = 256 };
 
 /// Every law's parameter struct starts with these, in this order.
 typedef struct lac_friction_params {
-    double f0; ///< friction coefficient at v0 in steady state [1]
-    double a;  ///< direct effect [1]
-    double b;  ///< evolution effect [1]
-    double dc; ///< slip to renew the contacts [m]
-    double v0; ///< reference slip rate [m/s]
-    int form;  ///< lac_friction_form
+    double f0;    ///< friction coefficient at v0 in steady state [1]
+    double a;     ///< direct effect [1]
+    double b;     ///< evolution effect [1]
+    double dc;    ///< slip to renew the contacts [m]
+    double v0;    ///< reference slip rate [m/s]
+    int form;     ///< lac_friction_form
+    double v1;    ///< cut-off slip rate of the direct effect [m/s]; NaN: none
+    double v2;    ///< cut-off slip rate of the evolution effect [m/s]; NaN: none
+    double alpha; ///< response of the state to normal stress [1]; NaN: none
 } lac_friction_params;
 
-/// How the friction coefficient depends on u = ln v and w = ln theta.
+/// How the friction coefficient depends on u = ln v and w = ln theta. Cut-off slip rates put
+/// v/(1 + v/v1) in the place of v and theta + dc/v2 in the place of theta, in either form.
 typedef enum lac_friction_form {
     LAC_FORM_PLAIN = 0,   ///< f = f0 + a ln(v/v0) + b ln(v0 theta/dc)
     LAC_FORM_REGULARISED, ///< f = a asinh(v/(2 v0) exp((f0 + b ln(v0 theta/dc))/a))
@@ -27,6 +31,7 @@ typedef enum lac_friction_form {
 typedef struct lac_friction_cells {
     size_t first, n;         ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
     const double *u, *w, *v; ///< [n] ln v, ln theta and v of these cells; v = exp(u)
+    double normal_rate;      ///< d ln(effective normal pressure)/dt, the same for all [1/s]
 } lac_friction_cells;
 
 /// Friction coefficient and state evolution over a block of cells.
@@ -49,19 +54,22 @@ typedef struct lac_friction {
     int form;
     size_t n;         ///< cells
     size_t columns;   ///< cell-wise parameters of the law, in the order of its table
-    double **column;  ///< [columns][n] SI
-    double *constant; ///< [n] f0 + (b - a) ln v0 - b ln dc: f = constant + a u + b w
+    double **column;  ///< [columns][n] SI; NULL: an optional parameter that no cell has
+    double *constant; ///< [n] f0 + (b - a) ln v0 - b ln dc: F = constant + a U + b W
     double *ln_dc;    ///< [n]
     double *inv_dc;   ///< [n] [1/m]
+    double *ln_v1;    ///< [n] U = u - ln(1 + v/v1); NULL: U = u
+    double *ln_cut;   ///< [n] ln(dc/v2): W = ln(theta + dc/v2); NULL: W = w
+    double *response; ///< [n] alpha/b: dw/dt falls by this times normal_rate; NULL: none
 } lac_friction;
 
 /// Columns that every law has.
-enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_COMMON_COLUMNS };
+enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_V1, LAC_V2, LAC_ALPHA, LAC_COMMON_COLUMNS };
 
 /// A friction law: how the state evolves. The strength is one of the forms.
 typedef struct lac_friction_law {
     lac_descriptor about;
-    /// g = dw/dt of the cells, and its derivatives.
+    /// g = dw/dt of the cells at constant normal stress, and its derivatives.
     /// @param g         [n]; overwritten
     /// @param g_u, g_w  [n]; overwritten, or NULL where not wanted (both)
     void (*evolve)(const lac_friction *friction, const lac_friction_cells *cells, double *g,
@@ -83,13 +91,25 @@ lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **ou
 void lac_friction_free(lac_friction *friction);
 
 /// Gives the cells values of their own for one parameter, checked against its range.
-/// @param key     a LAC_CELLWISE parameter of the law
+/// @param key     a LAC_CELLWISE parameter of the law, given before or not
 /// @param values  [n] SI
-/// @return LAC_OK; LAC_EINPUT (no such parameter, a value out of range: says which cell)
+/// @return LAC_OK; LAC_EINPUT (no such parameter, a value out of range: says which cell);
+/// LAC_ENOMEM
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
                             lac_error *err);
 
+/// What the cells have of one parameter.
+/// @return [n] SI; NULL where the law has no such cell-wise parameter or no cell has it
+const double *lac_friction_values_of(const lac_friction *friction, const char *key);
+
+/// Whether the parameters of every cell go together: alpha > 0 needs b > 0.
+/// @return LAC_OK; LAC_EINPUT: says which cell
+lac_status lac_friction_check(const lac_friction *friction, lac_error *err);
+
 /// Evaluates strength and evolution over some cells.
+/// At fixed w, f rises with u without end where a > 0 and there is no v1; with v1 it still rises,
+/// but f_u falls to a v1/v and f stays below its value at v >> v1: no rate carries more than that
+/// without damping, and f is not convex in u. f rises with w where b > 0.
 /// @param values  [n] arrays; overwritten
 /// @param slopes  [n] arrays; overwritten; NULL where not wanted
 /// @return nothing; cannot fail, but the results may be infinite where u or w are
@@ -99,16 +119,31 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
 /// Friction coefficient of one cell.
 double lac_friction_coefficient(const lac_friction *friction, size_t cell, double u, double w);
 
+/// The plain coefficient F = constant + a U + b W of one cell, whatever the form.
+double lac_friction_plain(const lac_friction *friction, size_t cell, double u, double w);
+
 /// ln theta in steady state at ln v = u.
 double lac_friction_steady_state(const lac_friction *friction, size_t cell, double u);
 
+/// ln theta of a cell that slides at ln v = u and whose state is x times the one that would be
+/// steady under the same friction coefficient; docs/theory/friction.md eq. 7.
+/// @return NaN where there is none (cut-off slip rates)
+double lac_friction_state_at_ratio(const lac_friction *friction, size_t cell, double u, double x);
+
+/// ln theta after the effective normal pressure has jumped; the state w before it.
+/// theta falls by (pressure after/pressure before)^(alpha/b).
+/// @source Linker & Dieterich (1992), doi 10.1029/92JB00017
+double lac_friction_state_after(const lac_friction *friction, size_t cell, double w,
+                                double pressure_ratio);
+
 /// ln theta at which the cell has coefficient f at ln v = u.
-/// @return NaN where there is none (b = 0)
+/// @return NaN where there is none (b = 0; f below what v2 leaves)
 double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f);
 
 /// ln v at which the cell in state w carries traction tau: p f(u, w) + eta e^u = tau.
 /// @param tau, pressure, eta  [Pa], [Pa], [Pa s/m]
-/// @return NaN where there is none (a = 0 and eta = 0, tau <= 0 regularised)
+/// @return NaN where there is none (a = 0 and eta = 0, tau <= 0 regularised, tau beyond what v1
+///         lets friction reach and eta = 0)
 double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
                              double pressure, double eta);
 

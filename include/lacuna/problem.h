@@ -65,7 +65,8 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work);
 
-/// Takes y across a jump of the loads at time t: the traction jumps, the state does not.
+/// Takes y across a jump of the loads at time t: the traction jumps; the state only where it
+/// responds to the normal pressure (alpha) and that jumps.
 /// @return true; false where no rate balances the traction
 bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 

@@ -180,7 +180,10 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     }
     const lac_friction_params *law = c->friction.params;
     bool spread = c->friction_spread.count > 0 || c->initial_spread.count > 0;
-    if (law->b == law->a && initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate)) {
+    bool renewal = strcmp(c->friction.about->name, "composite") != 0 && isnan(law->v1) &&
+                   isnan(law->v2); // steady at dc/v, whatever the rate
+    if (law->b == law->a && initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate) &&
+        renewal) {
         lac_warn(reader, "initial.state", "has no effect where b = a: theta is dc/v for any ratio");
     }
     if (steady && law->b > law->a && !spread) {

@@ -38,14 +38,6 @@ static void clear_slots(lac_slot_list *list)
     free(list->item);
 }
 
-static void clear_spreads(lac_spread_list *list)
-{
-    for (size_t i = 0; i < list->count; i++) {
-        free(list->item[i].key);
-    }
-    free(list->item);
-}
-
 void lac_case_free(lac_case *c)
 {
     if (c == NULL) {
@@ -57,10 +49,10 @@ void lac_case_free(lac_case *c)
     }
     clear_slots(&c->shear);
     clear_slots(&c->pore);
-    clear_spreads(&c->interface_spread);
+    lac_spreads_clear(&c->interface_spread);
     clear_slots(&c->analysis);
-    clear_spreads(&c->friction_spread);
-    clear_spreads(&c->initial_spread);
+    lac_spreads_clear(&c->friction_spread);
+    lac_spreads_clear(&c->initial_spread);
     for (size_t i = 0; i < c->compare_count; i++) {
         lac_compare_def *def = &c->compare[i];
         char *texts[] = {

@@ -47,7 +47,7 @@ static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def
 
 void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    static const char *const varied[] = {"slip_rate", "state"};
+    static const lac_spreadable varied[] = {{"slip_rate", true}, {"state", true}};
     const lac_node *state = lac_node_child(node, "state");
     const lac_node *spread = lac_node_child(node, "spread");
     if (state != NULL) {

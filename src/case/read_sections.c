@@ -63,7 +63,7 @@ static void read_interface(lac_reader *reader, lac_case *c)
     if (node == NULL) {
         return;
     }
-    static const char *const varied[] = {"pressure"};
+    static const lac_spreadable varied[] = {{"pressure", true}};
     const lac_node *surface = lac_node_child(node, "surface");
     const lac_node *domain = lac_node_child(node, "domain");
     if (surface != NULL) {
@@ -104,12 +104,13 @@ static void read_load(lac_reader *reader, lac_case *c)
 }
 
 // The parameters of a law that may vary from cell to cell.
-static size_t cellwise(const lac_descriptor *about, const char **keys, size_t most)
+static size_t cellwise(const lac_slot *law, lac_spreadable *known, size_t most)
 {
     size_t n = 0;
-    for (size_t i = 0; i < about->param_count && n < most; i++) {
-        if ((about->params[i].flags & LAC_CELLWISE) != 0) {
-            keys[n++] = about->params[i].key;
+    for (size_t i = 0; i < law->about->param_count && n < most; i++) {
+        const lac_param *param = &law->about->params[i];
+        if ((param->flags & LAC_CELLWISE) != 0) {
+            known[n++] = (lac_spreadable){param->key, lac_param_given(param, law->params)};
         }
     }
     return n;
@@ -117,7 +118,7 @@ static size_t cellwise(const lac_descriptor *about, const char **keys, size_t mo
 
 static void read_friction(lac_reader *reader, lac_case *c)
 {
-    const char *keys[32];
+    lac_spreadable known[32];
     const lac_node *node = lac_node_child(reader->root, "friction");
     if (section_lacks(reader, "friction") && lac_needs_run(reader)) {
         lac_blame_missing(reader, reader->root, "friction",
@@ -129,8 +130,8 @@ static void read_friction(lac_reader *reader, lac_case *c)
     lac_read_slot(reader, node, LAC_KIND_FRICTION, "spread", &c->friction);
     const lac_node *spread = lac_node_child(node, "spread");
     if (spread != NULL && c->friction.about != NULL) {
-        size_t n = cellwise(c->friction.about, keys, sizeof keys / sizeof keys[0]);
-        lac_read_spreads(reader, spread, keys, n, &c->friction_spread);
+        size_t n = cellwise(&c->friction, known, sizeof known / sizeof known[0]);
+        lac_read_spreads(reader, spread, known, n, &c->friction_spread);
     }
 }
 

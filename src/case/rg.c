@@ -157,8 +157,11 @@ static void check_interface(lac_reader *reader, const lac_case *c)
         lac_blame_key(reader, "rg.field",
                       "needs interface.surface to press; a domain goes with equal or uniform");
     }
-    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain) &&
-        c->interface_spread.count == 0) {
+    bool random = seeded(&c->surface) || seeded(&c->domain);
+    for (size_t i = 0; i < c->interface_spread.count; i++) {
+        random = random || seeded(&c->interface_spread.item[i].slot);
+    }
+    if (c->rg.seeds > 1 && !random) {
         lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
     }
 }
@@ -169,8 +172,11 @@ static void check_law(lac_reader *reader, const lac_case *c)
     if (c->rg.betas > 0) {
         return;
     }
+    const lac_friction_params *law = c->friction.params;
     if (!lac_present(reader, "friction")) {
         lac_blame_key(reader, "rg.beta", "needs a friction law");
+    } else if (law != NULL && (!isnan(law->v1) || !isnan(law->v2))) {
+        lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
     if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
         lac_blame_key(reader, "rg.beta", "needs material.shear_modulus and shear_speed or density");

@@ -57,15 +57,6 @@ enum {
     LAC_KIND_INDICATOR,
 };
 
-/// Parameters of every model of LAC_KIND_SPREAD.
-typedef struct lac_spread_params {
-    double width;
-    int64_t seed;
-} lac_spread_params;
-
-/// Index of a spread's descriptor: lac_spread_kind.
-int lac_spread_kind_of(const lac_descriptor *about);
-
 /// Reads `{MODEL: {parameters}}`: exactly one model.
 /// @param own   a key beside the model that the caller reads itself; NULL
 /// @param slot  empty where the node is wrong
@@ -75,9 +66,17 @@ void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const cha
 /// Reads `[{MODEL: ...}, ...]`.
 void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list);
 
-/// Reads `{PARAMETER: {MODEL: ...}, ...}`.
+/// What may be spread: a parameter and whether it has a nominal value to multiply.
+typedef struct lac_spreadable {
+    const char *key;
+    bool given;
+} lac_spreadable;
+
+/// Reads `{PARAMETER: {MODEL: ...}, ...}`, or a list of models for a parameter.
 /// @param known  [count] parameters that may vary
-void lac_read_spreads(lac_reader *reader, const lac_node *node, const char *const *known,
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_spreadable *known,
                       size_t count, lac_spread_list *list);
+
+void lac_spreads_clear(lac_spread_list *list);
 
 #endif

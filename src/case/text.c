@@ -210,6 +210,12 @@ static void put_slots(writer *w, int depth, const char *key, const lac_slot_list
     }
 }
 
+static bool same_key(const lac_spread_list *list, size_t i, size_t j)
+{
+    return i < list->count && j < list->count && strcmp(list->item[i].key, list->item[j].key) == 0;
+}
+
+// Spreads of one parameter stand together: one as a model, several as a list.
 static void put_spreads(writer *w, const lac_spread_list *list)
 {
     if (list->count > 0) {
@@ -218,10 +224,17 @@ static void put_spreads(writer *w, const lac_spread_list *list)
     }
     for (size_t i = 0; i < list->count; i++) {
         const lac_spread *spread = &list->item[i];
-        lac_spread_params params = {.width = spread->width, .seed = spread->seed};
-        lac_slot slot = {.about = lac_kind_at(LAC_KIND_SPREAD)->at((size_t)spread->kind),
-                         .params = &params};
-        put_slot(w, 2, spread->key, &slot);
+        bool begun = i > 0 && same_key(list, i - 1, i);
+        if (!begun && !same_key(list, i, i + 1)) {
+            put_slot(w, 2, spread->key, &spread->slot);
+            continue;
+        }
+        if (!begun) {
+            put_key(w, 2, spread->key);
+            put(w, "\n");
+        }
+        put(w, "%*s- ", 2 * 3, "");
+        put_model(w, 4, &spread->slot);
     }
 }
 

@@ -25,11 +25,6 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     }
 }
 
-static double steady_state(const lac_friction *friction, size_t cell, double u)
-{
-    return friction->ln_dc[cell] - u;
-}
-
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_aging = {
@@ -43,7 +38,8 @@ const lac_friction_law lac_friction_aging = {
                   "10.1029/2000JB900250",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(lac_friction_params)},
+              .params_size = sizeof(lac_friction_params),
+              .fault = lac_law_fault},
     .evolve = evolve,
-    .steady_state = steady_state,
+    .steady_state = lac_law_steady_renewal,
 };

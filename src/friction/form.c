@@ -4,10 +4,12 @@
 #include <math.h>
 
 #include "base/vmath.h"
+#include "friction/cutoff.h"
 #include "friction/law.h"
 
-// Both forms are one: with F = constant + a u + b w the plain coefficient, the regularised one is
-// a asinh(X), ln X = F/a - ln 2. So X is formed from its logarithm, and neither form overflows.
+// Both forms are one: with F = constant + a U + b W the plain coefficient (U = u and W = w but for
+// cut-offs), the regularised one is a asinh(X), ln X = F/a - ln 2. So X is formed from its
+// logarithm, and neither form overflows.
 
 #define LN_2 0.693147180559945309417232121458 // M_LN2 is not in C11
 
@@ -22,7 +24,7 @@
 
 const char *const lac_friction_form_names[] = {"plain", "regularised", NULL};
 
-// F = constant + a u + b w
+// F = constant + a U + b W
 static void plain_coefficient(const lac_friction *friction, size_t first, size_t n, const double *u,
                               const double *w, double *f)
 {
@@ -94,9 +96,10 @@ static void regularise(const double *a, const double *b, size_t n,
     }
 }
 
-void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
-                       const double *w, const lac_friction_values *values,
-                       const lac_friction_slopes *slopes)
+// Strength as a function of U and W, which stand in u and w.
+static void strength(const lac_friction *friction, size_t first, size_t n, const double *u,
+                     const double *w, const lac_friction_values *values,
+                     const lac_friction_slopes *slopes)
 {
     plain_coefficient(friction, first, n, u, w, values->f);
     if (friction->form == LAC_FORM_REGULARISED) {
@@ -105,6 +108,33 @@ void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, con
     } else {
         plain_slopes(friction, first, n, values, slopes);
     }
+}
+
+void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
+                       const double *w, const lac_friction_values *values,
+                       const lac_friction_slopes *slopes)
+{
+    if (!lac_cutoff_any(friction)) {
+        strength(friction, first, n, u, w, values, slopes);
+        return;
+    }
+    lac_cutoff cutoff;
+    lac_cutoff_map(friction, first, n, u, w, &cutoff);
+    strength(friction, first, n, cutoff.rate.value, cutoff.state.value, values, slopes);
+    lac_cutoff_chain(&cutoff, n, values, slopes);
+}
+
+double lac_friction_plain(const lac_friction *friction, size_t cell, double u, double w)
+{
+    double f;
+    if (!lac_cutoff_any(friction)) {
+        plain_coefficient(friction, cell, 1, &u, &w, &f);
+        return f;
+    }
+    lac_cutoff cutoff;
+    lac_cutoff_map(friction, cell, 1, &u, &w, &cutoff);
+    plain_coefficient(friction, cell, 1, cutoff.rate.value, cutoff.state.value, &f);
+    return f;
 }
 
 double lac_form_plain_of(const lac_friction *friction, size_t cell, double f)

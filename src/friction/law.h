@@ -7,7 +7,14 @@
 
 #include "lacuna/friction.h"
 
-extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening;
+extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening,
+    lac_friction_composite;
+
+/// Steady state of a law that renews the contacts over dc: theta = dc/v.
+double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double u);
+
+/// What is wrong with the common parameters taken together; NULL where nothing is.
+const char *lac_law_fault(const void *params);
 
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];
@@ -34,7 +41,20 @@ extern const char *const lac_friction_form_names[];
     {.key = "form", .unit = "1", .fallback = LAC_FORM_PLAIN, .min = 0, .max = 1,                  \
      .offset = offsetof(lac_friction_params, form), .type = LAC_CHOICE,                           \
      .choices = lac_friction_form_names,                                                          \
-     .doc = "strength: logarithms as measured (plain), or finite at v = 0 (regularised)"}
+     .doc = "strength: logarithms as measured (plain), or finite at v = 0 (regularised)"},        \
+    {.key = "v1", .unit = "m/s", .fallback = NAN, .min = 0, .max = INFINITY,                      \
+     .offset = offsetof(lac_friction_params, v1),                                                 \
+     .flags = LAC_CELLWISE | LAC_ABOVE_MIN | LAC_OPTIONAL,                                        \
+     .doc = "cut-off of the direct effect: faster than v1 it adds no more; no cut-off if absent"}, \
+    {.key = "v2", .unit = "m/s", .fallback = NAN, .min = 0, .max = INFINITY,                      \
+     .offset = offsetof(lac_friction_params, v2),                                                 \
+     .flags = LAC_CELLWISE | LAC_ABOVE_MIN | LAC_OPTIONAL,                                        \
+     .doc = "cut-off of the evolution effect: states younger than dc/v2 weaken no further; "      \
+            "v2 < v1 turns weakening into strengthening at speed; no cut-off if absent"},         \
+    {.key = "alpha", .unit = "1", .fallback = NAN, .min = 0, .max = 1e3,                          \
+     .offset = offsetof(lac_friction_params, alpha), .flags = LAC_CELLWISE | LAC_OPTIONAL,        \
+     .doc = "state response to normal stress: friction lost per e-fold of effective normal "      \
+            "pressure, at once (Linker & Dieterich 1992); none if absent"}
 // clang-format on
 
 #endif

@@ -39,6 +39,7 @@ static double block_rates(const lac_problem *problem, const lac_drive *drive,
     lac_block s;
     lac_friction_values values = lac_block_values(&s);
     lac_friction_cells cells = lac_block_cells(problem->n, first, field->y, field->v);
+    cells.normal_rate = drive->share_rate / drive->share;
     const double *p = problem->pressure + first;
     const double *v = field->v + first;
     const double *kv = field->kv + first;
@@ -91,7 +92,7 @@ double lac_problem_first_step(const lac_problem *problem, const double *y)
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         lac_vexp(length, y + first, v);
-        lac_friction_cells cells = {first, length, y + first, y + n + first, v};
+        lac_friction_cells cells = {first, length, y + first, y + n + first, v, 0.0};
         lac_friction_evaluate(problem->friction, &cells, &values, NULL);
         for (size_t i = 0; i < length; i++) {
             double slip = v[i] * problem->friction->inv_dc[first + i];

@@ -57,17 +57,6 @@ static double rate_in_state(const start_cell *c, double w)
     return lac_friction_rate_for(c->friction, c->cell, w, c->traction, c->pressure, c->eta);
 }
 
-// theta = x theta_ss at the load that follows, damping left out of account: theta = x^(1 - b/a)
-// dc/v (Helmstetter et al. 2004, doi 10.1029/2002JB002160; the same for the slip law, and
-// regularised).
-static double state_at_ratio(const start_cell *c, double u, double x)
-{
-    double a = c->friction->column[LAC_A][c->cell];
-    double b = c->friction->column[LAC_B][c->cell];
-    double steady = lac_friction_steady_state(c->friction, c->cell, u);
-    return x == 1.0 ? steady : steady + (1.0 - b / a) * log(x);
-}
-
 static void state_from_rate(const start_cell *c, lac_initial_state how, double u, double value,
                             double *w)
 {
@@ -83,7 +72,7 @@ static void state_from_rate(const start_cell *c, lac_initial_state how, double u
         *w = log(value);
         break;
     case LAC_STATE_RATIO:
-        *w = state_at_ratio(c, u, value);
+        *w = lac_friction_state_at_ratio(c->friction, c->cell, u, value);
         break;
     }
 }

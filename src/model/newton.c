@@ -51,6 +51,7 @@ static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
     lac_friction_values values = lac_block_values(&s);
     lac_friction_slopes slopes = lac_block_slope_arrays(&d);
     lac_friction_cells cells = lac_block_cells(n, first, field->y, field->v);
+    cells.normal_rate = drive->share_rate / drive->share;
     lac_friction_evaluate(problem->friction, &cells, &values, &slopes);
     bool good = true;
     for (size_t i = 0; i < cells.n; i++) {

@@ -82,15 +82,14 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 
 bool lac_problem_slips(const lac_problem *problem, const double *y, size_t *cell)
 {
-    // Regularised, f falls to nothing as exp of this sum over a; plain, f is the sum.
+    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_friction *friction = problem->friction;
     const double *a = friction->column[LAC_A];
-    const double *b = friction->column[LAC_B];
     const double *u = y;
     const double *w = y + problem->n;
     double folds = friction->form == LAC_FORM_REGULARISED ? -20.0 : 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        if (friction->constant[i] + a[i] * u[i] + b[i] * w[i] <= folds * a[i]) {
+        if (lac_friction_plain(friction, i, u[i], w[i]) <= folds * a[i]) {
             *cell = i;
             return false;
         }
@@ -121,12 +120,14 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
         double w = y[problem->n + i];
         double f = lac_friction_coefficient(problem->friction, i, y[i], w);
         double held = p * before.share * f + problem->damping * exp(y[i]);
+        w = lac_friction_state_after(problem->friction, i, w, after.share / before.share);
         double u = lac_friction_rate_for(problem->friction, i, w, held + p * ratio + spring,
                                          p * after.share, problem->damping);
         if (!isfinite(u)) {
             return false;
         }
         y[i] = u;
+        y[problem->n + i] = w;
     }
     return true;
 }

@@ -87,17 +87,21 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
 // The pressures of a domain's cells, spread about their mean; the load is held.
 static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
 {
-    const lac_spread *spread = lac_spread_find(&c->interface_spread, "pressure");
+    const lac_spread_place place = {.domain = domain};
     double *p = domain->pressure;
     double sum = 0.0;
     double spread_sum = 0.0;
-    if (spread == NULL) {
+    if (!lac_spread_has(&c->interface_spread, "pressure")) {
         return LAC_OK;
     }
     for (size_t i = 0; i < domain->n; i++) {
         sum += p[i];
     }
-    lac_spread_fill(spread, domain, p, p);
+    lac_status status =
+        lac_spread_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "interface.spread.pressure");
+    }
     for (size_t i = 0; i < domain->n; i++) {
         spread_sum += p[i];
     }

@@ -21,12 +21,25 @@ lac_status lac_scene_contact_count(lac_scene_contact *contact, lac_error *err);
 // eta = G/(2 cs) [Pa s/m]; no shear speed and no density: 0.
 double lac_damping_of(const lac_material_def *material);
 
-// Values of one parameter over the cells of a domain: nominal, spread by a distribution. Each
-// cell's number depends on seed, key and its place on the grid only.
-void lac_spread_fill(const lac_spread *spread, const lac_domain *domain, const double *nominal,
-                     double *values);
+// Where a parameter varies.
+typedef struct lac_spread_place {
+    const lac_domain *domain;
+    const lac_hierarchy *hierarchy; // of the domain; NULL: made where it is needed
+} lac_spread_place;
 
-// The spread of a key in a list; NULL where it has none.
-const lac_spread *lac_spread_find(const lac_spread_list *list, const char *key);
+// Values of one parameter over the cells: nominal, or the map of values, times the factors of all
+// its spreads. A random factor depends on its seed, the key, its rank among the key's spreads and
+// the cell's place on the grid only.
+// @param unit     SI unit of the parameter
+// @param nominal  NaN where only a map gives values
+// @param values   [n] overwritten
+// @return LAC_OK; LAC_EINPUT; LAC_EIO (a map); LAC_ENOMEM
+lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list *list,
+                           const char *key, const char *unit, double nominal, double *values,
+                           lac_error *err);
+
+// Size of every cell's patch or block [m]. @param size  [n] overwritten
+lac_status lac_spread_sizes(const lac_spread_place *place, lac_size_of of, double *size,
+                            lac_error *err);
 
 #endif

@@ -169,15 +169,16 @@ out:
     return status;
 }
 
-// The seed of the interface at hand, else that of its first spread; INT64_MIN where it has none.
+// The seed of the interface at hand, else that of its first random spread; INT64_MIN where it has
+// none.
 static int64_t seed_now(const lac_case *c)
 {
     const int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
     const lac_spread_list *spreads = &c->interface_spread;
-    if (seed != NULL) {
-        return *seed;
+    for (size_t k = 0; seed == NULL && k < spreads->count; k++) {
+        seed = seed_of(&spreads->item[k].slot);
     }
-    return spreads->count > 0 ? (int64_t)spreads->item[0].seed : INT64_MIN;
+    return seed != NULL ? *seed : INT64_MIN;
 }
 
 void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
@@ -226,7 +227,10 @@ static void next_seed(const lac_case *c)
         ++*seed;
     }
     for (size_t k = 0; k < c->interface_spread.count; k++) {
-        c->interface_spread.item[k].seed++;
+        int64_t *of_spread = seed_of(&c->interface_spread.item[k].slot);
+        if (of_spread != NULL) {
+            ++*of_spread;
+        }
     }
 }
 
@@ -256,35 +260,51 @@ out:
     return status;
 }
 
+// Parameters of a slot's own, so that its seed can be set; their texts stay the case's.
+static lac_status own_params(lac_slot *slot, lac_error *err)
+{
+    size_t size = slot->about != NULL ? slot->about->params_size : 0;
+    const void *given = slot->params;
+    slot->params = malloc(size + 1);
+    if (slot->params == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (size > 0) {
+        memcpy(slot->params, given, size);
+    }
+    return LAC_OK;
+}
+
 static void free_source(const lac_case *own, const lac_slot *slot)
 {
     free(slot->params);
+    for (size_t k = 0; k < own->interface_spread.count; k++) {
+        free(own->interface_spread.item[k].slot.params);
+    }
     free(own->interface_spread.item);
 }
 
-// The case with parameters of its own for what makes the interface, so that its seeds can be set.
+// The case with parameters of its own for what makes the interface.
 static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
 {
+    const lac_spread_list *given = &c->interface_spread;
     *own = *c;
     *slot = c->surface.about != NULL ? &own->surface : &own->domain;
-    size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
-    size_t spreads = own->interface_spread.count * sizeof(lac_spread);
-    void *params = malloc(size + 1);
-    lac_spread *spread = malloc(spreads + 1);
-    if (params == NULL || spread == NULL) {
-        free(params);
-        free(spread);
-        return lac_fail_memory(err);
+    lac_spread_list *list = &own->interface_spread;
+    *list = (lac_spread_list){.item = malloc((given->count + 1) * sizeof *list->item)};
+    lac_status status = own_params(*slot, err);
+    if (status == LAC_OK && list->item == NULL) {
+        status = lac_fail_memory(err);
     }
-    if (spreads > 0) {
-        memcpy(spread, c->interface_spread.item, spreads); // their keys stay the case's
+    for (size_t k = 0; status == LAC_OK && k < given->count; k++) {
+        list->item[k] = given->item[k]; // its key stays the case's
+        list->count++;
+        status = own_params(&list->item[k].slot, err);
     }
-    own->interface_spread.item = spread;
-    if (size > 0) {
-        memcpy(params, (*slot)->params, size); // its texts stay the case's
+    if (status != LAC_OK) {
+        free_source(own, *slot);
     }
-    (*slot)->params = params;
-    return LAC_OK;
+    return status;
 }
 
 lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err)

@@ -7,37 +7,45 @@
 
 #include "scene/internal.h"
 
-static lac_status make_friction(const lac_case *c, const lac_domain *domain, lac_friction **out,
-                                lac_error *err)
+// Gives the cells their own values of one parameter of the law.
+static lac_status spread_friction(const lac_case *c, const lac_spread_place *place,
+                                  const lac_param *param, lac_friction *friction, double *values,
+                                  lac_error *err)
+{
+    double nominal;
+    memcpy(&nominal, (const char *)c->friction.params + param->offset, sizeof nominal);
+    lac_status status =
+        lac_spread_fill(place, &c->friction_spread, param->key, param->unit, nominal, values, err);
+    if (status == LAC_OK) {
+        status = lac_friction_set(friction, param->key, values, err);
+    }
+    return status == LAC_OK ? status
+                            : lac_fail_within(err, status, "friction.spread.%s", param->key);
+}
+
+static lac_status make_friction(const lac_case *c, const lac_spread_place *place,
+                                lac_friction **out, lac_error *err)
 {
     lac_status status = LAC_OK;
     double *values = NULL;
     lac_friction *friction = NULL;
-    LAC_TRY(lac_friction_create(&c->friction, domain->n, &friction, err));
+    const lac_descriptor *about = c->friction.about;
+    LAC_TRY(lac_friction_create(&c->friction, place->domain->n, &friction, err));
     if (c->friction_spread.count > 0) {
-        values = malloc(domain->n * sizeof *values);
+        values = malloc(place->domain->n * sizeof *values);
         if (values == NULL) {
-            status = lac_fail_memory(err);
-            goto out;
+            LAC_TRY(lac_fail_memory(err));
         }
     }
-    const lac_descriptor *about = c->friction.about;
-    for (size_t k = 0; k < c->friction_spread.count; k++) {
-        const lac_spread *spread = &c->friction_spread.item[k];
-        for (size_t i = 0, column = 0; i < about->param_count; i++) {
-            if ((about->params[i].flags & LAC_CELLWISE) == 0) {
-                continue;
-            }
-            if (strcmp(about->params[i].key, spread->key) == 0) {
-                lac_spread_fill(spread, domain, friction->column[column], values);
-            }
-            column++;
+    for (size_t i = 0; i < about->param_count; i++) {
+        if (lac_spread_has(&c->friction_spread, about->params[i].key)) {
+            LAC_TRY(spread_friction(c, place, &about->params[i], friction, values, err));
         }
-        status = lac_friction_set(friction, spread->key, values, err);
-        if (status != LAC_OK) {
-            (void)lac_fail_within(err, status, "friction.spread.%s", spread->key);
-            goto out;
-        }
+    }
+    status = lac_friction_check(friction, err);
+    if (status != LAC_OK) {
+        (void)lac_fail_within(err, status, "friction.spread");
+        goto out;
     }
     *out = friction;
     friction = NULL;
@@ -47,44 +55,45 @@ out:
     return status;
 }
 
-// One array of initial values over the cells where a spread asks for it, NULL where not.
-static lac_status spread_initial(const lac_spread_list *list, const char *key, double nominal,
-                                 const lac_domain *domain, double **out, lac_error *err)
+// What `initial` spreads: a nominal value and, where asked for, an array of them.
+typedef struct initial_value {
+    const char *key, *unit;
+    double nominal;
+    double *values; // [n], NULL where not spread
+} initial_value;
+
+static lac_status spread_initial(const lac_spread_list *list, const lac_spread_place *place,
+                                 initial_value *of, lac_error *err)
 {
-    const lac_spread *spread = lac_spread_find(list, key);
-    *out = NULL;
-    if (spread == NULL) {
+    if (!lac_spread_has(list, of->key)) {
         return LAC_OK;
     }
-    double *values = malloc(domain->n * sizeof *values);
-    if (values == NULL) {
+    of->values = malloc(place->domain->n * sizeof *of->values);
+    if (of->values == NULL) {
         return lac_fail_memory(err);
     }
-    for (size_t i = 0; i < domain->n; i++) {
-        values[i] = nominal;
-    }
-    lac_spread_fill(spread, domain, values, values);
-    *out = values;
-    return LAC_OK;
+    lac_status status =
+        lac_spread_fill(place, list, of->key, of->unit, of->nominal, of->values, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "initial.spread.%s", of->key);
 }
 
-static lac_status make_problem(lac_scene *scene, lac_error *err)
+static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, lac_error *err)
 {
     lac_status status = LAC_OK;
     const lac_case *c = scene->source;
     const lac_domain *domain = scene->contact.domain;
     lac_initial_def initial = c->initial;
-    double *rates = NULL;
-    double *states = NULL;
+    initial_value rate = {"slip_rate", "m/s", initial.slip_rate, NULL};
+    initial_value state = {"state", initial.state == LAC_STATE_TIME ? "s" : "1",
+                           initial.state_value, NULL};
     double *start = malloc(2 * domain->n * sizeof *start);
     if (start == NULL) {
         return lac_fail_memory(err);
     }
-    LAC_TRY(
-        spread_initial(&c->initial_spread, "slip_rate", initial.slip_rate, domain, &rates, err));
-    LAC_TRY(spread_initial(&c->initial_spread, "state", initial.state_value, domain, &states, err));
-    initial.rates = rates;
-    initial.states = states;
+    LAC_TRY(spread_initial(&c->initial_spread, place, &rate, err));
+    LAC_TRY(spread_initial(&c->initial_spread, place, &state, err));
+    initial.rates = rate.values;
+    initial.states = state.values;
     status = lac_initial_solve(&initial, domain, scene->friction, &scene->loads, scene->damping,
                                start, start + domain->n, err);
     if (status != LAC_OK) {
@@ -101,8 +110,8 @@ static lac_status make_problem(lac_scene *scene, lac_error *err)
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
 out:
     free(start);
-    free(rates);
-    free(states);
+    free(rate.values);
+    free(state.values);
     return status;
 }
 
@@ -137,8 +146,9 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
         (void)lac_fail_within(err, status, "transfer");
         goto out;
     }
-    LAC_TRY(make_friction(c, scene->contact.domain, &scene->friction, err));
-    LAC_TRY(make_problem(scene, err));
+    const lac_spread_place place = {scene->contact.domain, scene->hierarchy};
+    LAC_TRY(make_friction(c, &place, &scene->friction, err));
+    LAC_TRY(make_problem(scene, &place, err));
     *out = scene;
     scene = NULL;
 out:

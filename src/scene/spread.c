@@ -1,9 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "base/rng.h"
+#include "lacuna/store_map.h"
 #include "scene/internal.h"
+
+// Tries of a truncated factor; fewer than one in a hundred kept is refused as good as always.
+enum { MOST_DRAWS = 1000 };
+
+// Odd 64-bit constants of splitmix64: they set streams apart.
+static const uint64_t next_rank = 0x9e3779b97f4a7c15u;
+static const uint64_t next_draw = 0xbf58476d1ce4e5b9u;
+
+// One parameter on its way from nominal values to those of the cells.
+typedef struct filling {
+    const lac_spread_place *place;
+    const char *key, *unit;
+    double *values; // [n]
+    double *factor; // [n]
+} filling;
 
 // FNV-1a: parameters that share a seed still get numbers of their own.
 static uint64_t hash(const char *text)
@@ -15,38 +31,93 @@ static uint64_t hash(const char *text)
     return h;
 }
 
-static double factor(const lac_spread *spread, uint64_t place, uint64_t key)
+static lac_status draw_factors(const lac_spread *spread, uint64_t rank, const filling *f,
+                               lac_error *err)
 {
-    double normal[2];
-    switch ((lac_spread_kind)spread->kind) {
-    case LAC_SPREAD_LOGNORMAL:
-        lac_random_normal((uint64_t)spread->seed, LAC_STREAM_SPREAD, place, key, normal);
-        return exp(spread->width * normal[0]);
-    case LAC_SPREAD_NORMAL:
-        lac_random_normal((uint64_t)spread->seed, LAC_STREAM_SPREAD, place, key, normal);
-        return 1.0 + spread->width * normal[0];
-    case LAC_SPREAD_UNIFORM:
-        break;
-    }
-    double u = lac_random_uniform((uint64_t)spread->seed, LAC_STREAM_SPREAD, place, key);
-    return 1.0 + spread->width * (2.0 * u - 1.0);
-}
-
-void lac_spread_fill(const lac_spread *spread, const lac_domain *domain, const double *nominal,
-                     double *values)
-{
-    uint64_t key = hash(spread->key);
+    const lac_spread_kind *kind = (const void *)spread->slot.about;
+    const lac_spread_random *p = spread->slot.params;
+    const lac_domain *domain = f->place->domain;
+    uint64_t stream = hash(f->key) + rank * next_rank;
     for (size_t i = 0; i < domain->n; i++) {
-        values[i] = nominal[i] * factor(spread, domain->index[i], key);
+        double factor = kind->draw(p, domain->index[i], stream);
+        for (uint64_t again = 1; factor < p->lowest || factor > p->highest; again++) {
+            if (again >= MOST_DRAWS) {
+                return lac_fail(err, LAC_EINPUT,
+                                "%s: none of %d factors drawn for cell %zu lies between lowest and "
+                                "highest",
+                                kind->about.name, MOST_DRAWS, i);
+            }
+            factor = kind->draw(p, domain->index[i], stream + again * next_draw);
+        }
+        f->factor[i] = factor;
     }
+    return LAC_OK;
 }
 
-const lac_spread *lac_spread_find(const lac_spread_list *list, const char *key)
+static lac_status read_map(const lac_spread *spread, const filling *f, lac_error *err)
 {
-    for (size_t i = 0; i < list->count; i++) {
-        if (strcmp(list->item[i].key, key) == 0) {
-            return &list->item[i];
+    const lac_spread_map *map = spread->slot.params;
+    const lac_map_def def = {.path = map->path,
+                             .variable = map->variable,
+                             .unit = map->as == LAC_MAP_VALUE ? f->unit : "1"};
+    return lac_map_read(&def, f->place->domain, f->factor, err);
+}
+
+static lac_status scale_by_size(const lac_spread *spread, const filling *f, lac_error *err)
+{
+    const lac_spread_size *p = spread->slot.params;
+    lac_status status = lac_spread_sizes(f->place, (lac_size_of)p->of, f->factor, err);
+    for (size_t i = 0; status == LAC_OK && i < f->place->domain->n; i++) {
+        f->factor[i] = pow(f->factor[i] / p->reference, p->exponent);
+    }
+    return status;
+}
+
+static lac_status find_factors(const lac_spread *spread, uint64_t rank, const filling *f,
+                               lac_error *err)
+{
+    if (spread->slot.about == &lac_spread_map_kind.about) {
+        return read_map(spread, f, err);
+    }
+    if (spread->slot.about == &lac_spread_size_kind.about) {
+        return scale_by_size(spread, f, err);
+    }
+    return draw_factors(spread, rank, f, err);
+}
+
+static lac_status apply(const lac_spread *spread, uint64_t rank, const filling *f, lac_error *err)
+{
+    lac_status status = find_factors(spread, rank, f, err);
+    for (size_t i = 0; status == LAC_OK && i < f->place->domain->n; i++) {
+        f->values[i] *= f->factor[i];
+    }
+    return status;
+}
+
+lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list *list,
+                           const char *key, const char *unit, double nominal, double *values,
+                           lac_error *err)
+{
+    size_t n = place->domain->n;
+    lac_status status = LAC_OK;
+    uint64_t rank = 0;
+    filling f = {place, key, unit, values, malloc(n * sizeof(double))};
+    if (f.factor == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t k = 0; k < list->count; k++) {
+        bool outright = strcmp(list->item[k].key, key) == 0 && lac_spread_is_value(&list->item[k]);
+        nominal = outright ? 1.0 : nominal;
+    }
+    for (size_t i = 0; i < n; i++) {
+        values[i] = nominal;
+    }
+    for (size_t k = 0; k < list->count; k++) {
+        if (strcmp(list->item[k].key, key) == 0) {
+            LAC_TRY(apply(&list->item[k], rank++, &f, err));
         }
     }
-    return NULL;
+out:
+    free(f.factor);
+    return status;
 }

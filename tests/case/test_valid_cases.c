@@ -82,8 +82,9 @@ static void the_example_reads_in_si(void **state)
     assert_true(c->initial.state == LAC_STATE_RATIO && c->initial.state_value == 0.9);
     assert_int_equal(c->initial_spread.count, 1);
     assert_string_equal(c->initial_spread.item[0].key, "slip_rate");
-    assert_true(c->initial_spread.item[0].kind == LAC_SPREAD_LOGNORMAL);
-    assert_true(c->initial_spread.item[0].width == 0.5 && c->initial_spread.item[0].seed == 2);
+    const lac_spread_random *spread = c->initial_spread.item[0].slot.params;
+    assert_string_equal(c->initial_spread.item[0].slot.about->name, "lognormal");
+    assert_true(spread->width == 0.5 && spread->seed == 2 && isnan(spread->lowest));
     assert_true(transfer->stiffness == 0 && isnan(transfer->k0));
     assert_true(c->dated && c->start_date == -205286400.0); // date -d 1963-07-01Z +%s
     is_nearly(c->run.end, 200 * 86400.0);
@@ -110,7 +111,15 @@ static void every_key_reads(void **state)
     assert_true(load.stress == 0.0);
     is_nearly(load.spring_stiffness, 1e6);
     is_nearly(load.pore, 1.03e5);
-    assert_int_equal(c->friction_spread.count, 3);
+    assert_int_equal(c->friction_spread.count, 9);
+    const lac_friction_params *law = c->friction.params;
+    assert_true(law->v1 == 1.0 && law->alpha == 0.2);
+    is_nearly(law->v2, 0.01);
+    const lac_spread_map *map = c->friction_spread.item[2].slot.params;
+    assert_string_equal(c->friction_spread.item[2].key, "dc");
+    assert_string_equal(map->path, VALID "/data/dc.nc");
+    assert_true(map->as == LAC_MAP_FACTOR && !lac_spread_is_value(&c->friction_spread.item[2]));
+    assert_true(lac_spread_is_value(&c->friction_spread.item[3]));
     assert_int_equal(c->interface_spread.count, 1);
     assert_true(c->initial.state == LAC_STATE_FROM_LOAD);
     is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
@@ -199,8 +208,7 @@ static void same_spreads(const lac_spread_list *a, const lac_spread_list *b)
     assert_int_equal(a->count, b->count);
     for (size_t i = 0; i < a->count; i++) {
         assert_string_equal(a->item[i].key, b->item[i].key);
-        assert_true(a->item[i].kind == b->item[i].kind && a->item[i].seed == b->item[i].seed);
-        assert_true(a->item[i].width == b->item[i].width);
+        same_slot(&a->item[i].slot, &b->item[i].slot);
     }
 }
 

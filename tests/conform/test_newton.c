@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The exact Newton solve of the creep problem against a dense solve with a Jacobian by finite
-// differences, for every friction law and form, under every kind of load at once.
+// differences, for every friction law and form, with and without cut-offs and the response to
+// normal stress, under every kind of load at once.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -92,31 +93,41 @@ static void check_solve(const lac_problem *problem, const double *y, double t, d
     gsl_matrix_free(a);
 }
 
+// Every form of a law, without and with what a case may add to it.
+static void check_law(const char *law, uint64_t seed)
+{
+    const double gammas[] = {1e-3, 1.0, 1e2, 1e3};
+    for (int i = 0; i < 8; i++) {
+        size_t steps = i / 2 % 2 == 1 ? 3 : 4; // beyond v1 the longest is too long
+        tree_def def = tree_default(3, seed);
+        def.law = law;
+        def.form = i % 2;
+        def.v1 = i / 2 % 2 == 1 ? 1e-9 : 0.0; // where the cells slide
+        def.v2 = i / 2 % 2 == 1 ? 2e-9 : 0.0;
+        def.alpha = i / 4 == 1 ? 0.3 : 0.0;
+        def.keep = 0.4;
+        def.ratio = 0.7;
+        def.state = 4e3;
+        lac_load load = {.kind = &pull_kind};
+        def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+        tree t;
+        tree_create(&def, &t);
+        double y[128];
+        lac_problem_initial(t.problem, y);
+        for (size_t g = 0; g < steps; g++) {
+            check_solve(t.problem, y, 5.0, gammas[g]);
+        }
+        tree_clear(&t);
+    }
+}
+
 static void newton_solve_is_exact(void **state)
 {
     (void)state;
-    const double gammas[] = {1e-3, 1.0, 1e2, 1e3};
     const lac_friction_law *law;
     for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
-        for (int form = 0; form < 2; form++) {
-            for (uint64_t seed = 1; seed <= 4; seed++) {
-                tree_def def = tree_default(3, seed);
-                def.law = law->about.name;
-                def.form = form;
-                def.keep = 0.4;
-                def.ratio = 0.7;
-                def.state = 4e3;
-                lac_load load = {.kind = &pull_kind};
-                def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
-                tree t;
-                tree_create(&def, &t);
-                double y[128];
-                lac_problem_initial(t.problem, y);
-                for (size_t g = 0; g < sizeof gammas / sizeof gammas[0]; g++) {
-                    check_solve(t.problem, y, 5.0, gammas[g]);
-                }
-                tree_clear(&t);
-            }
+        for (uint64_t seed = 1; seed <= 3; seed++) {
+            check_law(law->about.name, seed);
         }
     }
 }

@@ -28,8 +28,10 @@ static const char text[] =
     "  shear: [{ramp: {rate: \"1 kPa/day\"}}]\n"
     "  pore_pressure: [{constant: \"0.1 MPa\"}]\n"
     "friction:\n"
-    "  aging: {a: 0.01, b: 0.015, dc: \"1 mm\"}\n"
-    "  spread: {dc: {lognormal: {sigma: 0.2}}, a: {uniform: {half_width: 0.1}}}\n"
+    "  composite: {a: 0.01, b: 0.015, dc: \"1 mm\", v1: 1, v2: 0.1, alpha: 0.2}\n"
+    "  spread:\n"
+    "    dc: [{lognormal: {sigma: 0.2}}, {size: {reference: \"1 m\"}}]\n"
+    "    a: {uniform: {half_width: 0.1}}\n"
     "initial:\n"
     "  slip_rate: \"1 mm/day\"\n"
     "  state: {ratio_to_steady: 0.5}\n"
@@ -104,7 +106,7 @@ static lac_status whole_run(const char *path, lac_error *err)
     lac_case *c = NULL;
     lac_scene *scene = NULL;
     lac_case_report report = {0};
-    const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.aging.f0", "0.6"}};
+    const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
     const lac_case_request how = {.overrides = overrides, .count = 2};
     LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
     char *resolved = lac_case_text(c);

@@ -48,6 +48,12 @@ static lac_slot friction_slot(const block_def *def)
     p->dc = def->dc;
     p->v0 = def->v0;
     p->form = def->form;
+    p->v1 = def->v1 > 0 ? def->v1 : NAN;
+    p->v2 = def->v2 > 0 ? def->v2 : NAN;
+    p->alpha = def->alpha > 0 ? def->alpha : NAN;
+    if (def->vc > 0) {
+        test_slot_set(&slot, "vc", def->vc);
+    }
     return slot;
 }
 
@@ -68,8 +74,10 @@ void block_create(const block_def *def, block *out)
                                                  .shear_count = def->shear_count,
                                                  .pore = def->pore,
                                                  .pore_count = def->pore_count});
-    lac_initial_def initial = {
-        .slip_rate = def->slip_rate, .state = LAC_STATE_RATIO, .state_value = def->x};
+    bool aged = def->theta > 0;
+    lac_initial_def initial = {.slip_rate = def->slip_rate,
+                               .state = aged ? LAC_STATE_TIME : LAC_STATE_RATIO,
+                               .state_value = aged ? def->theta : def->x};
     double u;
     double w;
     must(lac_initial_solve(&initial, out->domain, out->friction, &out->loads, def->damping, &u, &w,

@@ -9,9 +9,11 @@ typedef struct block_def {
     const char *law;
     int form;
     double f0, a, b, dc, v0;
+    double v1, v2, alpha, vc; // 0: none, or the default
     double pressure, damping;
     double slip_rate; // at the start
     double x;         // theta/theta_ss under the load that follows
+    double theta;     // instead of x [s]; 0: x counts
     const lac_slot *shear;
     size_t shear_count;
     const lac_slot *pore;

@@ -109,8 +109,16 @@ void tree_make_friction(const tree_def *def, tree *out)
     }
     must(law != NULL, "no such law");
     must(lac_slot_create(&law->about, &slot, &err) == LAC_OK, err.message);
-    *(lac_friction_params *)slot.params =
-        (lac_friction_params){def->f0, def->a, def->b, def->dc, def->v0, def->form};
+    lac_friction_params *p = slot.params;
+    p->f0 = def->f0;
+    p->a = def->a;
+    p->b = def->b;
+    p->dc = def->dc;
+    p->v0 = def->v0;
+    p->form = def->form;
+    p->v1 = def->v1 > 0 ? def->v1 : NAN;
+    p->v2 = def->v2 > 0 ? def->v2 : NAN;
+    p->alpha = def->alpha > 0 ? def->alpha : NAN;
     must(lac_friction_create(&slot, out->domain->n, &out->friction, &err) == LAC_OK, err.message);
     lac_slot_clear(&slot);
 }

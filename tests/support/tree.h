@@ -13,8 +13,9 @@ typedef struct tree_def {
     const char *law;
     int form;
     double f0, a, b, dc, v0;
-    double pressure;  // p_i = pressure * (0.05 + exponential(1))
-    double k0, ratio; // k_l = k0 ratio^l
+    double v1, v2, alpha; // 0: none
+    double pressure;      // p_i = pressure * (0.05 + exponential(1))
+    double k0, ratio;     // k_l = k0 ratio^l
     double damping;
     double slip_rate; // ln v uniform within +-1 of it
     double state;     // theta [s]

@@ -83,6 +83,54 @@ static void a_bad_cell_is_named_and_changes_nothing(void **state)
     lac_slot_clear(&slot);
 }
 
+// What a case does not name takes no memory, and can be given cell by cell later.
+static void optional_parameters_may_be_absent(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"v1", "v2", "alpha"};
+    lac_slot slot = aging_slot();
+    lac_friction *friction;
+    test_slot_set(&slot, "a", 0.01);
+    test_slot_set(&slot, "b", 0.015);
+    test_slot_set(&slot, "dc", 1e-4);
+    assert_int_equal(lac_friction_create(&slot, 2, &friction, NULL), LAC_OK);
+    assert_true(friction->ln_v1 == NULL && friction->ln_cut == NULL && friction->response == NULL);
+    for (size_t k = 0; k < 3; k++) {
+        assert_null(lac_friction_values_of(friction, keys[k]));
+        assert_int_equal(lac_friction_set(friction, keys[k], (double[]){1, 2}, NULL), LAC_OK);
+        assert_true(lac_friction_values_of(friction, keys[k])[1] == 2);
+    }
+    assert_true(lac_friction_values_of(friction, "dc")[0] == 1e-4);
+    assert_null(lac_friction_values_of(friction, "form"));
+    assert_null(lac_friction_values_of(friction, "nothing"));
+    lac_friction_free(friction);
+    lac_slot_clear(&slot);
+}
+
+static void alpha_needs_b(void **state)
+{
+    (void)state;
+    lac_slot slot = aging_slot();
+    lac_friction *friction;
+    lac_error err;
+    test_slot_set(&slot, "a", 0.01);
+    test_slot_set(&slot, "b", 0);
+    test_slot_set(&slot, "dc", 1e-4);
+    test_slot_set(&slot, "alpha", 0.2);
+    assert_int_equal(lac_friction_create(&slot, 2, &friction, &err), LAC_EINPUT);
+    assert_string_equal(err.message, "aging: alpha needs b > 0, through which the state acts on "
+                                     "friction");
+    test_slot_set(&slot, "alpha", 0); // no response needs no b
+    assert_int_equal(lac_friction_create(&slot, 2, &friction, &err), LAC_OK);
+    assert_int_equal(lac_friction_check(friction, &err), LAC_OK);
+    assert_true(lac_friction_state_after(friction, 0, 3, 0.5) == 3);
+    assert_int_equal(lac_friction_set(friction, "alpha", (double[]){0, 0.1}, &err), LAC_OK);
+    assert_int_equal(lac_friction_check(friction, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "aging: cell 1 has alpha = 0.1 and b = 0"));
+    lac_friction_free(friction);
+    lac_slot_clear(&slot);
+}
+
 // The weakening law is the slip law where that weakens, and holds still where it would heal.
 static void weakening_never_heals(void **state)
 {
@@ -101,7 +149,7 @@ static void weakening_never_heals(void **state)
     for (double w = -5; w <= 25; w += 0.5) {
         double u = -20, v = exp(u), f[2], f_u[2], f_w[2], g[2], none[3], g_u[2], g_w[2];
         for (size_t k = 0; k < 2; k++) {
-            lac_friction_cells cell = {0, 1, &u, &w, &v};
+            lac_friction_cells cell = {0, 1, &u, &w, &v, 0};
             lac_friction_values values = {&f[k], &f_u[k], &f_w[k], &g[k]};
             lac_friction_slopes slopes = {&none[0], &none[1], &none[2], &g_u[k], &g_w[k]};
             lac_friction_evaluate(pair[k], &cell, &values, &slopes);
@@ -120,6 +168,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(required_parameters_have_no_default),
         cmocka_unit_test(nonsense_is_refused),
+        cmocka_unit_test(optional_parameters_may_be_absent),
+        cmocka_unit_test(alpha_needs_b),
         cmocka_unit_test(a_bad_cell_is_named_and_changes_nothing),
         cmocka_unit_test(weakening_never_heals),
     };

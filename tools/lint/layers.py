@@ -46,6 +46,8 @@ HEADERS = {
     "scene_rg": "scene",
     "store_cells": "store",
     "store_rg": "store",
+    "spread": "case",
+    "store_map": "store",
     "tangential": "contact",
     "lacuna": "cli",
 }

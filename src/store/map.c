@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fields over the cells of an interface, made elsewhere.
+#include "lacuna/store_map.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/units.h"
+#include "store/nc.h"
+
+// A variable of the file, and how it lies over the cells.
+typedef struct field {
+    int var, rank;
+    int dim[2];
+    size_t length[2];
+    bool by_cell;    // over the contact cells, else over the grid
+    bool transposed; // over the grid, x slowest
+    char name[NC_MAX_NAME + 1];
+} field;
+
+typedef struct map_file {
+    const lac_map_def *def;
+    const lac_domain *domain;
+    int id;
+    bool open;
+} map_file;
+
+static lac_status check(const map_file *file, int code, const char *what, lac_error *err)
+{
+    return lac_nc_check(file->def->path, code, err, "read", what);
+}
+
+static lac_status open_map(map_file *file, lac_error *err)
+{
+    const char *path = file->def->path;
+    struct stat info = {0};
+    bool exists = false;
+    int fd = -1;
+    lac_status status;
+    LAC_TRY(lac_nc_path(path, &exists, err));
+    fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &info) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
+    }
+    LAC_TRY(lac_nc_heap(path, fd, (size_t)info.st_size, err));
+    int code = nc_open(path, NC_NOWRITE, &file->id);
+    if (code != NC_NOERR) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path,
+                         code == NC_ENOTNC ? "is not a netCDF file" : nc_strerror(code)));
+    }
+    file->open = true;
+out:
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return status;
+}
+
+static bool is_number(nc_type type)
+{
+    return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
+}
+
+// Whether the dimension of `k` is named so.
+static bool named(const map_file *file, const field *at, int k, const char *name)
+{
+    char dim[NC_MAX_NAME + 1] = "";
+    return nc_inq_dimname(file->id, at->dim[k], dim) == NC_NOERR && strcasecmp(dim, name) == 0;
+}
+
+// Whether a variable is numbers over the cells.
+static bool fits(const map_file *file, field *at)
+{
+    const lac_grid *grid = &file->domain->grid;
+    nc_type type = NC_NAT;
+    if (nc_inq_varndims(file->id, at->var, &at->rank) != NC_NOERR || at->rank < 1 || at->rank > 2 ||
+        nc_inq_vartype(file->id, at->var, &type) != NC_NOERR || !is_number(type) ||
+        nc_inq_vardimid(file->id, at->var, at->dim) != NC_NOERR ||
+        nc_inq_varname(file->id, at->var, at->name) != NC_NOERR) {
+        return false;
+    }
+    for (int k = 0; k < at->rank; k++) {
+        if (nc_inq_dimlen(file->id, at->dim[k], &at->length[k]) != NC_NOERR) {
+            return false;
+        }
+    }
+    if (at->rank == 1) {
+        bool line = grid->nx == 1 || grid->ny == 1;
+        at->by_cell = at->length[0] == file->domain->n;
+        return at->by_cell || (line && at->length[0] == lac_grid_cells(grid));
+    }
+    at->transposed = named(file, at, 0, "x") && named(file, at, 1, "y");
+    size_t rows = at->length[at->transposed ? 1 : 0];
+    size_t columns = at->length[at->transposed ? 0 : 1];
+    return rows == grid->ny && columns == grid->nx;
+}
+
+static lac_status misfit(const map_file *file, const field *at, lac_error *err)
+{
+    const lac_grid *grid = &file->domain->grid;
+    return lac_fail(err, LAC_EINPUT,
+                    "%s: %s must be numbers over (y, x) = (%zu, %zu), the grid, or over %zu, the "
+                    "contact cells",
+                    file->def->path, at->name, grid->ny, grid->nx, file->domain->n);
+}
+
+// A variable named like one of its dimensions holds coordinates.
+static bool is_coordinate(const map_file *file, const field *at)
+{
+    return at->rank == 1 && named(file, at, 0, at->name);
+}
+
+static lac_status find_field(const map_file *file, field *at, lac_error *err)
+{
+    const char *name = file->def->variable;
+    int vars = 0;
+    size_t found = 0;
+    *at = (field){0};
+    if (name != NULL) {
+        if (nc_inq_varid(file->id, name, &at->var) != NC_NOERR) {
+            return lac_fail(err, LAC_EINPUT, "%s: has no variable %s", file->def->path, name);
+        }
+        (void)nc_inq_varname(file->id, at->var, at->name);
+        return fits(file, at) ? LAC_OK : misfit(file, at, err);
+    }
+    lac_status status = check(file, nc_inq_nvars(file->id, &vars), "the variables", err);
+    for (int v = 0; status == LAC_OK && v < vars; v++) {
+        field candidate = {.var = v};
+        if (fits(file, &candidate) && !is_coordinate(file, &candidate)) {
+            *at = candidate;
+            found++;
+        }
+    }
+    if (status == LAC_OK && found != 1) {
+        memcpy(at->name, "the field", sizeof "the field");
+        return found == 0
+                   ? misfit(file, at, err)
+                   : lac_fail(err, LAC_EINPUT,
+                              "%s: has %zu variables over the cells; variable must say which",
+                              file->def->path, found);
+    }
+    return status;
+}
+
+// The grid counts cells from low x and y.
+static lac_status check_axes(const map_file *file, const field *at, lac_error *err)
+{
+    for (int k = 0; k < at->rank && !at->by_cell; k++) {
+        char name[NC_MAX_NAME + 1] = "";
+        int var = -1, rank = 0, dim = -1;
+        double first, last;
+        size_t end = at->length[k] - 1;
+        if (nc_inq_dimname(file->id, at->dim[k], name) != NC_NOERR ||
+            nc_inq_varid(file->id, name, &var) != NC_NOERR ||
+            nc_inq_varndims(file->id, var, &rank) != NC_NOERR || rank != 1 ||
+            nc_inq_vardimid(file->id, var, &dim) != NC_NOERR || dim != at->dim[k] ||
+            nc_get_var1_double(file->id, var, &(size_t){0}, &first) != NC_NOERR ||
+            nc_get_var1_double(file->id, var, &end, &last) != NC_NOERR) {
+            continue; // no coordinates
+        }
+        if (end > 0 && !(last > first)) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s goes from %g to %g; must rise",
+                            file->def->path, name, first, last);
+        }
+    }
+    return LAC_OK;
+}
+
+// A numeric attribute of one value.
+static double number_of(const map_file *file, const field *at, const char *name, double fallback)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    double value = fallback;
+    bool good = nc_inq_att(file->id, at->var, name, &type, &length) == NC_NOERR && length == 1 &&
+                is_number(type) && nc_get_att_double(file->id, at->var, name, &value) == NC_NOERR;
+    return good ? value : fallback;
+}
+
+// What netCDF itself leaves where nothing was written to floating-point variables.
+static double default_fill(const map_file *file, const field *at)
+{
+    nc_type type = NC_NAT;
+    (void)nc_inq_vartype(file->id, at->var, &type);
+    return type == NC_FLOAT ? (double)NC_FILL_FLOAT : type == NC_DOUBLE ? NC_FILL_DOUBLE : NAN;
+}
+
+static lac_status find_unit(const map_file *file, const field *at, double *scale, double *offset,
+                            lac_error *err)
+{
+    char unit[100] = "";
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    lac_units *units = NULL;
+    lac_error why = {""};
+    if (nc_inq_att(file->id, at->var, "units", &type, &length) == NC_NOERR && type == NC_CHAR &&
+        length < sizeof unit) {
+        (void)nc_get_att_text(file->id, at->var, "units", unit);
+    }
+    *scale = 1.0;
+    *offset = 0.0;
+    if (unit[0] == '\0') {
+        return strcmp(file->def->unit, "1") == 0
+                   ? LAC_OK
+                   : lac_fail(err, LAC_EINPUT, "%s: %s has no units; must have some like %s",
+                              file->def->path, at->name, file->def->unit);
+    }
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK &&
+        lac_units_convert(units, unit, file->def->unit, scale, offset, &why) != LAC_OK) {
+        status = lac_fail(err, LAC_EINPUT, "%s: the unit \"%s\" of %s %s", file->def->path, unit,
+                          at->name, why.message);
+    }
+    lac_units_free(units);
+    return status;
+}
+
+static size_t place_of(const map_file *file, const field *at, size_t cell)
+{
+    const lac_grid *grid = &file->domain->grid;
+    size_t index = file->domain->index[cell];
+    size_t turned = index % grid->nx * grid->ny + index / grid->nx;
+    return at->by_cell ? cell : at->transposed ? turned : index;
+}
+
+static lac_status pick(const map_file *file, const field *at, const double *stored, double *values,
+                       lac_error *err)
+{
+    double scale, offset;
+    double fill = number_of(file, at, "_FillValue", default_fill(file, at));
+    double missing = number_of(file, at, "missing_value", NAN);
+    double packed = number_of(file, at, "scale_factor", 1.0);
+    double shift = number_of(file, at, "add_offset", 0.0);
+    lac_status status = find_unit(file, at, &scale, &offset, err);
+    for (size_t i = 0; status == LAC_OK && i < file->domain->n; i++) {
+        double given = stored[place_of(file, at, i)];
+        if (given == fill || given == missing || !isfinite(given)) {
+            size_t index = file->domain->index[i], nx = file->domain->grid.nx;
+            return lac_fail(err, LAC_EINPUT,
+                            "%s: %s has no value at ix = %zu, iy = %zu, where the faces touch",
+                            file->def->path, at->name, index % nx, index / nx);
+        }
+        values[i] = scale * (packed * given + shift) + offset;
+    }
+    return status;
+}
+
+lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double *values,
+                        lac_error *err)
+{
+    map_file file = {.def = def, .domain = domain};
+    field at;
+    double *stored = NULL;
+    lac_status status;
+    LAC_TRY(open_map(&file, err));
+    LAC_TRY(find_field(&file, &at, err));
+    LAC_TRY(check_axes(&file, &at, err));
+    // no more than the cells of the grid, whatever the file says
+    stored = malloc(at.length[0] * (at.rank == 2 ? at.length[1] : 1) * sizeof *stored);
+    if (stored == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    LAC_TRY(check(&file, nc_get_var_double(file.id, at.var, stored), at.name, err));
+    LAC_TRY(pick(&file, &at, stored, values, err));
+out:
+    free(stored);
+    if (file.open) {
+        (void)nc_close(file.id);
+    }
+    return status;
+}
