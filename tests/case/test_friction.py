@@ -107,6 +107,22 @@ class Friction(unittest.TestCase):
             low, high = (middle, high) if f(middle, dc / middle) < load else (low, middle)
         self.near(self.variable("slip_rate")[-1], low, 1e-6)
 
+    def test_normal_stress(self):
+        done = self.run_case("normal-stress", "--set", "solver.rtol=1e-9")
+        self.assertFalse(done["failed"])
+        # the step jumps the rate by [q/p1 - q/p0 + alpha ln(p1/p0)]/a
+        rate, normal = self.variable("slip_rate"), self.variable("effective_normal_force")
+        after = int(numpy.argmax(normal < normal[0]))
+        shear = self.variable("shear_force")[0]
+        p0, p1 = normal[0], normal[after]
+        gain = shear / p1 - shear / p0 + 0.2 * math.log(p1 / p0)
+        times = self.variable("time")
+        order = slice(after - 3, after)  # steps before, from which ln v goes on to the step
+        before = numpy.polyfit(times[order] - times[after], numpy.log(rate[order]), 2)[-1]
+        self.near(math.log(rate[after]) - before, gain / A, 0.01)
+        done = self.run_case("normal-stress", "--set", "friction.aging.alpha=0")
+        self.assertTrue(done["failed"])
+
     def start_states(self):
         """dc of every cell, from states that start proportional to it."""
         state = self.variable("cell_state")[0]
