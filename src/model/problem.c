@@ -49,6 +49,22 @@ static void fill_traction(lac_problem *problem, double share)
     problem->sum_traction0 = lac_problem_sum(problem->n, problem->traction0);
 }
 
+// Without direct effect and damping the traction says nothing of the rate.
+static lac_status check_solvable(const lac_problem *problem, lac_error *err)
+{
+    const double *a = problem->friction->column[LAC_A];
+    for (size_t i = 0; problem->kind->either_sign && i < problem->n; i++) {
+        if (!(a[i] > 0.0) && !(problem->damping > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "a = %g of cell %zu without radiation damping: the formulation "
+                            "\"%s\" cannot tell its slip rate from its traction; a must be > 0, "
+                            "or give material.shear_modulus and shear_speed",
+                            a[i], i, problem->kind->name);
+        }
+    }
+    return LAC_OK;
+}
+
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
@@ -76,9 +92,11 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
     problem->damping = def->damping;
+    problem->kind = lac_formulation_kind_of(def->formulation);
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
+    LAC_TRY(check_solvable(problem, err));
     LAC_TRY(allocate(problem, def, err));
     lac_drive drive;
     if (!lac_problem_drive(problem, 0.0, &drive)) {
@@ -108,14 +126,15 @@ void lac_problem_free(lac_problem *problem)
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
 
-size_t lac_problem_work(const lac_problem *problem)
-{
-    return 3 * problem->n + problem->transfer.kind->work(problem->transfer.state);
-}
+lac_formulation lac_problem_formulation(const lac_problem *problem) { return problem->kind->id; }
+
+const char *lac_problem_unknown(const lac_problem *problem) { return problem->kind->unknown; }
+
+bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
 
 void lac_problem_initial(const lac_problem *problem, double *y)
 {
-    memcpy(y, problem->log_rate0, problem->n * sizeof *y);
+    problem->kind->start(problem, y);
     memcpy(y + problem->n, problem->log_state0, problem->n * sizeof *y);
 }
 

@@ -6,12 +6,14 @@
 
 #include "run/engine.h"
 
-// Dormand-Prince 5(4) on (ln v, ln theta, slip). ERKStep 6.4 takes a right-hand side that fails
-// as fatal; the step is then tried again from the last good state with a shorter one.
+// Dormand-Prince 5(4) on the two unknowns of each cell and, where it is none of them, slip.
+// ERKStep 6.4 takes a right-hand side that fails as fatal; the step is then tried again from the
+// last good state with a shorter one.
 typedef struct erk {
     void *mem;
     N_Vector y, scratch;
-    double *saved; // [3n]
+    size_t size;   // of y: 3n, or 2n where slip is an unknown
+    double *saved; // [size]
     double first;  // step that a restart begins with [s]
     int64_t before[3];
 } erk;
@@ -24,7 +26,9 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     size_t n = engine->n;
     bool good =
         lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, engine->work);
-    lac_problem_rates(engine->problem, at, dot + 2 * n);
+    if (!lac_problem_has_slip(engine->problem)) {
+        memcpy(dot + 2 * n, engine->work, n * sizeof *dot);
+    }
     return good ? 0 : 1;
 }
 
@@ -35,10 +39,8 @@ static int weights(N_Vector y, N_Vector w, void *user)
     double *weight = lac_vector_data(w);
     size_t n = engine->n;
     (void)y;
-    for (size_t i = 0; i < 2 * n; i++) {
-        weight[i] = 1.0 / engine->def->rtol;
-    }
-    for (size_t i = 2 * n; i < 3 * n; i++) {
+    lac_problem_weights(engine->problem, engine->def->rtol, weight);
+    for (size_t i = 2 * n; i < (size_t)NV_LENGTH_S(w); i++) {
         weight[i] = 1e-200;
     }
     return 0;
@@ -66,15 +68,17 @@ static void erk_free(lac_engine *engine)
 
 static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
-    c->y = lac_vector_create(3 * engine->n, engine->sun);
+    bool slip_in_y = lac_problem_has_slip(engine->problem);
+    c->size = (slip_in_y ? 2 : 3) * engine->n;
+    c->y = lac_vector_create(c->size, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
-    c->saved = malloc(3 * engine->n * sizeof *c->saved);
+    c->saved = malloc(c->size * sizeof *c->saved);
     if (c->scratch == NULL || c->saved == NULL) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->y);
     engine->y = lac_vector_data(c->y);
-    engine->slip = engine->y + 2 * engine->n;
+    engine->slip = slip_in_y ? engine->y : engine->y + 2 * engine->n;
     return LAC_OK;
 }
 
@@ -165,7 +169,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 {
     erk *c = engine->inner;
     double *data = lac_vector_data(c->y);
-    size_t bytes = 3 * engine->n * sizeof *data;
+    size_t bytes = c->size * sizeof *data;
     memcpy(c->saved, data, bytes);
     double h = c->first > 0.0 ? c->first : engine->step;
 
@@ -209,7 +213,8 @@ static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
         memcpy(y, data, 2 * engine->n * sizeof *y);
     }
     if (slip != NULL) {
-        memcpy(slip, data + 2 * engine->n, engine->n * sizeof *slip);
+        size_t first = (size_t)(engine->slip - engine->y);
+        memcpy(slip, data + first, engine->n * sizeof *slip);
     }
     return true;
 }
