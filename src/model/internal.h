@@ -17,6 +17,7 @@ struct lac_problem {
     double mean_pressure; // P/L^2 [Pa]
     double sum_pressure;  // sum of p_i [Pa]
     double spring_share;  // L^2/(n r^2): nominal stress of a spring -> traction of a cell
+    double stiffness;     // of a cell against its neighbours and springs, where slip is unknown
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
     double *traction0;              // [n] q_i at t = 0 [Pa]

@@ -65,6 +65,29 @@ static lac_status check_solvable(const lac_problem *problem, lac_error *err)
     return LAC_OK;
 }
 
+// How much traction a metre of slip takes off a cell whose neighbours slip the other way.
+static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *slip = malloc((2 * n + transfer->kind->work(transfer->state)) * sizeof *slip);
+    if (slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = i % 2 == 0 ? 1.0 : -1.0;
+    }
+    transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
+    double squares = 0.0;
+    for (size_t i = n; i < 2 * n; i++) {
+        squares += slip[i] * slip[i];
+    }
+    problem->stiffness = sqrt(squares / (double)n) +
+                         problem->spring_share * problem->at_start.spring_stiffness;
+    free(slip);
+    return LAC_OK;
+}
+
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
@@ -106,6 +129,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
         goto out;
     }
     fill_traction(problem, drive.share);
+    if (problem->kind->has_slip) {
+        LAC_TRY(measure_stiffness(problem, err));
+    }
     *out = problem;
     problem = NULL;
 out:

@@ -64,7 +64,9 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
 // takes a p off against the cell's stiffness, whichever is less.
 static double scale(const lac_problem *problem, size_t cell)
 {
-    return problem->friction->column[LAC_DC][cell];
+    double dc = problem->friction->column[LAC_DC][cell];
+    double traction = lac_implicit_traction_scale(problem, cell);
+    return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
 }
 
 // The traction follows from the loads: slip does not jump.

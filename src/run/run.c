@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "run/cadence.h"
 #include "run/check.h"
@@ -26,6 +27,7 @@ typedef struct run {
     instant last_record, last_snapshot, looked;
     double *between; // [3n] state and slip within a step, where records fall there; or NULL
     double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
+    double *onto;    // [3n] state and slip on the balance, where projection is asked for; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
     lac_end end;
@@ -47,6 +49,14 @@ lac_run_def lac_run_default(void)
                          .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
 }
 
+lac_formulation lac_formulation_choose(int asked, lac_method method)
+{
+    if (asked != LAC_FORMULATION_AUTO) {
+        return (lac_formulation)asked;
+    }
+    return method == LAC_BDF ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}
+
 // Whether a time is later than the last one put out, which it then becomes.
 static bool moves_on(instant *last, double origin, double local)
 {
@@ -57,6 +67,22 @@ static bool moves_on(instant *last, double origin, double local)
     return true;
 }
 
+// What is put out of a state: itself, or its projection onto the balance.
+static void project(run *r, double t, const double **y, const double **slip)
+{
+    size_t n = r->engine->n;
+    if (r->onto == NULL) {
+        return;
+    }
+    memcpy(r->onto, *y, 2 * n * sizeof **y);
+    memcpy(r->onto + 2 * n, *slip, n * sizeof **slip);
+    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + 2 * n,
+                            r->engine->work)) {
+        *y = r->onto;
+        *slip = r->onto + 2 * n;
+    }
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
@@ -65,6 +91,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
     if (!moves_on(&r->last_record, engine->origin, local)) {
         return LAC_OK;
     }
+    project(r, t, &y, &slip);
     engine->kind->count(engine);
     lac_record line = {.time_origin = engine->origin,
                        .time_local = local,
@@ -92,6 +119,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         r->sink->snapshot == NULL) {
         return LAC_OK;
     }
+    project(r, t, &y, &slip);
     double now = lac_engine_clock(r->engine, t);
     lac_problem_rates(r->problem, now, y, v, r->engine->work);
     for (size_t i = 0; i < n; i++) {
@@ -360,7 +388,11 @@ static lac_status allocate_output(run *r, lac_error *err)
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
     r->fields = r->def->snapshots ? malloc(bytes) : NULL;
-    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL)) {
+    // Where slip is the unknown the balance holds as it is.
+    bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
+    r->onto = drifts ? malloc(bytes) : NULL;
+    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL) ||
+        (drifts && r->onto == NULL)) {
         return lac_fail_memory(err);
     }
     return LAC_OK;
@@ -431,6 +463,7 @@ out:
     }
     free(r.between);
     free(r.fields);
+    free(r.onto);
     lac_engine_free(r.engine);
     return status;
 }

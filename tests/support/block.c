@@ -76,7 +76,8 @@ void block_create(const block_def *def, block *out)
                                .loads = loads,
                                .damping = def->damping,
                                .log_rate = &u,
-                               .log_state = &w};
+                               .log_state = &w,
+                               .formulation = def->formulation};
     must(lac_problem_create(&problem, &out->problem, &err), &err);
 }
 

@@ -12,6 +12,7 @@ typedef struct block_def {
     double pressure, damping;
     double slip_rate; // at the start
     double x;         // theta/theta_ss under the load that follows
+    lac_formulation formulation;
     const lac_slot *shear;
     size_t shear_count;
 } block_def;
