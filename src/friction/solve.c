@@ -47,9 +47,9 @@ static double newton_step(const lac_friction *friction, const lac_friction_balan
     return longest;
 }
 
-// Whether u is where one more step would be rounding.
-static bool settled(const lac_friction *friction, const lac_friction_balance *eq, size_t i,
-                    double u)
+// One more step of cell i. Whether the next would be rounding.
+static bool settles(const lac_friction *friction, const lac_friction_balance *eq, size_t i,
+                    double *u)
 {
     lac_friction_balance one = *eq;
     one.first += i;
@@ -57,7 +57,7 @@ static bool settled(const lac_friction *friction, const lac_friction_balance *eq
     one.w += i;
     one.traction += i;
     one.pressure += i;
-    return newton_step(friction, &one, &u) <= CLOSE;
+    return newton_step(friction, &one, u) <= CLOSE;
 }
 
 static double bisect(const lac_friction *friction, const lac_friction_balance *eq, size_t i)
@@ -101,7 +101,7 @@ void lac_friction_rates(const lac_friction *friction, const lac_friction_balance
         longest = newton_step(friction, eq, u);
     }
     for (size_t i = 0; longest > CLOSE && i < eq->n; i++) {
-        if (!settled(friction, eq, i, u[i])) {
+        if (!settles(friction, eq, i, &u[i])) {
             u[i] = bisect(friction, eq, i);
         }
     }

@@ -14,6 +14,9 @@ static void must(lac_status status, const lac_error *err)
     }
 }
 
+lac_formulation block_formulations[3] = {LAC_FORMULATION_RATE, LAC_FORMULATION_TRACTION,
+                                         LAC_FORMULATION_SLIP};
+
 block_def block_default(double m, double x)
 {
     return (block_def){.law = "aging",

@@ -31,6 +31,18 @@ block_def block_default(double m, double x);
 void block_create(const block_def *def, block *out);
 void block_clear(block *b);
 
+// The formulations, and cmocka's entries of a test for each: *state points to the one it is to use.
+extern lac_formulation block_formulations[3];
+#define FOR_EACH_FORMULATION(test)                                                               \
+    {#test ": rate", test, NULL, NULL, &block_formulations[0]},                                  \
+        {#test ": traction", test, NULL, NULL, &block_formulations[1]},                          \
+    {                                                                                            \
+        #test ": slip", test, NULL, NULL, &block_formulations[2]                                 \
+    }
+
+// The one that a test is to use.
+static inline lac_formulation chosen(void **state) { return *(const lac_formulation *)*state; }
+
 // theta_ss and v* under the load that the start fixes.
 double block_steady_state(const block_def *def);
 double block_steady_rate(const block_def *def);
