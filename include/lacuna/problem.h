@@ -72,9 +72,16 @@ void lac_problem_forget(const lac_problem *problem, double *work);
 void lac_problem_initial(const lac_problem *problem, double *y);
 
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
-/// That is 1 for ln v and ln theta, a p for a traction, dc for slip.
+/// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
+/// cell where that is less. An unknown counts no finer than a double resolves it.
 /// @param weight  [2n]; overwritten
-void lac_problem_weights(const lac_problem *problem, double rtol, double *weight);
+void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
+
+/// Slip errors that count, for slip integrated beside y: rtol dc where the rate is solved for,
+/// whose own errors y does not show (a traction under a given load is known whatever the rate).
+/// @param tolerance  [n] absolute [m]; overwritten where true is given back
+/// @return whether slip takes part in the error control
+bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
 /// dy/dt.
 /// @param t     time since the start [s]

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
 #include <math.h>
 
 #include "model/internal.h"
@@ -21,12 +22,24 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
            problem->kind->newton(problem, &drive, y, gamma, b, &ws);
 }
 
-void lac_problem_weights(const lac_problem *problem, double rtol, double *weight)
+void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight)
 {
     for (size_t i = 0; i < problem->n; i++) {
-        weight[i] = 1.0 / (rtol * problem->kind->scale(problem, i));
+        double error = rtol * problem->kind->scale(problem, i);
+        weight[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[i]));
         weight[problem->n + i] = 1.0 / rtol;
     }
+}
+
+bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance)
+{
+    if (!problem->kind->either_sign || problem->kind->has_slip) {
+        return false;
+    }
+    for (size_t i = 0; i < problem->n; i++) {
+        tolerance[i] = rtol * problem->friction->column[LAC_DC][i];
+    }
+    return true;
 }
 
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)

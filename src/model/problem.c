@@ -82,8 +82,8 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
     for (size_t i = n; i < 2 * n; i++) {
         squares += slip[i] * slip[i];
     }
-    problem->stiffness = sqrt(squares / (double)n) +
-                         problem->spring_share * problem->at_start.spring_stiffness;
+    problem->stiffness =
+        sqrt(squares / (double)n) + problem->spring_share * problem->at_start.spring_stiffness;
     free(slip);
     return LAC_OK;
 }

@@ -34,12 +34,11 @@ static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
     return 0;
 }
 
-// They do not depend on y: an error of rtol in each unknown is worth as much of v and theta.
+// An error of rtol in each unknown is worth as much of v and theta.
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
-    (void)y;
-    lac_problem_weights(engine->problem, engine->def->rtol, lac_vector_data(w));
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, lac_vector_data(w));
     return 0;
 }
 
@@ -127,7 +126,10 @@ static int set_options(lac_engine *engine, cvode *c)
     flag |= CVodeWFtolerances(c->mem, weights);
     if (c->slip != NULL) {
         flag |= CVodeQuadInit(c->mem, slip_rates, c->slip);
-        flag |= CVodeSetQuadErrCon(c->mem, SUNFALSE);
+        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
+                                                 lac_vector_data(c->scratch_slip));
+        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
+        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, c->scratch_slip) : CV_SUCCESS;
     }
     flag |= CVodeSetMaxNumSteps(c->mem, -1);
     flag |= CVodeSetMaxHnilWarns(c->mem, -1);

@@ -32,16 +32,20 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     return good ? 0 : 1;
 }
 
-// Slip takes no part in the error control: it follows from v.
+// Slip beside y takes no part in the error control where y is ln v: it follows from v.
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
     double *weight = lac_vector_data(w);
     size_t n = engine->n;
-    (void)y;
-    lac_problem_weights(engine->problem, engine->def->rtol, weight);
-    for (size_t i = 2 * n; i < (size_t)NV_LENGTH_S(w); i++) {
-        weight[i] = 1e-200;
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, weight);
+    if (lac_problem_has_slip(engine->problem)) {
+        return 0;
+    }
+    double *slip = weight + 2 * n;
+    bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol, slip);
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = counts ? 1.0 / slip[i] : 1e-200;
     }
     return 0;
 }

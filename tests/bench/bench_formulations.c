@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Formulations and methods side by side: what a run costs and how far off the time of its failure,
-// or of its events, is. Three scenes: a spring slider over five events (cases/peers), 1 261 strongly
-// coupled cells that creep to failure, and cases/vajont.yaml. Runs from the root of the sources.
+// or of its events, is. Three scenes: a spring slider over five events (cases/peers), 1 261
+// strongly coupled cells that creep to failure, and cases/vajont.yaml. Runs from the root of the
+// sources.
 //   bench_formulations [slider|tree|vajont] ...     all if none is named
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@
 #include "support/slider.h"
 #include "support/tree.h"
 
-enum { MOST_STEPS = 40000 };
+enum { MOST_STEPS = 20000 };
 
 static const char *const method_names[] = {"bdf", "adams", "erk"};
 static const char *const names[] = {"auto", "rate", "traction", "slip"};
@@ -68,8 +69,7 @@ static void table(const bench_scene *scene)
                 lac_run_result result;
                 double start = cpu_seconds();
                 double rtol = pow(10.0, -k);
-                double time =
-                    run_once(scene, (lac_formulation)f, (lac_method)m, rtol, &result);
+                double time = run_once(scene, (lac_formulation)f, (lac_method)m, rtol, &result);
                 printf("%-11s %-6s %6.0e %8lld %9lld %10.1e %10.1e %7.2f%s\n", names[f],
                        method_names[m], rtol, (long long)result.steps,
                        (long long)result.rhs_evaluations, time / scene->want - 1.0,

@@ -52,7 +52,8 @@ static double *scales(const lac_problem *problem)
 {
     size_t m = 2 * lac_problem_cells(problem);
     double *scale = malloc(m * sizeof *scale);
-    lac_problem_weights(problem, 1.0, scale);
+    const double nothing[128] = {0};
+    lac_problem_weights(problem, nothing, 1.0, scale);
     for (size_t i = 0; i < m; i++) {
         scale[i] = 1.0 / scale[i];
     }

@@ -33,11 +33,11 @@ void block_clear(block *b);
 
 // The formulations, and cmocka's entries of a test for each: *state points to the one it is to use.
 extern lac_formulation block_formulations[3];
-#define FOR_EACH_FORMULATION(test)                                                               \
-    {#test ": rate", test, NULL, NULL, &block_formulations[0]},                                  \
-        {#test ": traction", test, NULL, NULL, &block_formulations[1]},                          \
-    {                                                                                            \
-        #test ": slip", test, NULL, NULL, &block_formulations[2]                                 \
+#define FOR_EACH_FORMULATION(test)                                      \
+    {#test ": rate", test, NULL, NULL, &block_formulations[0]},         \
+        {#test ": traction", test, NULL, NULL, &block_formulations[1]}, \
+    {                                                                   \
+#test ": slip", test, NULL, NULL, &block_formulations[2]        \
     }
 
 // The one that a test is to use.

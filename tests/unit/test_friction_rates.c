@@ -158,8 +158,7 @@ static void nothing_fails(void **state)
     const double as[] = {0.0, 0.01};
     const double etas[] = {0.0, 5e6};
     for (size_t c = 0; c < 8; c++) {
-        lac_friction *friction =
-            make(lac_friction_law_at(0), (int)(c & 1), as[c >> 1 & 1]);
+        lac_friction *friction = make(lac_friction_law_at(0), (int)(c & 1), as[c >> 1 & 1]);
         double eta = etas[c >> 2];
         for (size_t i = 0; i < sizeof tractions / sizeof tractions[0]; i++) {
             double w = 10.0;

@@ -118,7 +118,7 @@ static void slip_and_rate_along_the_run(void **state)
         double x = pow(h.line[i].seen.mean_rate / v_star, -1.0 / m);
         double z = fabs(1.0 - pow(x, 1.0 - m));
         double slip = def.dc / (m - 1.0) * log(z / fabs(1.0 - pow(def.x, 1.0 - m)));
-        assert_true(fabs(h.line[i].seen.mean_slip - slip) < 3e-7 * (slip + 1e-2));
+        assert_true(fabs(h.line[i].seen.mean_slip - slip) < 1e-7 * (slip + 1e-2));
         double t = block_steady_state(&def) * aging_time(m, def.x, x);
         assert_true(fabs(history_time(&h, i) - t) < 1e-7 * time_to_rate(&def, 1e6));
     }

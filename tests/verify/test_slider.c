@@ -226,10 +226,8 @@ static void slow_end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        FOR_EACH_FORMULATION(growth_rate),
-        FOR_EACH_FORMULATION(stable_above_and_unstable_below),
-        FOR_EACH_FORMULATION(slow_start),
-        FOR_EACH_FORMULATION(slow_start_damped),
+        FOR_EACH_FORMULATION(growth_rate), FOR_EACH_FORMULATION(stable_above_and_unstable_below),
+        FOR_EACH_FORMULATION(slow_start),  FOR_EACH_FORMULATION(slow_start_damped),
         FOR_EACH_FORMULATION(slow_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
