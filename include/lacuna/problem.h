@@ -53,6 +53,9 @@ void lac_problem_free(lac_problem *problem);
 /// Contact cells n; y has 2n components: x of every cell, then ln theta.
 size_t lac_problem_cells(const lac_problem *problem);
 
+/// What a formulation is called in a case: "rate" ...
+const char *lac_formulation_name(lac_formulation formulation);
+
 /// The formulation in use, never AUTO, and what its x is called.
 lac_formulation lac_problem_formulation(const lac_problem *problem);
 const char *lac_problem_unknown(const lac_problem *problem);

@@ -83,9 +83,11 @@ typedef struct lac_run_result {
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
 lac_run_def lac_run_default(void);
 
-/// The formulation for a method where none is asked for, by measurement (docs/choosing.md).
+/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
+/// TRACTION for explicit methods and where the form of friction lets slip turn back.
 /// @param asked  any but AUTO is given back
-lac_formulation lac_formulation_choose(int asked, lac_method method);
+/// @param form   of the friction law
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);
 
 /// Whether a run can start: what lac_run would refuse before its first step.
 /// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM

@@ -82,7 +82,13 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
         int lowest, highest;
     } orders[] = {
         [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
-    c->formulation = lac_formulation_choose(c->formulation, c->run.method);
+    const lac_friction_params *friction = c->friction.params;
+    lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
+                                 ? LAC_FORM_PLAIN
+                                 : LAC_FORM_REGULARISED;
+    if (c->run.method >= LAC_BDF && c->run.method <= LAC_ERK) {
+        c->formulation = lac_formulation_choose(c->formulation, c->run.method, form);
+    }
     int64_t order = c->run.max_order;
     if (!lac_clean(reader, "solver") || order == 0) {
         return;

@@ -21,6 +21,11 @@ const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id)
     return &lac_formulation_rate;
 }
 
+const char *lac_formulation_name(lac_formulation formulation)
+{
+    return lac_formulation_kind_of(formulation)->name;
+}
+
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
 {
     size_t n = problem->n;

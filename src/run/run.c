@@ -49,12 +49,13 @@ lac_run_def lac_run_default(void)
                          .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
 }
 
-lac_formulation lac_formulation_choose(int asked, lac_method method)
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form)
 {
     if (asked != LAC_FORMULATION_AUTO) {
         return (lac_formulation)asked;
     }
-    return method == LAC_BDF ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+    bool forwards = form == LAC_FORM_PLAIN;
+    return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
 }
 
 // Whether a time is later than the last one put out, which it then becomes.
