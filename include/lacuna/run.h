@@ -84,7 +84,7 @@ typedef struct lac_run_result {
 lac_run_def lac_run_default(void);
 
 /// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
-/// TRACTION for explicit methods and where the form of friction lets slip turn back.
+/// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 /// @param asked  any but AUTO is given back
 /// @param form   of the friction law
 lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);

@@ -86,9 +86,7 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
     lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
-    if (c->run.method >= LAC_BDF && c->run.method <= LAC_ERK) {
-        c->formulation = lac_formulation_choose(c->formulation, c->run.method, form);
-    }
+    c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
     int64_t order = c->run.max_order;
     if (!lac_clean(reader, "solver") || order == 0) {
         return;

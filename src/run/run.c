@@ -54,6 +54,9 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
     if (asked != LAC_FORMULATION_AUTO) {
         return (lac_formulation)asked;
     }
+    if (method == LAC_ADAMS) {
+        return LAC_FORMULATION_SLIP;
+    }
     bool forwards = form == LAC_FORM_PLAIN;
     return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
 }
