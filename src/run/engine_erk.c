@@ -14,6 +14,7 @@ typedef struct erk {
     N_Vector y, scratch;
     size_t size;   // of y: 3n, or 2n where slip is an unknown
     double *saved; // [size]
+    double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
     int64_t before[3];
 } erk;
@@ -66,6 +67,7 @@ static void erk_free(lac_engine *engine)
         N_VDestroy(c->scratch);
     }
     free(c->saved);
+    free(c->aside);
     free(c);
     engine->inner = NULL;
 }
@@ -77,7 +79,8 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
     c->y = lac_vector_create(c->size, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
     c->saved = malloc(c->size * sizeof *c->saved);
-    if (c->scratch == NULL || c->saved == NULL) {
+    c->aside = calloc(lac_problem_work(engine->problem), sizeof *c->aside);
+    if (c->scratch == NULL || c->saved == NULL || c->aside == NULL) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->y);
@@ -209,7 +212,13 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
 {
     erk *c = engine->inner;
-    if (ERKStepGetDky(c->mem, t, 0, c->scratch) != ARK_SUCCESS) {
+    // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
+    // behind.
+    double *work = engine->work;
+    engine->work = c->aside;
+    int flag = ERKStepGetDky(c->mem, t, 0, c->scratch);
+    engine->work = work;
+    if (flag != ARK_SUCCESS) {
         return false;
     }
     const double *data = lac_vector_data(c->scratch);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the choice of unknowns must not change, and what it must: the spring slider of the
-// earthquake-cycle codes, slip that turns back, loads on the normal side, the traction balance.
+// earthquake-cycle codes, slip that turns back, loads on the normal side.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -337,125 +337,6 @@ static void pore_pressure_jumps(void **state)
     block_clear(&b);
 }
 
-// To failure on strongly coupled cells: the same time in every formulation, and what each makes of
-// the balance, integrated and projected onto it.
-static void balance_and_projection(void **state)
-{
-    (void)state;
-    double time[3][2];
-    double residual[3][2];
-    for (size_t f = 0; f < 3; f++) {
-        for (int projected = 0; projected < 2; projected++) {
-            tree_def def = tree_default(4, 2);
-            def.state *= 3.0;
-            def.formulation = block_formulations[f];
-            tree t;
-            tree_create(&def, &t);
-            lac_run_def how = lac_run_default();
-            how.rtol = 1e-7;
-            how.end = 1e10;
-            how.failure_rate = 1e3;
-            how.stop_rate = 0.5;
-            how.projection = projected;
-            lac_run_result result;
-            lac_error err = {""};
-            assert_int_equal(lac_run(t.problem, &how, NULL, &result, &err), LAC_OK);
-            time[f][projected] = result.time;
-            residual[f][projected] = result.balance_residual;
-            tree_clear(&t);
-        }
-        printf("unknown %zu: residual %.1e, projected %.1e\n", f, residual[f][0], residual[f][1]);
-        assert_true(time[f][1] == time[f][0]); // what is written does not act back
-        assert_true(fabs(time[f][0] / time[0][0] - 1.0) < 1e-5);
-    }
-    assert_true(residual[0][0] > 1e-7 && residual[0][1] < 1e-3 * residual[0][0]);
-    assert_true(residual[1][1] < 1e-3 * residual[1][0] || residual[1][0] < 1e-8);
-    assert_true(residual[2][0] < 1e-13 && residual[2][1] == residual[2][0]);
-}
-
-// What is kept of the tractions at the end, relative to the strength.
-typedef struct kept {
-    double traction[256];
-    size_t n;
-} kept;
-
-static lac_status keep_traction(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    kept *k = context;
-    (void)err;
-    memcpy(k->traction, snapshot->traction, k->n * sizeof *k->traction);
-    return LAC_OK;
-}
-
-static void keep_last(lac_formulation formulation, double rtol, int projection, kept *k)
-{
-    tree_def def = tree_default(4, 2);
-    def.state *= 3.0;
-    def.formulation = formulation;
-    tree t;
-    tree_create(&def, &t);
-    k->n = t.domain->n;
-    assert_true(k->n <= sizeof k->traction / sizeof k->traction[0]);
-    lac_run_def how = lac_run_default();
-    how.rtol = rtol;
-    how.end = 7000.0; // of the 9 100 s or so to failure
-    how.failure_rate = 1e3;
-    how.projection = projection;
-    how.snapshots = true;
-    lac_sink sink = {.context = k, .snapshot = keep_traction};
-    lac_run_result result;
-    lac_error err = {""};
-    assert_int_equal(lac_run(t.problem, &how, &sink, &result, &err), LAC_OK);
-    for (size_t i = 0; i < k->n; i++) {
-        k->traction[i] /= 0.6 * t.domain->pressure[i];
-    }
-    tree_clear(&t);
-}
-
-// Projection does not only make the balance look right: the tractions are closer to those of a
-// tight run that keeps the balance.
-static void projected_tractions_are_better(void **state)
-{
-    (void)state;
-    kept want, raw, projected;
-    keep_last(LAC_FORMULATION_SLIP, 1e-9, 0, &want);
-    keep_last(LAC_FORMULATION_RATE, 1e-5, 0, &raw);
-    keep_last(LAC_FORMULATION_RATE, 1e-5, 1, &projected);
-    double off = 0.0;
-    double left = 0.0;
-    for (size_t i = 0; i < want.n; i++) {
-        off = fmax(off, fabs(raw.traction[i] - want.traction[i]));
-        left = fmax(left, fabs(projected.traction[i] - want.traction[i]));
-    }
-    printf("tractions off by %.1e of the strength, projected %.1e\n", off, left);
-    assert_true(left < 0.1 * off);
-}
-
-// Solves begin from the last rates, but what is recorded leaves none behind: bit for bit the same.
-static void records_do_not_act_back(void **state)
-{
-    for (size_t m = 0; m < 3; m++) {
-        double slip[2];
-        int64_t steps[2];
-        for (int often = 0; often < 2; often++) {
-            slider s;
-            slider_create(chosen(state), &s);
-            lac_run_def how = slider_run();
-            how.method = methods[m];
-            how.rtol = 1e-5;
-            how.end = 2e7;
-            how.record.steps = often ? 1 : 0;
-            how.record.time = often ? 12345.0 : NAN;
-            how.projection = often;
-            lac_run_result result = run_problem(&s.problem_def, &how, NULL);
-            slip[often] = result.mean_slip;
-            steps[often] = result.steps;
-            slider_clear(&s);
-        }
-        assert_true(slip[0] == slip[1] && steps[0] == steps[1]);
-    }
-}
-
 // Without direct effect and damping the traction says nothing of the rate: refused, not guessed.
 static void no_direct_effect_is_refused(void **state)
 {
@@ -493,9 +374,6 @@ int main(void)
         cmocka_unit_test(shaken_cells),
         FOR_EACH_FORMULATION(pore_pressure_drives),
         FOR_EACH_FORMULATION(pore_pressure_jumps),
-        cmocka_unit_test(balance_and_projection),
-        cmocka_unit_test(projected_tractions_are_better),
-        FOR_EACH_FORMULATION(records_do_not_act_back),
         FOR_EACH_FORMULATION(no_direct_effect_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
