@@ -102,10 +102,13 @@ static const lac_load_kind signal_kind = {
 // began.
 typedef struct turning {
     double v0, ap, rate, reach; // v = v0 sinh(tau/ap), tau/ap = reach - rate t/ap
+    double more;                // how far beyond -reach tau/ap goes
+    double failure;             // rate that ends the run [m/s]
+    double time;                // of failure; set [s]
 } turning;
 
 // A block of b = 0 that the turn's first traction sets off. @return what lac_run says
-static lac_status run_turn(const turning *turn, lac_formulation formulation, lac_method method,
+static lac_status run_turn(turning *turn, lac_formulation formulation, lac_method method,
                            history *h, lac_error *err)
 {
     block_def def =
@@ -129,13 +132,14 @@ static lac_status run_turn(const turning *turn, lac_formulation formulation, lac
     lac_run_def how = lac_run_default();
     how.method = method;
     how.rtol = 1e-10;
-    how.end = 2.0 * turn->reach * turn->ap / turn->rate;
-    how.failure_rate = 1e6;
+    how.end = (2.0 * turn->reach + turn->more) * turn->ap / turn->rate;
+    how.failure_rate = turn->failure;
     lac_sink sink = history_sink(h);
     lac_problem *made;
     lac_run_result result;
     assert_int_equal(lac_problem_create(&problem, &made, err), LAC_OK);
     lac_status status = lac_run(made, &how, &sink, &result, err);
+    turn->time = result.failure_origin + result.failure_local;
     lac_problem_free(made);
     lac_slot_clear(&slot);
     block_clear(&b);
@@ -144,7 +148,7 @@ static lac_status run_turn(const turning *turn, lac_formulation formulation, lac
 
 static void slip_turns_back(void **state)
 {
-    turning turn = {.v0 = 2.0 * exp(-3.0), .ap = 1e4, .rate = 100.0, .reach = 6.0};
+    turning turn = {.v0 = 2.0 * exp(-3.0), .ap = 1e4, .rate = 100.0, .reach = 6.0, .failure = 1e6};
     double length = turn.v0 * turn.ap / turn.rate;
     for (size_t m = 0; m < 3; m++) {
         history h = {0};
@@ -166,6 +170,21 @@ static void slip_turns_back(void **state)
             assert_true(fabs(h.line[i].seen.mean_rate - speed) < slack);
             assert_true(fabs(h.line[i].seen.max_rate - fabs(speed)) < slack);
         }
+        assert_true(h.line[h.n - 1].seen.mean_rate < 0.0);
+        history_clear(&h);
+    }
+}
+
+// Failure is a rate of either sign: at sinh(5.5) backwards, having begun at sinh(5) forwards.
+static void failure_backwards(void **state)
+{
+    turning turn = {.v0 = 2.0 * exp(-3.0), .ap = 1e4, .rate = 100.0, .reach = 5.0, .more = 1.0};
+    turn.failure = turn.v0 * sinh(5.5);
+    for (size_t m = 0; m < 3 && chosen(state) != LAC_FORMULATION_RATE; m++) {
+        history h = {0};
+        lac_error err = {""};
+        assert_int_equal(run_turn(&turn, chosen(state), methods[m], &h, &err), LAC_OK);
+        assert_true(fabs(turn.time / (10.5 * turn.ap / turn.rate) - 1.0) < 1e-8);
         assert_true(h.line[h.n - 1].seen.mean_rate < 0.0);
         history_clear(&h);
     }
@@ -371,6 +390,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         FOR_EACH_FORMULATION(spring_slider),
         FOR_EACH_FORMULATION(slip_turns_back),
+        FOR_EACH_FORMULATION(failure_backwards),
         cmocka_unit_test(shaken_cells),
         FOR_EACH_FORMULATION(pore_pressure_drives),
         FOR_EACH_FORMULATION(pore_pressure_jumps),
