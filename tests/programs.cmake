@@ -102,3 +102,10 @@ foreach(bundled ${rg_cases})
   set_tests_properties(case.rg.${name}.run PROPERTIES FIXTURES_SETUP rg_${name})
   set_tests_properties(case.rg.${name}.cf PROPERTIES FIXTURES_REQUIRED rg_${name})
 endforeach()
+
+# The indicators of a run, counted again from the cells' own fields.
+add_test(NAME case.test_analysis
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_analysis.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_analysis PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

@@ -2,6 +2,7 @@
 #ifndef LACUNA_CASE_H
 #define LACUNA_CASE_H
 
+#include "lacuna/analysis.h"
 #include "lacuna/run.h"
 
 /// One thing that is wrong with a case.
@@ -82,7 +83,7 @@ typedef struct lac_compare_def {
 } lac_compare_def;
 
 /// How the shear force spreads over the cells in `rg`.
-typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL } lac_rg_field;
+typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL, LAC_RG_UNIFORM } lac_rg_field;
 
 enum { LAC_MOST_BETAS = 32 };
 
@@ -135,7 +136,8 @@ typedef struct lac_case {
     char *path;
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
-    lac_slot surface, domain; ///< at most one is set
+    lac_slot surface, domain;         ///< at most one is set
+    lac_spread_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
     lac_slot normal;
     lac_slot_list shear, pore;
@@ -154,6 +156,7 @@ typedef struct lac_case {
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
     lac_rg_def rg;
+    lac_slot_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
 } lac_case;

@@ -3,6 +3,7 @@
 #define LACUNA_LACUNA_H
 
 /// Lacuna: creep, acceleration and failure of rough rock joints. All public headers.
+#include "lacuna/analysis.h"
 #include "lacuna/case.h"
 #include "lacuna/contact.h"
 #include "lacuna/error.h"
@@ -18,6 +19,7 @@
 #include "lacuna/rg_study.h"
 #include "lacuna/run.h"
 #include "lacuna/scene.h"
+#include "lacuna/scene_analysis.h"
 #include "lacuna/scene_rg.h"
 #include "lacuna/series.h"
 #include "lacuna/store.h"

@@ -55,7 +55,7 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
 /// The pass up the tree under one load: the threshold of every block, that is the smallest further
 /// stress, the same on all its cells, that makes it slip as a whole; <= 0: it slips by itself.
 /// LUMP has no thresholds: 0 where it slips, infinity where not.
-/// @param shear  [n] traction of each cell [Pa], at most its strength
+/// @param shear  [n] traction of each cell [Pa], at most its strength unless `gap` is given
 /// @param gap    [n] what each cell lacks to slip [Pa], may be < 0; NULL: strength - shear
 /// @return the threshold of the root: the joint slides where it is <= 0 (lac_rg_slips)
 /// @cost   O(blocks); allocates nothing; cannot fail
@@ -85,6 +85,12 @@ typedef struct lac_rg_path lac_rg_path;
 /// @param strength  [n] f p of each contact cell [Pa], > 0
 /// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
+
+/// The same stress on every cell, however weak, as a slow ramp puts it on: q = tau, and the gap
+/// f p - tau, < 0 where a cell has slipped on the way.
+/// @param strength  [n] f p of each contact cell [Pa], > 0
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
 enum { LAC_RG_LOADS = 24 };
 

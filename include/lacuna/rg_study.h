@@ -32,6 +32,21 @@ typedef struct lac_rg_estimate {
     double value, error, low, high;
 } lac_rg_estimate;
 
+/// A map fitted to groups of pairs, with the intervals that resampling the groups gives.
+typedef struct lac_rg_fit {
+    lac_rg_map map;
+    lac_rg_estimate fixed_point, lambda, nu;
+} lac_rg_fit;
+
+/// Fits the map of rg_map.h to pairs that come in groups.
+/// @param first        [groups + 1] first pair of each group, and how many pairs there are
+/// @param s, s_next    [first[groups]]
+/// @param resamplings  of the groups, with repetition
+/// @return LAC_OK, also where the pairs tell no map: all but map.points is NaN then; LAC_ENOMEM
+lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
+                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
+                               lac_error *err);
+
 /// A power law xi ~ (1 - Q/Q_crit)^-exponent, or none.
 typedef struct lac_rg_power {
     size_t points;

@@ -8,7 +8,7 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const rg_fields[] = {"elastic", "equal", NULL};
+static const char *const rg_fields[] = {"elastic", "equal", "uniform", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
@@ -26,7 +26,9 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_CHOICE,
      .choices = rg_fields,
      .offset = FIELD(rg.field),
-     .doc = "how shear spreads over the cells: elastic contact, or equal springs with caps"},
+     .doc =
+         "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
+         "stress on all (uniform), as a ramp with share: equal puts it on"},
     {.key = "beta",
      .doc = "strength left after slip, as a number, a list, or from-friction",
      .unit = "1",
@@ -136,9 +138,10 @@ static void check_interface(lac_reader *reader, const lac_case *c)
     }
     if (c->rg.field == LAC_RG_ELASTIC && lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "rg.field",
-                      "needs interface.surface to press; a domain goes with equal");
+                      "needs interface.surface to press; a domain goes with equal or uniform");
     }
-    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain)) {
+    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain) &&
+        c->interface_spread.count == 0) {
         lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
     }
 }

@@ -59,6 +59,12 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
 
+/// Reads `analysis`; NULL: none.
+void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What is wrong with the indicators; fills in what they take from elsewhere in the case.
+void lac_check_analysis(lac_reader *reader, lac_case *c);
+
 /// Reads `load.history`.
 void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c);
 

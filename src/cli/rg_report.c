@@ -14,7 +14,9 @@ const char *cli_rg_rule(const lac_case *c)
 
 const char *cli_rg_field(const lac_case *c)
 {
-    return c->rg.field == LAC_RG_EQUAL ? "equal" : "elastic";
+    static const char *const names[] = {
+        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
+    return names[c->rg.field];
 }
 
 static const char *with_error(double value, double error, char *text, size_t size)

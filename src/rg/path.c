@@ -9,6 +9,7 @@
 
 struct lac_rg_path {
     size_t n;
+    bool uniform;     // equal without caps
     double *strength; // [n]; equal: f p of each cell
     double *sorted;   // [n] equal: the same, ascending
     double *below;    // [n + 1] equal: sums of those
@@ -74,6 +75,15 @@ out:
     return status;
 }
 
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+{
+    lac_status status = lac_rg_path_equal(n, strength, out, err);
+    if (status == LAC_OK) {
+        (*out)->uniform = true;
+    }
+    return status;
+}
+
 static lac_status check_series(const lac_rg_series *s, lac_error *err)
 {
     bool falls = s->loads >= 2 && s->part[0] == 1.0 && s->part[s->loads - 1] == 0.0;
@@ -132,6 +142,9 @@ double lac_rg_path_stress(const lac_rg_path *path, double load)
 {
     const size_t n = path->n;
     double force = load * path->below[n];
+    if (path->uniform) {
+        return force / (double)n;
+    }
     size_t low = 0; // cells at their cap
     size_t high = n - 1;
     while (low < high) {
@@ -150,7 +163,7 @@ static void equal_at(const lac_rg_path *path, double load, double *shear, double
 {
     double tau = lac_rg_path_stress(path, load);
     for (size_t i = 0; i < path->n; i++) {
-        shear[i] = fmin(tau, path->strength[i]);
+        shear[i] = path->uniform ? tau : fmin(tau, path->strength[i]);
         gap[i] = path->strength[i] - tau;
     }
 }

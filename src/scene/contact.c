@@ -81,6 +81,35 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
     return LAC_OK;
 }
 
+// The pressures of a domain's cells, spread about their mean; the load is held.
+static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
+{
+    const lac_spread *spread = lac_spread_find(&c->interface_spread, "pressure");
+    double *p = domain->pressure;
+    double sum = 0.0;
+    double spread_sum = 0.0;
+    if (spread == NULL) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += p[i];
+    }
+    lac_spread_fill(spread, domain, p, p);
+    for (size_t i = 0; i < domain->n; i++) {
+        spread_sum += p[i];
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        p[i] *= sum / spread_sum;
+        if (!(isfinite(p[i]) && p[i] > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must "
+                            "be finite and > 0",
+                            i, p[i]);
+        }
+    }
+    return LAC_OK;
+}
+
 static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -90,6 +119,7 @@ static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *ou
     } else if (c->domain.about != NULL) {
         LAC_TRY(
             lac_domain_from_source(&c->domain, &out->grid, out->mean_pressure, &out->domain, err));
+        LAC_TRY(spread_pressure(c, out->domain, err));
     } else {
         LAC_TRY(lac_domain_create(&out->grid, &out->mean_pressure, &out->domain, err));
     }

@@ -72,8 +72,17 @@ static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
     lac_rg_path *path = NULL;
-    status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
-                                         : elastic_path(&j->contact, c->rg.friction, &path, err);
+    switch ((lac_rg_field)c->rg.field) {
+    case LAC_RG_ELASTIC:
+        status = elastic_path(&j->contact, c->rg.friction, &path, err);
+        break;
+    case LAC_RG_EQUAL:
+        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
+        break;
+    case LAC_RG_UNIFORM:
+        status = lac_rg_path_uniform(domain->n, j->strength, &path, err);
+        break;
+    }
     j->path = path;
 out:
     if (status != LAC_OK) {
@@ -165,8 +174,20 @@ out:
     return status;
 }
 
-static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_t *seed,
-                            lac_scene_rg *out, lac_error *err)
+// The next interface: of what makes it every seed, one higher.
+static void next_seed(const lac_case *c)
+{
+    int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    if (seed != NULL) {
+        ++*seed;
+    }
+    for (size_t k = 0; k < c->interface_spread.count; k++) {
+        c->interface_spread.item[k].seed++;
+    }
+}
+
+static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
+                            lac_error *err)
 {
     lac_status status = LAC_OK;
     joint j = {0};
@@ -183,25 +204,37 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
             j.contact.domain = NULL;
         }
         joint_clear(&j);
-        if (seed != NULL) {
-            ++*seed;
-        }
+        next_seed(c);
     }
 out:
     joint_clear(&j);
     return status;
 }
 
-// The case with parameters of its own for what makes the interface, so that its seed can be set.
+static void free_source(const lac_case *own, const lac_slot *slot)
+{
+    free(slot->params);
+    free(own->interface_spread.item);
+}
+
+// The case with parameters of its own for what makes the interface, so that its seeds can be set.
 static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
 {
     *own = *c;
     *slot = c->surface.about != NULL ? &own->surface : &own->domain;
     size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
+    size_t spreads = own->interface_spread.count * sizeof(lac_spread);
     void *params = malloc(size + 1);
-    if (params == NULL) {
+    lac_spread *spread = malloc(spreads + 1);
+    if (params == NULL || spread == NULL) {
+        free(params);
+        free(spread);
         return lac_fail_memory(err);
     }
+    if (spreads > 0) {
+        memcpy(spread, c->interface_spread.item, spreads); // their keys stay the case's
+    }
+    own->interface_spread.item = spread;
     if (size > 0) {
         memcpy(params, (*slot)->params, size); // its texts stay the case's
     }
@@ -220,7 +253,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
         return status;
     }
     LAC_TRY(create_studies(c, out, err));
-    LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
+    LAC_TRY(all_seeds(&own, watch, out, err));
     double n = (double)out->seeds;
     out->strength /= n;
     out->contact_fraction /= n;
@@ -230,7 +263,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
         LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
     }
 out:
-    free(slot->params);
+    free_source(&own, slot);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }

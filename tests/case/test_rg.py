@@ -201,6 +201,63 @@ class Cascade(unittest.TestCase):
             self.assertFalse(os.path.exists(os.path.join(self.folder, "none.nc")))
 
 
+class Bridge(unittest.TestCase):
+    """cases/bridge.yaml: a slow ramp against the cascade of the same pressures."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="lacuna-bridge-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+
+    def call(self, command, *settings, status=0):
+        words = [PROGRAM, command, os.path.join(SOURCE, "cases/bridge.yaml"), "--json", "--force",
+                 "-o", "out.nc"]
+        for setting in settings:
+            words += ["--set", setting]
+        done = subprocess.run(words, text=True, capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return json.loads(done.stdout) if status == 0 else done.stderr
+
+    def critical(self, *settings):
+        return self.call("rg", *settings)["q_crit_over_q_nom"]
+
+    def test_a_slow_ramp_slides_where_the_cascade_does(self):
+        seeds = [f"interface.spread.pressure.uniform.seed={seed}" for seed in (1, 2, 3)]
+        expected = [self.critical(seed) for seed in seeds]
+        self.assertEqual(len(set(expected)), 3)
+        for seed, q_crit in zip(seeds, expected):
+            done = self.call("run", seed)
+            self.assertEqual(done["ended_by"], "stop_when")
+            self.assertLess(abs(done["apparent_friction"] / 0.6 - q_crit), 0.004)
+        # the seeds that rg goes through are those
+        self.assertAlmostEqual(self.critical("rg.seeds=3"), sum(expected) / 3, delta=1e-9)
+
+    def test_the_tool_makes_its_table(self):
+        tool = os.path.join(SOURCE, "tools/bridge.py")
+        done = subprocess.run([sys.executable, tool, "contrast", "--runs", "2", "--program", PROGRAM],
+                              text=True, capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split("|")[1:-1] for line in done.stdout.splitlines() if line.startswith("| ±")]
+        self.assertEqual([row[0].strip() for row in rows], ["± 0.16", "± 0.3"])
+        for row in rows:
+            self.assertLess(float(row[1].split()[0]), 0.005)
+
+    def test_pressures_are_spread_and_their_load_is_held(self):
+        self.call("contact")
+        with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as data:
+            pressure = data["pressure"][:]
+        self.assertAlmostEqual(float(pressure.mean()), 1e7, delta=1e-6)
+        self.assertGreater(float(pressure.std()), 0.05e7)
+        self.assertLess(float(pressure.max() / pressure.min()), 1.16 / 0.84)
+
+    def test_a_pressure_that_cannot_be_is_refused(self):
+        said = self.call("run", "interface.spread={pressure: {normal: {sigma: 1}}}", status=2)
+        self.assertIn("interface.spread.pressure", said)
+        self.assertIn("must be finite and > 0", said)
+        said = self.call("run", "interface.spread={presure: {normal: {sigma: 0.1}}}", status=2)
+        self.assertIn('did you mean "pressure"', said)
+
+
 if __name__ == "__main__":
     PROGRAM, SOURCE = (os.path.abspath(word) for word in sys.argv[1:3])
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

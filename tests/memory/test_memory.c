@@ -37,12 +37,15 @@ static const char text[] =
     "transfer: {hierarchy: {stiffness: elastic}}\n"
     "time: {start: \"2020-01-01\", end: \"1 min\"}\n"
     "output: {every: \"20 s\", fields: [slip, traction], fields_every: \"30 s\"}\n"
+    "analysis: {rg: {critical_fraction: 0.5}}\n"
     "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
 
 static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
                             lac_error *err)
 {
     lac_store *store = NULL;
+    lac_analysis *analysis = NULL;
+    const double *once;
     lac_status status = LAC_OK;
     lac_run_result result = {0};
     lac_store_def def = {.path = path,
@@ -55,12 +58,18 @@ static lac_status store_run(const lac_case *c, const lac_scene *scene, const cha
                          .fields = c->fields,
                          .compression = c->compression,
                          .sync_every = 10};
+    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
+    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
     LAC_TRY(lac_store_create(&def, &store, err));
+    LAC_TRY(lac_store_once(store, once, err));
     lac_sink sink = lac_store_sink(store);
+    sink = lac_analysis_sink(analysis, &sink);
     LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
+    LAC_TRY(lac_analysis_finish(analysis, &result, err));
     LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
 out:
     lac_store_free(store);
+    lac_analysis_free(analysis);
     return status;
 }
 

@@ -26,8 +26,9 @@ USES = {
     "series": [],
     "model": ["contact", "hierarchy", "friction", "transfer", "load"],
     "run": ["model"],
+    "analysis": ["run", "rg"],
     "store": ["run", "fractal", "rg"],
-    "case": ["surface", "fractal", "series", "store", "rg"],
+    "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "cli": ["scene"],
 }
@@ -41,6 +42,7 @@ HEADERS = {
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
+    "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_rg": "store",
     "tangential": "contact",
