@@ -23,6 +23,7 @@
 #include "lacuna/scene_rg.h"
 #include "lacuna/series.h"
 #include "lacuna/store.h"
+#include "lacuna/store_cells.h"
 #include "lacuna/store_rg.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"

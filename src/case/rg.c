@@ -4,11 +4,13 @@
 #include <string.h>
 
 #include "case/sections.h"
+#include "lacuna/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const rules[] = {"fix", "cons", "lump", NULL};
 static const char *const rg_fields[] = {"elastic", "equal", "uniform", NULL};
+static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
@@ -67,6 +69,21 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_INTEGER,
      .offset = FIELD(rg.loads),
      .doc = "shear forces at which slipping blocks are counted"},
+    {.key = "contacts",
+     .unit = "1",
+     .fallback = LAC_RG_LOADS,
+     .min = 10,
+     .max = LAC_RG_MOST_LOADS,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.contacts),
+     .doc = "contacts solved along the path of field elastic, to interpolate between"},
+    {.key = "path",
+     .unit = "1",
+     .fallback = LAC_RG_SERIES,
+     .type = LAC_CHOICE,
+     .choices = rg_paths,
+     .offset = FIELD(rg.path),
+     .doc = "the critical force of field elastic from that series, or on contacts solved for it"},
 };
 
 const char *const lac_rg_own[] = {"beta", NULL};
@@ -163,7 +180,8 @@ static void check_law(lac_reader *reader, const lac_case *c)
 void lac_check_rg(lac_reader *reader, lac_case *c)
 {
     bool asked = lac_present(reader, "rg");
-    if (reader->purpose != LAC_FOR_RG && !asked) {
+    const bool on_cells = reader->purpose == LAC_FOR_CELLS;
+    if (reader->purpose != LAC_FOR_RG && !on_cells && !asked) {
         return;
     }
     if (!lac_clean(reader, "rg") || !lac_clean(reader, "friction") ||
@@ -171,6 +189,8 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
         return;
     }
     lac_find_coulomb(reader, c, "rg", &c->rg.friction);
-    check_interface(reader, c);
+    if (!on_cells) {
+        check_interface(reader, c);
+    }
     check_law(reader, c);
 }

@@ -49,7 +49,7 @@ extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
 void lac_check_solver(lac_reader *reader, lac_case *c);
 
 /// The keys of `rg`.
-enum { LAC_RG_ROWS = 7 };
+enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];
 extern const char *const lac_rg_own[];
 

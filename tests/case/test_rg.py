@@ -167,6 +167,70 @@ class Cascade(unittest.TestCase):
                  ["q_crit_over_q_nom"] for seed in (1, 2, 3)]
         self.assertAlmostEqual(one["q_crit_over_q_nom"], sum(alone) / 3, delta=0.01)
 
+    def test_solved_contacts(self):
+        series = self.rg("rg.contacts=300", "rg.shifts=2")
+        solved = self.rg("rg.path=solve", "rg.shifts=2")
+        for one, other in zip(series["results"], solved["results"]):
+            self.assertAlmostEqual(one["q_crit_over_q_nom"], other["q_crit_over_q_nom"],
+                                   delta=1e-3)
+            self.assertEqual(other["levels"][-1]["n_slip_at_q_crit"], 0)
+
+    def joint(self, *settings, domain="domain: {full: {}}", levels=1, load="pressure: 1 MPa"):
+        """A case of its own, without a surface unless `domain` is one."""
+        with open(os.path.join(self.folder, "own.yaml"), "w", encoding="utf-8") as out:
+            out.write(f"lacuna: 1\ninterface: {{size: 1, levels: {levels}, {domain}}}\n"
+                      "material: {shear_modulus: 15 GPa, poisson: 0.25}\n"
+                      f"load: {{normal: {{{load}}}}}\nrg: {{friction: 0.6}}\n")
+        words = ["rg", "own.yaml", "--json", "--force", "-o", "own.nc"]
+        for setting in settings:
+            words += ["--set", setting]
+        return subprocess.run([PROGRAM, *words], text=True, capture_output=True, cwd=self.folder,
+                              check=False)
+
+    ENDS = "rg.beta=[0, 1e-12, 0.5, 0.999999999999, 1]"
+
+    def test_uniform_joints_slip_at_coulombs(self):
+        for rule in ("fix", "cons", "lump"):
+            for levels in (1, 4):
+                done = self.joint("rg.field=equal", f"rg.rule={rule}", self.ENDS, levels=levels)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                for result in json.loads(done.stdout)["results"]:
+                    self.assertAlmostEqual(result["q_crit_over_q_nom"], 1, delta=1e-8)
+
+    SURFACE = "surface: {self-affine: {rms_slope: 0.1, seed: 1}}"
+
+    def test_a_single_cell_slips_at_coulombs(self):
+        for field in ("elastic", "equal"):
+            for rule in ("fix", "cons", "lump"):
+                done = self.joint(f"rg.field={field}", f"rg.rule={rule}", self.ENDS, levels=5,
+                                  domain=self.SURFACE, load="pressure: 1 Pa")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                found = json.loads(done.stdout)
+                self.assertEqual(found["contact_fraction"], 1 / 1024)
+                for result in found["results"]:
+                    self.assertAlmostEqual(result["q_crit_over_q_nom"], 1, delta=1e-8)
+
+    def test_beta_one_is_coulombs(self):
+        for field in ("elastic", "equal"):
+            for rule in ("fix", "cons", "lump"):
+                found = self.rg(f"rg.field={field}", f"rg.rule={rule}", self.ENDS, levels=5)
+                crit = [result["q_crit_over_q_nom"] for result in found["results"]]
+                self.assertAlmostEqual(crit[4], 1, delta=1e-8)
+                self.assertAlmostEqual(crit[3], 1, delta=1e-6)
+                self.assertAlmostEqual(crit[1], crit[0], delta=1e-8)
+                self.assertTrue(0 <= crit[0] <= crit[2] <= crit[4])
+
+    def test_no_load_and_no_contact(self):
+        for domain in (self.SURFACE, "domain: {full: {}}"):
+            done = self.joint("rg.field=equal", domain=domain, levels=5, load="pressure: 0 Pa")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("load.normal.pressure: \"0 Pa\" must be > 0", done.stderr)
+        done = self.joint(domain=self.SURFACE + ", boundary: free", levels=5,
+                          load="approach: 1 m")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("the faces do not touch", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
     def test_beta_from_friction(self):
         law = ("friction={slip: {f0: 0.6, a: 0.01, b: 0.02, dc: 10 um, v0: 1 um/s}}",
                "material.density=2700 kg/m3", "rg.beta=from-friction", "rg.field=equal")

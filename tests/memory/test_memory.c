@@ -291,6 +291,35 @@ out:
     return status;
 }
 
+// A file's cells, and the cascade on them.
+static lac_status whole_stored_cascade(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    lac_stored_cells cells = {0};
+    lac_scene_rg rg = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_CELLS};
+    const lac_provenance provenance = {.title = "cascading", .case_text = cascading, .seed = 1};
+    const lac_snapshot_choice last = {0};
+    LAC_TRY(
+        lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    const lac_contact_view view = {.grid = &contact.grid, .pressure = contact.pressure};
+    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+    LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
+    const lac_rg_cells given = {cells.domain, cells.shear, cells.time};
+    LAC_TRY(lac_scene_rg_cells(c, &given, &rg, err));
+out:
+    lac_scene_rg_clear(&rg);
+    lac_stored_cells_clear(&cells);
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
                                    bool for_good)
 {
@@ -324,6 +353,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_history, false);
     every_allocation_fails(whole_cascade, false);
     every_allocation_fails(whole_formulations, false);
+    every_allocation_fails(whole_stored_cascade, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -334,6 +364,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_history, true);
     every_allocation_fails(whole_cascade, true);
     every_allocation_fails(whole_formulations, true);
+    every_allocation_fails(whole_stored_cascade, true);
 }
 
 int main(void)

@@ -150,7 +150,7 @@ static void test_loads_run_from_all_to_none(void **state)
 {
     (void)state;
     double part[LAC_RG_LOADS];
-    lac_rg_loads(part);
+    lac_rg_loads(LAC_RG_LOADS, part);
     assert_near(part[0], 1.0, 0.0);
     assert_near(part[9], 0.1, 1e-15);
     assert_near(part[LAC_RG_LOADS - 2], 0.002, 1e-15);

@@ -44,6 +44,7 @@ HEADERS = {
     "rg_study": "rg",
     "scene_analysis": "scene",
     "scene_rg": "scene",
+    "store_cells": "store",
     "store_rg": "store",
     "tangential": "contact",
     "lacuna": "cli",
