@@ -30,7 +30,7 @@ typedef struct bench_scene {
 static void must(bool good, const char *what)
 {
     if (!good) {
-        fprintf(stderr, "bench_formulations: %s\n", what);
+        (void)fprintf(stderr, "bench_formulations: %s\n", what);
         exit(1);
     }
 }
@@ -60,8 +60,9 @@ static double run_once(const bench_scene *scene, lac_formulation formulation, la
 
 static void table(const bench_scene *scene)
 {
-    printf("\n%s\nformulation method   rtol    steps       rhs      error   residual   CPU s\n",
-           scene->name);
+    (void)printf(
+        "\n%s\nformulation method   rtol    steps       rhs      error   residual   CPU s\n",
+        scene->name);
     for (int f = LAC_FORMULATION_RATE; f <= LAC_FORMULATION_SLIP; f++) {
         for (int m = LAC_BDF; m <= LAC_ERK; m++) {
             for (int k = 3; k <= 10; k++) {
@@ -69,11 +70,11 @@ static void table(const bench_scene *scene)
                 double start = cpu_seconds();
                 double rtol = pow(10.0, -k);
                 double time = run_once(scene, (lac_formulation)f, (lac_method)m, rtol, &result);
-                printf("%-11s %-6s %6.0e %8lld %9lld %10.1e %10.1e %7.2f%s\n", names[f],
-                       method_names[m], rtol, (long long)result.steps,
-                       (long long)result.rhs_evaluations, time / scene->want - 1.0,
-                       result.balance_residual, cpu_seconds() - start,
-                       isnan(time) ? "  too many steps, or wrong" : "");
+                (void)printf("%-11s %-6s %6.0e %8lld %9lld %10.1e %10.1e %7.2f%s\n", names[f],
+                             method_names[m], rtol, (long long)result.steps,
+                             (long long)result.rhs_evaluations, time / scene->want - 1.0,
+                             result.balance_residual, cpu_seconds() - start,
+                             isnan(time) ? "  too many steps, or wrong" : "");
                 fflush(stdout);
                 if (isnan(time) && result.steps >= scene->most_steps) {
                     break; // tighter ones take as many
@@ -103,8 +104,8 @@ static void find_reference(bench_scene *scene)
     lac_run_result result;
     scene->want = run_once(scene, LAC_FORMULATION_RATE, LAC_BDF, 1e-12, &result);
     double other = run_once(scene, LAC_FORMULATION_SLIP, LAC_BDF, 1e-11, &result);
-    printf("\nreference %.15g s (rate, bdf, rtol 1e-12); slip, bdf, 1e-11 is off by %.1e\n",
-           scene->want, other / scene->want - 1.0);
+    (void)printf("\nreference %.15g s (rate, bdf, rtol 1e-12); slip, bdf, 1e-11 is off by %.1e\n",
+                 scene->want, other / scene->want - 1.0);
 }
 
 static void bench_tree(void)
@@ -159,7 +160,7 @@ static void bench_vajont(void)
                          .how = c->run,
                          .most_steps = 20000};
     scene.how.snapshots = false;
-    printf("\n%zu cells\n", n);
+    (void)printf("\n%zu cells\n", n);
     find_reference(&scene);
     table(&scene);
     free(start);

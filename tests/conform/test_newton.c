@@ -43,7 +43,7 @@ static void pull(const void *params, double t, lac_load_state *sum)
 }
 
 static const lac_load_kind pull_row = {.about = {.name = "pull"}, .add = pull};
-static const int pulls[] = {0, BY_RATIO, BY_FORCE, BY_SPRING, BY_PORE, 15};
+static int pulls[] = {0, BY_RATIO, BY_FORCE, BY_SPRING, BY_PORE, 15};
 static const lac_formulation formulations[] = {LAC_FORMULATION_RATE, LAC_FORMULATION_TRACTION,
                                                LAC_FORMULATION_SLIP};
 
@@ -157,7 +157,7 @@ static void newton_solve_is_exact(void **state)
     for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
         for (uint64_t i = 0; i < 2 * 3 * 6; i++) {
             tree_def def = small(law, (int)(i % 2), 1 + i % 4);
-            lac_slot slot = {.about = &pull_row.about, .params = (void *)(uintptr_t)&pulls[i / 6]};
+            lac_slot slot = {.about = &pull_row.about, .params = &pulls[i / 6]};
             def.formulation = formulations[i / 2 % 3];
             def.loads = (lac_load_set){.shear = &slot, .shear_count = 1};
             check_tree(&def);

@@ -14,7 +14,7 @@ const double slider_event_times[5] = {5.615967767843e6, 1.851449733346e7, 3.1413
 static void must(lac_status status, const lac_error *err)
 {
     if (status != LAC_OK) {
-        fprintf(stderr, "fixture: %s\n", err->message);
+        (void)fprintf(stderr, "fixture: %s\n", err->message);
         abort();
     }
 }
