@@ -135,6 +135,7 @@ typedef struct lac_case {
     bool dated;
     double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;   ///< `end` is NaN where a static case names none
+    int formulation;   ///< lac_formulation, never AUTO once read
     int fft_planning;  ///< 0: estimate, reproducible to the bit
     char *output_file; ///< NULL: named after the case
     unsigned fields;   ///< LAC_FIELD_* of store.h

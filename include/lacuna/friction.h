@@ -147,4 +147,29 @@ double lac_friction_state_for(const lac_friction *friction, size_t cell, double 
 double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
                              double pressure, double eta);
 
+/// Bounds of the ln|v| that lac_friction_rates gives: a traction that would take it beyond is
+/// met by the bound, so that no trial step of an integrator has to fail.
+#define LAC_SLOWEST (-600.0)
+#define LAC_FASTEST 40.0
+
+/// Cells whose rates are sought from what they carry.
+typedef struct lac_friction_balance {
+    size_t first, n;        ///< as in lac_friction_cells
+    const double *w;        ///< [n] ln theta
+    const double *traction; ///< [n] of either sign [Pa]
+    const double *pressure; ///< [n] total normal pressure [Pa]
+    double share;           ///< effective over total normal pressure [1]
+    double damping;         ///< eta [Pa s/m]
+} lac_friction_balance;
+
+/// Slip rates, of either sign, at which cells carry given tractions:
+/// p f(ln|v|, w) + eta |v| = |tau|, v of the sign of tau; docs/theory/friction.md, eq. 5.
+/// A NaN in w or the traction comes out as NaN or as a bound, never as a hang.
+/// @param u  [n] ln|v|; on entry where to begin, 0: nowhere in particular. The result depends on
+///           it by rounding only
+/// @param v  [n] [m/s]; overwritten; never 0
+/// @cost  two or three evaluations of the strength from a close start; allocates nothing
+void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *balance,
+                        double *u, double *v);
+
 #endif

@@ -6,6 +6,14 @@
 #include "lacuna/load.h"
 #include "lacuna/transfer.h"
 
+/// The first unknown x of every cell; the second is ln theta. docs/theory/creep.md.
+typedef enum lac_formulation {
+    LAC_FORMULATION_AUTO = 0, ///< as lac_formulation_choose says; to a problem: RATE
+    LAC_FORMULATION_RATE,     ///< ln v: the balance is differentiated in time; needs v > 0
+    LAC_FORMULATION_TRACTION, ///< tau = q - K slip, v solved from it, of either sign
+    LAC_FORMULATION_SLIP,     ///< slip, v solved from q - K slip, of either sign
+} lac_formulation;
+
 /// What a creep problem is made from; everything pointed at must outlive the problem, except the
 /// initial arrays, which are copied.
 typedef struct lac_problem_def {
@@ -16,44 +24,73 @@ typedef struct lac_problem_def {
     double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none
     const double *log_rate;  ///< [n] ln v at the start
     const double *log_state; ///< [n] ln theta at the start
+    lac_formulation formulation;
 } lac_problem_def;
 
-/// Rate-and-state creep of the contact cells, unknowns y = (ln v, ln theta): docs/theory/creep.md.
-/// Immutable.
+/// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
+/// says: docs/theory/creep.md. Immutable.
 typedef struct lac_problem lac_problem;
 
 /// What is seen of a state.
 typedef struct lac_observation {
-    double mean_rate, max_rate; ///< over contact cells [m/s]
-    double mean_slip;           ///< [m]
-    double shear_force;         ///< Q [N]
-    double normal_force;        ///< P, total [N]
-    double effective_force;     ///< P - u L^2 [N]
-    double balance_residual;    ///< max |q - K slip - p f - eta v| / (f0 p) [1]
-    size_t fastest;             ///< cell with the largest rate
+    double mean_rate;        ///< over contact cells, of either sign [m/s]
+    double max_rate;         ///< largest |v| [m/s]
+    double mean_slip;        ///< [m]
+    double shear_force;      ///< Q [N]
+    double normal_force;     ///< P, total [N]
+    double effective_force;  ///< P - u L^2 [N]
+    double balance_residual; ///< max |q - K slip - p f - eta v| / (f0 p) [1]
+    size_t fastest;          ///< cell with the largest rate
 } lac_observation;
 
-/// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive);
-///         LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
+///         to be solved for where a = 0 and there is no damping); LAC_ENOMEM
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
 
 /// Frees a problem; NULL is fine.
 void lac_problem_free(lac_problem *problem);
 
-/// Contact cells n; y has 2n components: ln v of every cell, then ln theta.
+/// Contact cells n; y has 2n components: x of every cell, then ln theta.
 size_t lac_problem_cells(const lac_problem *problem);
 
-/// Doubles of scratch that the functions below need.
+/// What a formulation is called in a case: "rate" ...
+const char *lac_formulation_name(lac_formulation formulation);
+
+/// The formulation in use, never AUTO, and what its x is called.
+lac_formulation lac_problem_formulation(const lac_problem *problem);
+const char *lac_problem_unknown(const lac_problem *problem);
+
+/// Whether x is slip: it need not be integrated beside y then.
+bool lac_problem_has_slip(const lac_problem *problem);
+
+/// Doubles of scratch that the functions below need. Its contents carry over from call to call:
+/// where rates are solved for, each solve begins from the last rates. Hand new scratch to
+/// lac_problem_forget first.
 size_t lac_problem_work(const lac_problem *problem);
+
+/// Makes the next solve begin afresh, so that what follows depends on y alone to the last bit.
+void lac_problem_forget(const lac_problem *problem, double *work);
 
 /// y at the start. @param y  [2n]
 void lac_problem_initial(const lac_problem *problem, double *y);
+
+/// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
+/// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
+/// cell where that is less. An unknown counts no finer than a double resolves it.
+/// @param weight  [2n]; overwritten
+void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
+
+/// Slip errors that count, for slip integrated beside y: rtol dc where the rate is solved for,
+/// whose own errors y does not show (a traction under a given load is known whatever the rate).
+/// @param tolerance  [n] absolute [m]; overwritten where true is given back
+/// @return whether slip takes part in the error control
+bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
 /// dy/dt.
 /// @param t     time since the start [s]
 /// @param y     [2n]
 /// @param ydot  [2n]; overwritten
-/// @param work  [lac_problem_work]
+/// @param work  [lac_problem_work]; its first n doubles are then the slip rates
 /// @return true; false where a rate is not finite or the effective pressure not positive
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work);
@@ -65,17 +102,26 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work);
 
-/// Takes y across a jump of the loads at time t: the traction jumps; the state only where it
-/// responds to the normal pressure (alpha) and that jumps.
+/// Takes y across a jump of the loads at time t: the traction jumps, slip does not, and
+/// the state only where it responds to the normal pressure (alpha) and that jumps.
 /// @return true; false where no rate balances the traction
 bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 
-/// Slip rate of every cell. @param v  [n] [m/s]
-void lac_problem_rates(const lac_problem *problem, const double *y, double *v);
+/// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
+/// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
+/// Nothing where x is slip, whose balance holds.
+/// @param slip  [n] since the start [m]
+/// @return true; false where the transfer's solve fails
+bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
+                         double *work);
 
-/// Mean and largest slip rate over the cells [m/s].
-void lac_problem_speed(const lac_problem *problem, const double *y, double *mean, double *max,
+/// Slip rate of every cell. @param v  [n] [m/s]
+void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work);
+
+/// Size of the mean slip rate, and the largest |v|, over the cells [m/s].
+void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
+                       double *max, double *work);
 
 /// Traction of every cell from the balance's elastic side, q - K slip.
 /// @param slip      [n] since the start [m]
@@ -92,15 +138,16 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 double lac_problem_next_break(const lac_problem *problem, double t);
 
 /// A thousandth of the fastest cell's own time scale, that of its state or of dc/v [s].
-double lac_problem_first_step(const lac_problem *problem, const double *y);
+double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
 
 /// Whether the effective normal pressure is positive at time t.
 bool lac_problem_pressed(const lac_problem *problem, double t);
 
-/// Whether every cell still carries shear traction: where it vanishes, slip stops or turns back,
-/// which ln v cannot follow.
+/// Whether the formulation can follow every cell: where its shear traction vanishes, slip stops or
+/// turns back, which ln v cannot do, nor the plain form of friction, infinite at v = 0.
 /// @param cell  the first that does not; untouched where all do
-bool lac_problem_slips(const lac_problem *problem, const double *y, size_t *cell);
+bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work);
 
 /// What is asked of the initial rate and state (a case's section `initial`).
 typedef enum lac_initial_state {

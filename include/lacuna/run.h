@@ -73,7 +73,8 @@ typedef struct lac_progress {
 
 typedef struct lac_run_def {
     lac_method method;
-    double rtol;         ///< on ln v and ln theta: relative on v and theta
+    double rtol;         ///< relative on v and theta, whatever the formulation
+    int projection;      ///< 1: records and snapshots are moved onto the balance; 0: as integrated
     int64_t max_order;   ///< 0: the method's own
     double first_step;   ///< [s]; NaN: from the problem's time scales, which also bound it
     int64_t max_steps;   ///< of the whole run
@@ -106,6 +107,12 @@ typedef struct lac_run_result {
 
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
 lac_run_def lac_run_default(void);
+
+/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
+/// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
+/// @param asked  any but AUTO is given back
+/// @param form   of the friction law
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);
 
 /// Whether a run can start: what lac_run would refuse before its first step.
 /// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM

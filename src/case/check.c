@@ -193,24 +193,6 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     }
 }
 
-static void check_solver(lac_reader *reader, const lac_case *c)
-{
-    static const struct {
-        const char *name;
-        int lowest, highest;
-    } orders[] = {
-        [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
-    int64_t order = c->run.max_order;
-    if (!lac_clean(reader, "solver") || order == 0) {
-        return;
-    }
-    if (order < orders[c->run.method].lowest || order > orders[c->run.method].highest) {
-        lac_blame_key(reader, "solver.max_order", "must be from %d to %d with method %s",
-                      orders[c->run.method].lowest, orders[c->run.method].highest,
-                      orders[c->run.method].name);
-    }
-}
-
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
     bool material_read = lac_clean(reader, "material");
@@ -223,7 +205,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);
-    check_solver(reader, c);
+    lac_check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
 }

@@ -12,10 +12,8 @@
 
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
-static const char *const methods[] = {"bdf", "adams", "erk", NULL};
 static const char *const history_methods[] = {"direct", "superposed", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
-static const char *const plannings[] = {"estimate", NULL};
 
 const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
 
@@ -296,54 +294,6 @@ static const lac_param stop_rows[] = {
      .doc = "slip rate of any cell at which the run ends"},
 };
 
-static const lac_param solver_rows[] = {
-    {.key = "method",
-     .unit = "1",
-     .fallback = LAC_BDF,
-     .type = LAC_CHOICE,
-     .choices = methods,
-     .offset = FIELD(run.method),
-     .doc = "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"},
-    {.key = "rtol",
-     .unit = "1",
-     .fallback = 1e-6,
-     .min = 1e-13,
-     .max = 0.1,
-     .offset = FIELD(run.rtol),
-     .doc = "relative tolerance on slip rate and state"},
-    {.key = "max_order",
-     .unit = "1",
-     .fallback = 0,
-     .min = 0,
-     .max = 12,
-     .type = LAC_INTEGER,
-     .offset = FIELD(run.max_order),
-     .doc = "highest order: bdf at most 5, adams 12, erk from 2 to 8; 0: the method's own"},
-    {.key = "first_step",
-     .unit = "s",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e15,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(run.first_step),
-     .doc = "first step; from the problem's own time scales if absent"},
-    {.key = "max_steps",
-     .unit = "1",
-     .fallback = 1e7,
-     .min = 1,
-     .max = 1e12,
-     .type = LAC_INTEGER,
-     .offset = FIELD(run.max_steps),
-     .doc = "of the whole run; more is an error"},
-    {.key = "fft_planning",
-     .unit = "1",
-     .fallback = 0,
-     .type = LAC_CHOICE,
-     .choices = plannings,
-     .offset = FIELD(fft_planning),
-     .doc = "of Fourier transforms: estimate is the same to the bit in every run"},
-};
-
 static const lac_param output_rows[] = {
     {.key = "file",
      .doc = "to write, from the folder one works in; named after the case if absent",
@@ -448,7 +398,7 @@ static const struct {
     [LAC_SECTION_STOP] = {{"time.stop_when", "other limits that end the run", stop_rows,
                            COUNT(stop_rows)},
                           NULL},
-    [LAC_SECTION_SOLVER] = {{"solver", "integration in time", solver_rows, COUNT(solver_rows)},
+    [LAC_SECTION_SOLVER] = {{"solver", "integration in time", lac_solver_rows, LAC_SOLVER_ROWS},
                             NULL},
     [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
                             output_own},

@@ -41,6 +41,13 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 /// Reads `compare`.
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
+/// The keys of `solver`.
+enum { LAC_SOLVER_ROWS = 8 };
+extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
+
+/// What is wrong with the solver; chooses the formulation where the case leaves it open.
+void lac_check_solver(lac_reader *reader, lac_case *c);
+
 /// The keys of `rg`.
 enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];

@@ -50,6 +50,11 @@ static const char *failure_date(const cli_outcome *outcome, char *text, size_t s
     return text;
 }
 
+static const char *formulation(const cli_outcome *outcome)
+{
+    return lac_formulation_name(lac_problem_formulation(outcome->scene->problem));
+}
+
 static const char *end_reason(const cli_outcome *outcome)
 {
     if (strcmp(outcome->status, "failed") == 0) {
@@ -106,6 +111,7 @@ static void print_cost(const cli_outcome *outcome)
     char wall[32], cpu[32];
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
+    cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_quantity(outcome->wall_time, "s", wall, sizeof wall),
             cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
@@ -148,6 +154,7 @@ static void write_results(cli_json *json, const cli_outcome *outcome)
     cli_json_number(json, "mean_slip_m", result->mean_slip);
     cli_json_null(json, "events");
     cli_json_number(json, "balance_residual", result->balance_residual);
+    cli_json_text(json, "formulation", formulation(outcome));
     cli_json_number(json, "initial_apparent_friction",
                     history->begun ? apparent_friction(&history->first) : NAN);
     cli_json_number(json, "apparent_friction",

@@ -10,12 +10,14 @@ struct lac_problem {
     const lac_friction *friction;
     lac_transfer transfer;
     lac_load_set loads;
+    const struct lac_formulation_kind *kind;
     double damping;       // eta [Pa s/m]
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double mean_pressure; // P/L^2 [Pa]
     double sum_pressure;  // sum of p_i [Pa]
     double spring_share;  // L^2/(n r^2): nominal stress of a spring -> traction of a cell
+    double stiffness;     // of a cell against its neighbours and springs, where slip is unknown
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
     double *traction0;              // [n] q_i at t = 0 [Pa]
@@ -39,13 +41,76 @@ typedef struct lac_drive {
 // Evaluates the loads; false where the effective normal pressure is not positive.
 bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
 
+// q - K slip of every cell, the springs' part included. @param scratch  of the transfer
+void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
+                      double *traction, double *scratch);
+
+// The parts of lac_problem_work, [n] each but the last.
+typedef struct lac_workspace {
+    double *v, *kv, *diagonal;
+    double *u, *guess; // where ln|v| is solved for: it, and where the next solve begins
+    double *scratch;   // of the transfer
+} lac_workspace;
+
+lac_workspace lac_problem_split(const lac_problem *problem, double *work);
+
+// How the cells move in a state.
+typedef struct lac_motion {
+    const double *u, *v; // [n] ln|v|, v
+    double mean;         // of v [m/s]
+} lac_motion;
+
+// What a jump of the loads puts on the cells: q_i gains p_i ratio + spring.
+typedef struct lac_jump {
+    double ratio, spring;
+    double share_before, share_after;
+} lac_jump;
+
+// A choice of unknowns y = (x, ln theta), one x a cell; docs/theory/creep.md.
+typedef struct lac_formulation_kind {
+    lac_formulation id;
+    const char *name;
+    const char *unknown; // what x is, for messages
+    bool either_sign;    // v is solved from the traction and may have either sign
+    bool has_slip;       // x is slip
+    void (*start)(const lac_problem *problem, double *x);
+    // Rates of all cells, in ws->v and ws->u or y. @param keep  the next solve begins from these
+    lac_motion (*move)(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       const lac_workspace *ws, bool keep);
+    // dy/dt; false where it is not finite
+    bool (*derivative)(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       double *ydot, const lac_workspace *ws);
+    // (1 - gamma J) x = b; false where the step is too long
+    bool (*newton)(const lac_problem *problem, const lac_drive *drive, const double *y,
+                   double gamma, double *b, const lac_workspace *ws);
+    // Change of x that weighs as much as one e-fold of v
+    double (*scale)(const lac_problem *problem, size_t cell);
+    // Takes x across a jump of the loads, theta still as before it; false where no rate balances
+    // it
+    bool (*jump)(const lac_problem *problem, const lac_jump *jump, double *y);
+} lac_formulation_kind;
+
+const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id);
+
+extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction,
+    lac_formulation_slip;
+
 // v = exp(u) of every cell, and its sum in a fixed order.
 double lac_problem_exp_sum(size_t n, const double *u, double *v);
+
+// Solves for the rates that carry the tractions, into ws->u and ws->v.
+lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, const double *traction,
+                                   const double *w, const lac_workspace *ws, bool keep);
+
+// dw/dt of every cell. Gives back 0 where all are finite, NaN elsewhere.
+double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, double *wdot);
 
 // Scratch of one block of cells for the friction kernels, on the caller's stack.
 typedef struct lac_block {
     double f[LAC_FRICTION_BLOCK], f_u[LAC_FRICTION_BLOCK], f_w[LAC_FRICTION_BLOCK];
     double g[LAC_FRICTION_BLOCK];
+    double speed[LAC_FRICTION_BLOCK]; // |v|
 } lac_block;
 
 typedef struct lac_block_slopes {
@@ -69,15 +134,9 @@ static inline size_t lac_block_length(size_t n, size_t first)
     return n - first < LAC_FRICTION_BLOCK ? n - first : LAC_FRICTION_BLOCK;
 }
 
-// The cells of a block at y, with v = exp(u) of all n cells at hand.
-static inline lac_friction_cells lac_block_cells(size_t n, size_t first, const double *y,
-                                                 const double *v)
-{
-    return (lac_friction_cells){.first = first,
-                                .n = lac_block_length(n, first),
-                                .u = y + first,
-                                .w = y + n + first,
-                                .v = v + first};
-}
+// Friction of the block of cells from `first` on, in s and d; d may be NULL. Gives back how many.
+size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, size_t first, lac_block *s,
+                          lac_block_slopes *d);
 
 #endif

@@ -1,16 +1,43 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
+#include <string.h>
 
 #include "model/internal.h"
 
-void lac_problem_speed(const lac_problem *problem, const double *y, double *mean, double *max,
+void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work)
 {
-    size_t n = problem->n;
-    *mean = lac_problem_exp_sum(n, y, work) / (double)n;
-    *max = work[0];
-    for (size_t i = 1; i < n; i++) {
-        *max = work[i] > *max ? work[i] : *max;
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    (void)lac_problem_drive(problem, t, &drive);
+    (void)problem->kind->move(problem, &drive, y, &ws, false);
+    memcpy(v, ws.v, problem->n * sizeof *v);
+}
+
+void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
+                       double *max, double *work)
+{
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    (void)lac_problem_drive(problem, t, &drive);
+    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    *mean = fabs(motion.mean);
+    *max = fabs(motion.v[0]);
+    for (size_t i = 1; i < problem->n; i++) {
+        double speed = fabs(motion.v[i]);
+        *max = speed > *max ? speed : *max;
+    }
+}
+
+void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
+                      double *traction, double *scratch)
+{
+    double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
+    double common = drive->spring - drive->spring_stiffness * mean;
+    problem->transfer.kind->apply(problem->transfer.state, slip, traction, scratch);
+    for (size_t i = 0; i < problem->n; i++) {
+        double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
+        traction[i] = q - traction[i];
     }
 }
 
@@ -19,31 +46,23 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 {
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
-    double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
-    double common = drive.spring - drive.spring_stiffness * mean;
-    problem->transfer.kind->apply(problem->transfer.state, slip, traction, work + 3 * problem->n);
-    for (size_t i = 0; i < problem->n; i++) {
-        double q = problem->traction0[i] + problem->pressure[i] * drive.ratio + common;
-        traction[i] = q - traction[i];
-    }
+    lac_problem_pull(problem, &drive, slip, traction, lac_problem_split(problem, work).scratch);
 }
 
 // Worst relative error of the balance: |q - K slip - p f - eta v| / (f0 p).
-static double balance_residual(const lac_problem *problem, const lac_drive *drive, const double *y,
-                               const double *v, const double *traction)
+static double balance_residual(const lac_problem *problem, const lac_drive *drive,
+                               const lac_motion *motion, const double *w, const double *traction)
 {
-    size_t n = problem->n;
     const double *f0 = problem->friction->column[LAC_F0];
     double worst = 0.0;
-    lac_block s;
-    lac_friction_values values = lac_block_values(&s);
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        lac_friction_cells cells = lac_block_cells(n, first, y, v);
-        lac_friction_evaluate(problem->friction, &cells, &values, NULL);
-        for (size_t i = 0; i < cells.n; i++) {
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        lac_block s;
+        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
+        for (size_t i = 0; i < length; i++) {
             size_t k = first + i;
             double p = problem->pressure[k] * drive->share;
-            double off = traction[k] - p * s.f[i] - problem->damping * v[k];
+            double v = motion->v[k];
+            double off = traction[k] - copysign(p * s.f[i], v) - problem->damping * v;
             double scale = p * (f0[k] != 0.0 ? fabs(f0[k]) : 1.0);
             double relative = fabs(off) / scale;
             worst = relative > worst || isnan(relative) ? relative : worst;
@@ -56,17 +75,17 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
                          lac_observation *seen, double *work)
 {
     size_t n = problem->n;
-    double *v = work;
-    double *traction = work + n;
+    lac_workspace ws = lac_problem_split(problem, work);
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
 
-    seen->mean_rate = lac_problem_exp_sum(n, y, v) / (double)n;
+    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    seen->mean_rate = motion.mean;
     seen->fastest = 0;
     for (size_t i = 1; i < n; i++) {
-        seen->fastest = v[i] > v[seen->fastest] ? i : seen->fastest;
+        seen->fastest = fabs(motion.v[i]) > fabs(motion.v[seen->fastest]) ? i : seen->fastest;
     }
-    seen->max_rate = v[seen->fastest];
+    seen->max_rate = fabs(motion.v[seen->fastest]);
     seen->mean_slip = lac_problem_sum(n, slip) / (double)n;
 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
@@ -76,20 +95,33 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;
 
-    lac_problem_traction(problem, t, slip, traction, work);
-    seen->balance_residual = balance_residual(problem, &drive, y, v, traction);
+    lac_problem_pull(problem, &drive, slip, ws.kv, ws.scratch);
+    seen->balance_residual = balance_residual(problem, &drive, &motion, y + n, ws.kv);
 }
 
-bool lac_problem_slips(const lac_problem *problem, const double *y, size_t *cell)
+bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work)
 {
-    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_friction *friction = problem->friction;
-    const double *a = friction->column[LAC_A];
+    bool regularised = friction->form == LAC_FORM_REGULARISED;
+    if (problem->kind->either_sign && regularised) {
+        return true;
+    }
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    (void)lac_problem_drive(problem, t, &drive);
+    // ln v is y itself where the rate is not solved for
     const double *u = y;
+    if (problem->kind->either_sign) {
+        u = problem->kind->move(problem, &drive, y, &ws, false).u;
+    }
+    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
+    const double *a = friction->column[LAC_A];
     const double *w = y + problem->n;
-    double folds = friction->form == LAC_FORM_REGULARISED ? -20.0 : 0.0;
+    double folds = regularised ? -20.0 : 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        if (lac_friction_plain(friction, i, u[i], w[i]) <= folds * a[i]) {
+        bool back = problem->kind->either_sign && ws.v[i] < 0.0;
+        if (back || lac_friction_plain(friction, i, u[i], w[i]) <= folds * a[i]) {
             *cell = i;
             return false;
         }
@@ -105,29 +137,24 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
         !lac_problem_drive(problem, t, &after)) {
         return false;
     }
-    double ratio = after.ratio - before.ratio;
-    double spring = after.spring - before.spring;
+    lac_jump jump = {.ratio = after.ratio - before.ratio,
+                     .spring = after.spring - before.spring,
+                     .share_before = before.share,
+                     .share_after = after.share};
     // A load that only bends has changed by no more than its rate times one rounding of t.
     double slack = 16.0 * (nextafter(fabs(t), INFINITY) - fabs(t));
-    bool jumps = fabs(ratio) > slack * fabs(before.ratio_rate) ||
-                 fabs(spring) > slack * fabs(before.spring_rate) ||
+    bool jumps = fabs(jump.ratio) > slack * fabs(before.ratio_rate) ||
+                 fabs(jump.spring) > slack * fabs(before.spring_rate) ||
                  fabs(after.share - before.share) > slack * fabs(before.share_rate);
     if (!jumps) {
         return true;
     }
+    if (!problem->kind->jump(problem, &jump, y)) {
+        return false;
+    }
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i];
-        double w = y[problem->n + i];
-        double f = lac_friction_coefficient(problem->friction, i, y[i], w);
-        double held = p * before.share * f + problem->damping * exp(y[i]);
-        w = lac_friction_state_after(problem->friction, i, w, after.share / before.share);
-        double u = lac_friction_rate_for(problem->friction, i, w, held + p * ratio + spring,
-                                         p * after.share, problem->damping);
-        if (!isfinite(u)) {
-            return false;
-        }
-        y[i] = u;
-        y[problem->n + i] = w;
+        double *w = &y[problem->n + i];
+        *w = lac_friction_state_after(problem->friction, i, *w, after.share / before.share);
     }
     return true;
 }

@@ -49,6 +49,45 @@ static void fill_traction(lac_problem *problem, double share)
     problem->sum_traction0 = lac_problem_sum(problem->n, problem->traction0);
 }
 
+// Without direct effect and damping the traction says nothing of the rate.
+static lac_status check_solvable(const lac_problem *problem, lac_error *err)
+{
+    const double *a = problem->friction->column[LAC_A];
+    for (size_t i = 0; problem->kind->either_sign && i < problem->n; i++) {
+        if (!(a[i] > 0.0) && !(problem->damping > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "a = %g of cell %zu without radiation damping: the formulation "
+                            "\"%s\" cannot tell its slip rate from its traction; a must be > 0, "
+                            "or give material.shear_modulus and shear_speed",
+                            a[i], i, problem->kind->name);
+        }
+    }
+    return LAC_OK;
+}
+
+// How much traction a metre of slip takes off a cell whose neighbours slip the other way.
+static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *slip = malloc((2 * n + transfer->kind->work(transfer->state)) * sizeof *slip);
+    if (slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = i % 2 == 0 ? 1.0 : -1.0;
+    }
+    transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
+    double squares = 0.0;
+    for (size_t i = n; i < 2 * n; i++) {
+        squares += slip[i] * slip[i];
+    }
+    problem->stiffness =
+        sqrt(squares / (double)n) + problem->spring_share * problem->at_start.spring_stiffness;
+    free(slip);
+    return LAC_OK;
+}
+
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
@@ -76,9 +115,11 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
     problem->damping = def->damping;
+    problem->kind = lac_formulation_kind_of(def->formulation);
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
+    LAC_TRY(check_solvable(problem, err));
     LAC_TRY(allocate(problem, def, err));
     lac_drive drive;
     if (!lac_problem_drive(problem, 0.0, &drive)) {
@@ -88,6 +129,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
         goto out;
     }
     fill_traction(problem, drive.share);
+    if (problem->kind->has_slip) {
+        LAC_TRY(measure_stiffness(problem, err));
+    }
     *out = problem;
     problem = NULL;
 out:
@@ -108,14 +152,15 @@ void lac_problem_free(lac_problem *problem)
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
 
-size_t lac_problem_work(const lac_problem *problem)
-{
-    return 3 * problem->n + problem->transfer.kind->work(problem->transfer.state);
-}
+lac_formulation lac_problem_formulation(const lac_problem *problem) { return problem->kind->id; }
+
+const char *lac_problem_unknown(const lac_problem *problem) { return problem->kind->unknown; }
+
+bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
 
 void lac_problem_initial(const lac_problem *problem, double *y)
 {
-    memcpy(y, problem->log_rate0, problem->n * sizeof *y);
+    problem->kind->start(problem, y);
     memcpy(y + problem->n, problem->log_state0, problem->n * sizeof *y);
 }
 

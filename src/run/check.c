@@ -4,16 +4,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, lac_error *err)
+lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
+                              lac_error *err)
 {
     size_t cell;
-    if (lac_problem_slips(problem, y, &cell)) {
+    if (lac_problem_slips(problem, t, y, &cell, work)) {
         return LAC_OK;
     }
+    bool log_rate = lac_problem_formulation(problem) == LAC_FORMULATION_RATE;
     return lac_fail(err, LAC_ENUMERIC,
                     "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
-                    "takes it away or reverses it cannot be followed with ln v as unknown",
-                    cell, t);
+                    "takes it away or reverses it %s; solver.formulation traction or slip with the "
+                    "friction law's form regularised follows it",
+                    cell, t,
+                    log_rate ? "cannot be followed with ln v as unknown"
+                             : "is beyond the plain form of friction, which is infinite at rest");
 }
 
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
@@ -43,7 +48,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, c
 {
     double mean;
     double max;
-    lac_problem_speed(problem, y, &mean, &max, work);
+    lac_problem_speed(problem, 0.0, y, &mean, &max, work);
     if (mean >= def->failure_rate) {
         return lac_fail(err, LAC_EINPUT,
                         "the mean slip rate at the start, %g m/s, is not below that of failure, "
@@ -56,7 +61,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, c
                         "at, %g m/s",
                         max, def->stop_rate);
     }
-    return lac_check_slipping(problem, y, 0.0, err);
+    return lac_check_slipping(problem, y, 0.0, work, err);
 }
 
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err)
@@ -66,7 +71,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
         return status;
     }
     size_t unknowns = 2 * lac_problem_cells(problem);
-    double *y = malloc((unknowns + lac_problem_work(problem)) * sizeof *y);
+    double *y = calloc(unknowns + lac_problem_work(problem), sizeof *y);
     if (y == NULL) {
         return lac_fail_memory(err);
     }

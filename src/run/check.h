@@ -11,8 +11,8 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err);
 lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
                            double *work, lac_error *err);
 
-// Slip that stops or turns back at time t cannot be followed in ln v.
-lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t,
+// Slip that stops or turns back at time t must be one that the formulation can follow.
+lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err);
 
 #endif

@@ -18,7 +18,7 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
     engine->def = def;
     engine->limit = INFINITY;
     engine->n = lac_problem_cells(problem);
-    engine->work = malloc(lac_problem_work(problem) * sizeof *engine->work);
+    engine->work = calloc(lac_problem_work(problem), sizeof *engine->work);
     if (engine->work == NULL) {
         status = lac_fail_memory(err);
         goto out;
@@ -47,6 +47,12 @@ void lac_engine_free(lac_engine *engine)
     }
     free(engine->work);
     free(engine);
+}
+
+lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
+{
+    lac_problem_forget(engine->problem, engine->work);
+    return engine->kind->restart(engine, h, err);
 }
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)

@@ -18,7 +18,7 @@ typedef struct lac_engine {
     double step;           // length of the last step [s]
     int64_t order;         // of the last step
     double *y;             // [2n] state at the time reached
-    double *slip;          // [n] slip at the time reached [m]
+    double *slip;          // [n] slip at the time reached [m]; part of y where slip is an unknown
     double *work;          // lac_problem_work
     lac_run_result counts; // only the counters are kept here
     SUNContext sun;
@@ -46,6 +46,9 @@ extern const lac_engine_kind lac_engine_erk;
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err);
 void lac_engine_free(lac_engine *engine);
+
+// Begins anew as the kind does, from y and slip alone: nothing of the way there carries over.
+lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err);
 
 // The loads' time at an integrator's time: within a segment they are seen from below its end.
 static inline double lac_engine_clock(const lac_engine *engine, double t)

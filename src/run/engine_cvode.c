@@ -29,17 +29,16 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
 {
     lac_engine *engine = user;
-    (void)t;
-    lac_problem_rates(engine->problem, lac_vector_data(y), lac_vector_data(v));
+    lac_problem_rates(engine->problem, lac_engine_clock(engine, t), lac_vector_data(y),
+                      lac_vector_data(v), engine->work);
     return 0;
 }
 
-// Both unknowns are logarithms: one absolute tolerance is a relative one on v and theta.
+// An error of rtol in each unknown is worth as much of v and theta.
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
-    (void)y;
-    N_VConst(1.0 / engine->def->rtol, w);
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, lac_vector_data(w));
     return 0;
 }
 
@@ -125,8 +124,13 @@ static int set_options(lac_engine *engine, cvode *c)
 {
     int flag = CVodeSetUserData(c->mem, engine);
     flag |= CVodeWFtolerances(c->mem, weights);
-    flag |= CVodeQuadInit(c->mem, slip_rates, c->slip);
-    flag |= CVodeSetQuadErrCon(c->mem, SUNFALSE);
+    if (c->slip != NULL) {
+        flag |= CVodeQuadInit(c->mem, slip_rates, c->slip);
+        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
+                                                 lac_vector_data(c->scratch_slip));
+        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
+        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, c->scratch_slip) : CV_SUCCESS;
+    }
     flag |= CVodeSetMaxNumSteps(c->mem, -1);
     flag |= CVodeSetMaxHnilWarns(c->mem, -1);
     flag |= CVodeSetMaxErrTestFails(c->mem, 20);
@@ -140,16 +144,21 @@ static int set_options(lac_engine *engine, cvode *c)
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
     c->y = lac_vector_create(2 * engine->n, engine->sun);
-    c->slip = lac_vector_create(engine->n, engine->sun);
-    if (c->y == NULL || c->slip == NULL) {
-        return lac_fail_memory(err);
-    }
-    c->scratch_y = N_VClone(c->y);
-    c->scratch_slip = N_VClone(c->slip);
-    if (c->scratch_y == NULL || c->scratch_slip == NULL) {
+    c->scratch_y = c->y == NULL ? NULL : N_VClone(c->y);
+    if (c->scratch_y == NULL) {
         return lac_fail_memory(err);
     }
     engine->y = lac_vector_data(c->y);
+    if (lac_problem_has_slip(engine->problem)) {
+        engine->slip = engine->y;
+        return LAC_OK;
+    }
+    c->slip = lac_vector_create(engine->n, engine->sun);
+    c->scratch_slip = c->slip == NULL ? NULL : N_VClone(c->slip);
+    if (c->scratch_slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    N_VConst(0.0, c->slip);
     engine->slip = lac_vector_data(c->slip);
     return LAC_OK;
 }
@@ -164,7 +173,6 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
     engine->inner = c;
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
-    N_VConst(0.0, c->slip);
 
     c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
     if (c->mem == NULL) {
@@ -205,7 +213,7 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
                       counts->error_test_fails, counts->nonlinear_fails};
     memcpy(c->before, now, sizeof now);
     if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
-        CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS ||
+        (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
         CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
@@ -237,7 +245,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu", worst < engine->n ? "ln v" : "ln theta",
+                       "; worst unknown: %s of cell %zu",
+                       worst < engine->n ? lac_problem_unknown(engine->problem) : "ln theta",
                        worst % engine->n);
     }
     return status;
@@ -261,6 +270,9 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     engine->t = flag == CV_TSTOP_RETURN ? stop : t;
     engine->step = h;
     engine->order = order;
+    if (c->slip == NULL) {
+        return LAC_OK;
+    }
     sunrealtype at;
     return CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS
                ? LAC_OK
@@ -270,13 +282,17 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
 static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
 {
     cvode *c = engine->inner;
-    if (y != NULL) {
-        if (CVodeGetDky(c->mem, t, 0, c->scratch_y) != CV_SUCCESS) {
-            return false;
-        }
-        memcpy(y, lac_vector_data(c->scratch_y), 2 * engine->n * sizeof *y);
+    bool slip_in_y = c->slip == NULL;
+    const double *found = lac_vector_data(c->scratch_y);
+    if ((y != NULL || slip_in_y) && CVodeGetDky(c->mem, t, 0, c->scratch_y) != CV_SUCCESS) {
+        return false;
     }
-    if (slip != NULL) {
+    if (y != NULL) {
+        memcpy(y, found, 2 * engine->n * sizeof *y);
+    }
+    if (slip != NULL && slip_in_y) {
+        memcpy(slip, found, engine->n * sizeof *slip);
+    } else if (slip != NULL) {
         if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
             return false;
         }

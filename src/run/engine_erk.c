@@ -6,12 +6,15 @@
 
 #include "run/engine.h"
 
-// Dormand-Prince 5(4) on (ln v, ln theta, slip). ERKStep 6.4 takes a right-hand side that fails
-// as fatal; the step is then tried again from the last good state with a shorter one.
+// Dormand-Prince 5(4) on the two unknowns of each cell and, where it is none of them, slip.
+// ERKStep 6.4 takes a right-hand side that fails as fatal; the step is then tried again from the
+// last good state with a shorter one.
 typedef struct erk {
     void *mem;
     N_Vector y, scratch;
-    double *saved; // [3n]
+    size_t size;   // of y: 3n, or 2n where slip is an unknown
+    double *saved; // [size]
+    double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
     int64_t before[3];
 } erk;
@@ -24,22 +27,26 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     size_t n = engine->n;
     bool good =
         lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, engine->work);
-    lac_problem_rates(engine->problem, at, dot + 2 * n);
+    if (!lac_problem_has_slip(engine->problem)) {
+        memcpy(dot + 2 * n, engine->work, n * sizeof *dot);
+    }
     return good ? 0 : 1;
 }
 
-// Slip takes no part in the error control: it follows from v.
+// Slip beside y takes no part in the error control where y is ln v: it follows from v.
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
     double *weight = lac_vector_data(w);
     size_t n = engine->n;
-    (void)y;
-    for (size_t i = 0; i < 2 * n; i++) {
-        weight[i] = 1.0 / engine->def->rtol;
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, weight);
+    if (lac_problem_has_slip(engine->problem)) {
+        return 0;
     }
-    for (size_t i = 2 * n; i < 3 * n; i++) {
-        weight[i] = 1e-200;
+    double *slip = weight + 2 * n;
+    bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol, slip);
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = counts ? 1.0 / slip[i] : 1e-200;
     }
     return 0;
 }
@@ -60,21 +67,25 @@ static void erk_free(lac_engine *engine)
         N_VDestroy(c->scratch);
     }
     free(c->saved);
+    free(c->aside);
     free(c);
     engine->inner = NULL;
 }
 
 static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
-    c->y = lac_vector_create(3 * engine->n, engine->sun);
+    bool slip_in_y = lac_problem_has_slip(engine->problem);
+    c->size = (slip_in_y ? 2 : 3) * engine->n;
+    c->y = lac_vector_create(c->size, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
-    c->saved = malloc(3 * engine->n * sizeof *c->saved);
-    if (c->scratch == NULL || c->saved == NULL) {
+    c->saved = malloc(c->size * sizeof *c->saved);
+    c->aside = calloc(lac_problem_work(engine->problem), sizeof *c->aside);
+    if (c->scratch == NULL || c->saved == NULL || c->aside == NULL) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->y);
     engine->y = lac_vector_data(c->y);
-    engine->slip = engine->y + 2 * engine->n;
+    engine->slip = slip_in_y ? engine->y : engine->y + 2 * engine->n;
     return LAC_OK;
 }
 
@@ -165,7 +176,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 {
     erk *c = engine->inner;
     double *data = lac_vector_data(c->y);
-    size_t bytes = 3 * engine->n * sizeof *data;
+    size_t bytes = c->size * sizeof *data;
     memcpy(c->saved, data, bytes);
     double h = c->first > 0.0 ? c->first : engine->step;
 
@@ -201,7 +212,13 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
 {
     erk *c = engine->inner;
-    if (ERKStepGetDky(c->mem, t, 0, c->scratch) != ARK_SUCCESS) {
+    // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
+    // behind.
+    double *work = engine->work;
+    engine->work = c->aside;
+    int flag = ERKStepGetDky(c->mem, t, 0, c->scratch);
+    engine->work = work;
+    if (flag != ARK_SUCCESS) {
         return false;
     }
     const double *data = lac_vector_data(c->scratch);
@@ -209,7 +226,8 @@ static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
         memcpy(y, data, 2 * engine->n * sizeof *y);
     }
     if (slip != NULL) {
-        memcpy(slip, data + 2 * engine->n, engine->n * sizeof *slip);
+        size_t first = (size_t)(engine->slip - engine->y);
+        memcpy(slip, data + first, engine->n * sizeof *slip);
     }
     return true;
 }

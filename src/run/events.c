@@ -8,14 +8,14 @@
 // How far a state is past a limit: < 0 before it. Rates on a logarithmic scale, where they are
 // smooth.
 static double past(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
-                   const double *y, const double *slip)
+                   double t, const double *y, const double *slip)
 {
     double mean;
     double max;
     if (kind == LAC_CROSSING_SLIP) {
         return lac_engine_mean_slip(engine, slip) - def->stop_slip;
     }
-    lac_problem_speed(engine->problem, y, &mean, &max, engine->work);
+    lac_problem_speed(engine->problem, lac_engine_clock(engine, t), y, &mean, &max, engine->work);
     return kind == LAC_CROSSING_FAILURE ? log(mean / def->failure_rate) : log(max / def->stop_rate);
 }
 
@@ -32,7 +32,7 @@ static bool look(probe *p, double t, double *value)
     if (!p->engine->kind->at(p->engine, t, p->y, p->slip)) {
         return false;
     }
-    *value = past(p->engine, p->def, p->kind, p->y, p->slip);
+    *value = past(p->engine, p->def, p->kind, t, p->y, p->slip);
     return true;
 }
 
@@ -80,11 +80,13 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
 {
     switch (kind) {
     case LAC_CROSSING_FAILURE:
-        return mean_before < def->failure_rate && past(engine, def, kind, engine->y, NULL) >= 0.0;
+        return mean_before < def->failure_rate &&
+               past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_RATE:
-        return !isnan(def->stop_rate) && past(engine, def, kind, engine->y, NULL) >= 0.0;
+        return !isnan(def->stop_rate) && past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_SLIP:
-        return !isnan(def->stop_slip) && past(engine, def, kind, NULL, engine->slip) >= 0.0;
+        return !isnan(def->stop_slip) &&
+               past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
     case LAC_CROSSING_NONE:
         break;
     }

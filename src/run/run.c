@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "run/cadence.h"
 #include "run/check.h"
@@ -26,6 +27,7 @@ typedef struct run {
     instant last_record, last_snapshot, looked;
     double *between; // [3n] state and slip within a step, where records fall there; or NULL
     double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
+    double *onto;    // [3n] state and slip on the balance, where projection is asked for; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
     lac_end end;
@@ -47,6 +49,18 @@ lac_run_def lac_run_default(void)
                          .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
 }
 
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form)
+{
+    if (asked != LAC_FORMULATION_AUTO) {
+        return (lac_formulation)asked;
+    }
+    if (method == LAC_ADAMS) {
+        return LAC_FORMULATION_SLIP;
+    }
+    bool forwards = form == LAC_FORM_PLAIN;
+    return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}
+
 // Whether a time is later than the last one put out, which it then becomes.
 static bool moves_on(instant *last, double origin, double local)
 {
@@ -57,6 +71,22 @@ static bool moves_on(instant *last, double origin, double local)
     return true;
 }
 
+// What is put out of a state: itself, or its projection onto the balance.
+static void project(run *r, double t, const double **y, const double **slip)
+{
+    size_t n = r->engine->n;
+    if (r->onto == NULL) {
+        return;
+    }
+    memcpy(r->onto, *y, 2 * n * sizeof **y);
+    memcpy(r->onto + 2 * n, *slip, n * sizeof **slip);
+    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + 2 * n,
+                            r->engine->work)) {
+        *y = r->onto;
+        *slip = r->onto + 2 * n;
+    }
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
@@ -65,6 +95,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
     if (!moves_on(&r->last_record, engine->origin, local)) {
         return LAC_OK;
     }
+    project(r, t, &y, &slip);
     engine->kind->count(engine);
     lac_record line = {.time_origin = engine->origin,
                        .time_local = local,
@@ -94,12 +125,13 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         r->sink->snapshot == NULL) {
         return LAC_OK;
     }
-    lac_problem_rates(r->problem, y, v);
+    project(r, t, &y, &slip);
+    double now = lac_engine_clock(r->engine, t);
+    lac_problem_rates(r->problem, now, y, v, r->engine->work);
     for (size_t i = 0; i < n; i++) {
         theta[i] = exp(y[n + i]);
     }
-    lac_problem_traction(r->problem, lac_engine_clock(r->engine, t), slip, traction,
-                         r->engine->work);
+    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
@@ -178,7 +210,22 @@ static void move_origin(lac_engine *engine)
 static lac_status restart(run *r, double h, lac_error *err)
 {
     r->result->restarts++;
-    return r->engine->kind->restart(r->engine, h, err);
+    return lac_engine_restart(r->engine, h, err);
+}
+
+// Mean and largest slip rate at the time reached.
+static void measure_speed(run *r)
+{
+    lac_engine *engine = r->engine;
+    lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
+                      &r->max_rate, engine->work);
+}
+
+// A first step that suits the problem.
+static double own_step(lac_engine *engine)
+{
+    return lac_problem_first_step(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
+                                  engine->work);
 }
 
 // Takes the state across a jump or bend of the loads. A jump can be the failure itself.
@@ -202,7 +249,7 @@ static lac_status cross_break(run *r, lac_error *err)
         return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load that jumps at t = %g s",
                         t);
     }
-    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+    measure_speed(r);
     bool failed = mean_before < def->failure_rate && r->mean_rate >= def->failure_rate;
     if (failed || r->max_rate >= def->stop_rate) {
         r->done = true;
@@ -221,7 +268,7 @@ static lac_status look_for_end(run *r, double mean_before, lac_error *err)
         return status;
     }
     if (crossing != LAC_CROSSING_NONE) {
-        lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+        measure_speed(r);
         r->done = true;
         r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
     } else if (engine->t >= lac_engine_inner(engine, r->def->end)) {
@@ -242,8 +289,9 @@ static lac_status step(run *r, lac_error *err)
     double stop = fmin(r->def->end, r->next_break);
     double mean_before = r->mean_rate;
     LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
-    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
-    LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_time(engine), err));
+    measure_speed(r);
+    LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
+                               engine->work, err));
     LAC_TRY(look_for_end(r, mean_before, err));
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
@@ -265,7 +313,7 @@ static lac_status go_on(run *r, lac_error *err)
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
     if (r->broken) {
         r->broken = false;
-        return restart(r, lac_problem_first_step(r->problem, engine->y), err);
+        return restart(r, own_step(engine), err);
     }
     if (engine->step < digits * engine->t) {
         move_origin(engine);
@@ -301,13 +349,13 @@ static void report_progress(const run *r)
 static lac_status check_advance(run *r, int64_t steps, lac_error *err)
 {
     const int64_t window = 1000;
-    const lac_engine *engine = r->engine;
+    lac_engine *engine = r->engine;
     if (steps % window != 0) {
         return LAC_OK;
     }
     double advanced =
         (engine->origin - r->looked.origin) + (engine->base + engine->t - r->looked.local);
-    bool stalled = r->looked.set && advanced < 1e-9 * lac_problem_first_step(r->problem, engine->y);
+    bool stalled = r->looked.set && advanced < 1e-9 * own_step(engine);
     r->looked = (instant){.set = true, .origin = engine->origin, .local = engine->base + engine->t};
     if (!stalled) {
         return LAC_OK;
@@ -346,7 +394,11 @@ static lac_status allocate_output(run *r, lac_error *err)
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
     r->fields = r->def->snapshots ? malloc(bytes) : NULL;
-    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL)) {
+    // Where slip is the unknown the balance holds as it is.
+    bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
+    r->onto = drifts ? malloc(bytes) : NULL;
+    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL) ||
+        (drifts && r->onto == NULL)) {
         return lac_fail_memory(err);
     }
     return LAC_OK;
@@ -359,7 +411,7 @@ static lac_status begin(run *r, lac_error *err)
     const lac_run_def *def = r->def;
     lac_status status = LAC_OK;
     LAC_TRY(allocate_output(r, err));
-    lac_problem_speed(r->problem, engine->y, &r->mean_rate, &r->max_rate, engine->work);
+    measure_speed(r);
     LAC_TRY(lac_check_start(r->problem, def, engine->y, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
@@ -371,9 +423,9 @@ static lac_status begin(run *r, lac_error *err)
     r->next_break = lac_problem_next_break(r->problem, 0.0);
     engine->limit = nextafter(r->next_break, -INFINITY);
     // A first step longer than an e-fold of the fastest cell could leap over its failure.
-    double h = lac_problem_first_step(r->problem, engine->y);
+    double h = own_step(engine);
     h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
-    status = engine->kind->restart(engine, fmin(h, 0.5 * fmin(def->end, r->next_break)), err);
+    status = lac_engine_restart(engine, fmin(h, 0.5 * fmin(def->end, r->next_break)), err);
 out:
     return status;
 }
@@ -417,6 +469,7 @@ out:
     }
     free(r.between);
     free(r.fields);
+    free(r.onto);
     lac_engine_free(r.engine);
     return status;
 }

@@ -106,7 +106,8 @@ static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, 
                            .loads = scene->loads,
                            .damping = scene->damping,
                            .log_rate = start,
-                           .log_state = start + domain->n};
+                           .log_state = start + domain->n,
+                           .formulation = (lac_formulation)c->formulation};
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
 out:
     free(start);

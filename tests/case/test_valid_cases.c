@@ -90,6 +90,7 @@ static void the_example_reads_in_si(void **state)
     is_nearly(c->run.end, 200 * 86400.0);
     assert_true(c->run.failure_rate == 1.0 && isnan(c->run.stop_slip) && isnan(c->run.stop_rate));
     assert_true(c->run.method == LAC_BDF && c->run.rtol == 1e-6 && c->run.max_steps == 10000000);
+    assert_true(c->formulation == LAC_FORMULATION_RATE && c->run.projection == 0);
     assert_true(c->run.record.steps == 1 && isnan(c->run.record.time));
     assert_true(c->fields == 0 && !c->run.snapshots && c->compression == 1);
     assert_string_equal(c->output_file, "out.nc");
@@ -125,6 +126,7 @@ static void every_key_reads(void **state)
     is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
     is_nearly(c->run.stop_rate, 3.0);
     assert_true(c->run.method == LAC_ERK && c->run.max_order == 8 && c->run.max_steps == 1000000);
+    assert_true(c->formulation == LAC_FORMULATION_SLIP && c->run.projection == 1);
     is_nearly(c->run.record.time, 3600.0);
     assert_true(c->run.record.steps == 100 && c->run.record.per_decade == 20.0);
     assert_true(c->run.snapshots && c->fields == (LAC_FIELD_SLIP | LAC_FIELD_TRACTION));

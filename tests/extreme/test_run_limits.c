@@ -30,13 +30,13 @@ static lac_status run(const block_def *def, const lac_run_def *how, const lac_si
 // The last record stands on the limit, whatever the step that crossed it.
 static void a_run_ends_on_its_limit(void **state)
 {
-    (void)state;
     for (uint64_t i = 0; i < 300; i++) {
         double random[3];
         for (uint64_t k = 0; k < 3; k++) {
             random[k] = lac_random_uniform(3, LAC_STREAM_TEST, i, k);
         }
         block_def def = block_default(1.2 + random[0], 0.1 + 0.8 * random[1]);
+        def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.method = methods[i % 3];
         how.rtol = pow(10.0, -2.0 - 3.0 * random[2]);
@@ -57,9 +57,9 @@ static void a_run_ends_on_its_limit(void **state)
 // Steady creep crosses a slip limit in the midst of an enormous step.
 static void a_limit_on_slip_is_met(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < 3; i++) {
         block_def def = block_default(0.5, 1.0);
+        def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.method = methods[i];
         how.end = 1e9;
@@ -96,12 +96,12 @@ static const lac_load_kind jump_kind = {
 // A jump that lifts the slip rate over the limit is the failure; the record shows it.
 static void a_jump_can_be_the_failure(void **state)
 {
-    (void)state;
     const double m[] = {0.5, 1.5};
     for (size_t i = 0; i < 6; i++) {
         jump j = {.time = 2.0, .size = 0.3};
         lac_slot slot = {.about = &jump_kind.about, .params = &j};
         block_def def = block_default(m[i % 2], 1.1);
+        def.formulation = chosen(state);
         def.shear = &slot;
         def.shear_count = 1;
         lac_run_def how = lac_run_default();
@@ -130,6 +130,7 @@ static void a_reversed_load_is_refused(void **state)
             lac_slot slot = test_slot_shear("ramp");
             test_slot_set(&slot, "rate", -1e3);
             block_def def = block_default(1.5, 1.1);
+            def.formulation = LAC_FORMULATION_RATE;
             def.form = form;
             def.shear = &slot;
             def.shear_count = 1;
@@ -151,8 +152,8 @@ static void a_reversed_load_is_refused(void **state)
 // What a run cannot start from is the request's fault.
 static void a_start_beyond_a_limit_is_refused(void **state)
 {
-    (void)state;
     block_def def = block_default(1.5, 0.9);
+    def.formulation = chosen(state);
     lac_run_result result;
     lac_error err;
     lac_run_def how = lac_run_default();
@@ -188,8 +189,8 @@ static lac_status count_snapshot(void *context, const lac_snapshot *snapshot, la
 // Snapshots by time come once each, the end included.
 static void snapshots_come_once(void **state)
 {
-    (void)state;
     block_def def = block_default(0.5, 1.0);
+    def.formulation = chosen(state);
     lac_run_def how = lac_run_default();
     how.end = 10.0;
     how.failure_rate = 1e3;
@@ -213,8 +214,8 @@ static bool at_once(void *context)
 // Millions of records within one step do not keep an interrupt waiting.
 static void an_interrupt_is_heard_between_records(void **state)
 {
-    (void)state;
     block_def def = block_default(0.5, 1.0);
+    def.formulation = chosen(state);
     lac_run_def how = lac_run_default();
     how.end = 1e9;
     how.failure_rate = 1e3;
@@ -233,9 +234,9 @@ static void an_interrupt_is_heard_between_records(void **state)
 // A first step far beyond the failure does not leap over it.
 static void a_huge_first_step_is_cut(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < 3; i++) {
         block_def def = block_default(1.5, 0.5);
+        def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.method = methods[i];
         how.end = 1e12;
@@ -251,14 +252,14 @@ static void a_huge_first_step_is_cut(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_run_ends_on_its_limit),
-        cmocka_unit_test(a_limit_on_slip_is_met),
-        cmocka_unit_test(a_jump_can_be_the_failure),
+        FOR_EACH_FORMULATION(a_run_ends_on_its_limit),
+        FOR_EACH_FORMULATION(a_limit_on_slip_is_met),
+        FOR_EACH_FORMULATION(a_jump_can_be_the_failure),
         cmocka_unit_test(a_reversed_load_is_refused),
-        cmocka_unit_test(a_start_beyond_a_limit_is_refused),
-        cmocka_unit_test(snapshots_come_once),
-        cmocka_unit_test(an_interrupt_is_heard_between_records),
-        cmocka_unit_test(a_huge_first_step_is_cut),
+        FOR_EACH_FORMULATION(a_start_beyond_a_limit_is_refused),
+        FOR_EACH_FORMULATION(snapshots_come_once),
+        FOR_EACH_FORMULATION(an_interrupt_is_heard_between_records),
+        FOR_EACH_FORMULATION(a_huge_first_step_is_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -257,6 +257,43 @@ out:
     return status;
 }
 
+static const char pulled[] = "lacuna: 1\n"
+                             "interface: {size: 1, levels: 1, domain: {full: {}}}\n"
+                             "load: {normal: {pressure: 1e6}}\n"
+                             "friction: {aging: {a: 0.01, b: 0.015, dc: 0.001}}\n"
+                             "initial: {slip_rate: 1e-6, state: {ratio_to_steady: 0.5}}\n"
+                             "transfer: {hierarchy: {k0: 1e9}}\n"
+                             "time: {end: 10}\n";
+
+// A run of each formulation and method that the others leave out.
+static lac_status whole_formulations(const char *path, lac_error *err)
+{
+    static const int choices[][2] = {{LAC_FORMULATION_SLIP, LAC_ERK},
+                                     {LAC_FORMULATION_SLIP, LAC_BDF},
+                                     {LAC_FORMULATION_TRACTION, LAC_ADAMS}};
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_case_report report = {0};
+    lac_run_result result;
+    (void)path;
+    LAC_TRY(lac_case_read_text("case.yaml", pulled, sizeof pulled - 1, NULL, &c, &report, err));
+    c->run.projection = 1;
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        c->formulation = choices[i][0];
+        c->run.method = (lac_method)choices[i][1];
+        LAC_TRY(lac_scene_create(c, &scene, err));
+        LAC_TRY(lac_run(scene->problem, &c->run, NULL, &result, err));
+        lac_scene_free(scene);
+        scene = NULL;
+    }
+out:
+    lac_scene_free(scene);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 // A file's cells, and the cascade on them.
 static lac_status whole_stored_cascade(const char *path, lac_error *err)
 {
@@ -383,6 +420,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_shear, false);
     every_allocation_fails(whole_history, false);
     every_allocation_fails(whole_cascade, false);
+    every_allocation_fails(whole_formulations, false);
     every_allocation_fails(whole_stored_cascade, false);
     every_allocation_fails(whole_dimension, false);
     every_allocation_fails(whole_loads, false);
@@ -395,6 +433,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_shear, true);
     every_allocation_fails(whole_history, true);
     every_allocation_fails(whole_cascade, true);
+    every_allocation_fails(whole_formulations, true);
     every_allocation_fails(whole_stored_cascade, true);
     every_allocation_fails(whole_dimension, true);
     every_allocation_fails(whole_loads, true);

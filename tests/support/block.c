@@ -16,6 +16,9 @@ static void must(lac_status status, const lac_error *err)
     }
 }
 
+lac_formulation block_formulations[3] = {LAC_FORMULATION_RATE, LAC_FORMULATION_TRACTION,
+                                         LAC_FORMULATION_SLIP};
+
 block_def block_default(double m, double x)
 {
     return (block_def){.law = "aging",
@@ -89,7 +92,8 @@ void block_create(const block_def *def, block *out)
                                .loads = out->loads,
                                .damping = def->damping,
                                .log_rate = &u,
-                               .log_state = &w};
+                               .log_state = &w,
+                               .formulation = def->formulation};
     must(lac_problem_create(&problem, &out->problem, &err), &err);
 }
 

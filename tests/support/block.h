@@ -14,6 +14,7 @@ typedef struct block_def {
     double slip_rate; // at the start
     double x;         // theta/theta_ss under the load that follows
     double theta;     // instead of x [s]; 0: x counts
+    lac_formulation formulation;
     const lac_slot *shear;
     size_t shear_count;
     const lac_slot *pore;
@@ -34,6 +35,18 @@ block_def block_default(double m, double x);
 
 void block_create(const block_def *def, block *out);
 void block_clear(block *b);
+
+// The formulations, and cmocka's entries of a test for each: *state points to the one it is to use.
+extern lac_formulation block_formulations[3];
+#define FOR_EACH_FORMULATION(test)                                      \
+    {#test ": rate", test, NULL, NULL, &block_formulations[0]},         \
+        {#test ": traction", test, NULL, NULL, &block_formulations[1]}, \
+    {                                                                   \
+#test ": slip", test, NULL, NULL, &block_formulations[2]        \
+    }
+
+// The one that a test is to use.
+static inline lac_formulation chosen(void **state) { return *(const lac_formulation *)*state; }
 
 // theta_ss and v* under the load that the start fixes.
 double block_steady_state(const block_def *def);

@@ -145,7 +145,8 @@ void tree_create(const tree_def *def, tree *out)
                                .loads = def->loads,
                                .damping = def->damping,
                                .log_rate = start,
-                               .log_state = start + n};
+                               .log_state = start + n,
+                               .formulation = def->formulation};
     must(lac_problem_create(&problem, &out->problem, &err) == LAC_OK, err.message);
     free(start);
 }

@@ -20,6 +20,7 @@ typedef struct tree_def {
     double slip_rate; // ln v uniform within +-1 of it
     double state;     // theta [s]
     lac_load_set loads;
+    lac_formulation formulation;
 } tree_def;
 
 typedef struct tree {

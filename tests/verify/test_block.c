@@ -74,7 +74,6 @@ static void quadrature_meets_the_published_numbers(void **state)
 // O3: the time of failure, and how its error falls with the tolerance.
 static void time_of_failure(void **state)
 {
-    (void)state;
     const double cases[][2] = {{1.35, 0.5}, {1.2, 0.9}, {1.35, 0.999}, {2.0, 0.9}, {3.0, 0.9}};
     const double rate = 1e9;
     printf("relative error of the time of failure (BDF)\n  m     x      ");
@@ -84,6 +83,7 @@ static void time_of_failure(void **state)
     printf("\n");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         block_def def = block_default(cases[i][0], cases[i][1]);
+        def.formulation = chosen(state);
         double exact = time_to_rate(&def, rate);
         double error[11];
         printf("  %-5g %-5g", cases[i][0], cases[i][1]);
@@ -107,8 +107,8 @@ static void time_of_failure(void **state)
 // O1: slip as a function of state; O2: rate alone, both along the whole run.
 static void slip_and_rate_along_the_run(void **state)
 {
-    (void)state;
     block_def def = block_default(1.5, 0.8);
+    def.formulation = chosen(state);
     double m = 1.5;
     double v_star = block_steady_rate(&def);
     history h = {0};
@@ -129,8 +129,8 @@ static void slip_and_rate_along_the_run(void **state)
 // O4: m = 2 has x(T) in closed form with Lambert's W.
 static void lambert(void **state)
 {
-    (void)state;
     block_def def = block_default(2.0, 0.9);
+    def.formulation = chosen(state);
     lac_run_def how = to_failure(1e-10, 1e12);
     how.end = 1.3;
     history h = {0};
@@ -147,9 +147,9 @@ static void lambert(void **state)
 // O6: v (tc - t) m/dc -> 1, from above by x^(m-1) alpha/(alpha+1).
 static void approach_to_failure(void **state)
 {
-    (void)state;
     double m = 2.0;
     block_def def = block_default(m, 0.5);
+    def.formulation = chosen(state);
     double tc = block_steady_state(&def) * aging_time(m, 0.5, 1e-40);
     lac_run_def how = to_failure(1e-11, 1e7);
     history h = {0};
@@ -172,8 +172,8 @@ static void approach_to_failure(void **state)
 // O7: m > 1, x > 1 relaxes as a power law with finite slip.
 static void relaxation(void **state)
 {
-    (void)state;
     block_def def = block_default(1.5, 1.2);
+    def.formulation = chosen(state);
     lac_run_def how = lac_run_default();
     how.rtol = 1e-10;
     how.end = 1e14;
@@ -192,11 +192,11 @@ static void relaxation(void **state)
 // O8: m < 1 goes to steady sliding exponentially, from either side.
 static void approach_to_steady_sliding(void **state)
 {
-    (void)state;
     const double starts[] = {0.5, 2.0};
     for (size_t s = 0; s < 2; s++) {
         double m = 0.6;
         block_def def = block_default(m, starts[s]);
+        def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.rtol = 1e-11;
         how.end = 25.0;
@@ -221,11 +221,11 @@ static void approach_to_steady_sliding(void **state)
 // The four quadrants: only m > 1 with x < 1 fails.
 static void quadrants(void **state)
 {
-    (void)state;
     const double m[] = {0.7, 0.7, 1.4, 1.4};
     const double x[] = {0.6, 1.5, 0.6, 1.5};
     for (size_t i = 0; i < 4; i++) {
         block_def def = block_default(m[i], x[i]);
+        def.formulation = chosen(state);
         lac_run_def how = to_failure(1e-8, 1e6);
         how.end = 1e4;
         history h = {0};
@@ -269,7 +269,8 @@ static double driven_ratio(double t) { return 0.01 * log(drive(t)); }
 static double driven_rate(double t) { return 0.01 * 0.3 * cos(t) / drive(t); }
 
 // A block with m = 1 and dc = v0 = 1 that starts with theta = 2 under S = drive: v = S/theta.
-static void create_driven(const lac_slot *slot, double start_drive, block *b)
+static void create_driven(const lac_slot *slot, double start_drive, lac_formulation formulation,
+                          block *b)
 {
     block_def def = block_default(1.0, 1.0);
     lac_error err;
@@ -283,20 +284,20 @@ static void create_driven(const lac_slot *slot, double start_drive, block *b)
                                .transfer = &b->transfer,
                                .loads = b->loads,
                                .log_rate = &u,
-                               .log_state = &w};
+                               .log_state = &w,
+                               .formulation = formulation};
     assert_int_equal(lac_problem_create(&problem, &b->problem, &err), LAC_OK);
 }
 
 // O9: m = 1 under any drive S(t): theta = theta_i + t - integral of S.
 static void driven_block(void **state)
 {
-    (void)state;
     callback c = {driven_ratio, driven_rate, INFINITY};
     lac_slot slot = {.about = &callback_kind.about, .params = &c};
     block b;
     lac_error err;
     lac_run_result result;
-    create_driven(&slot, drive(0.0), &b);
+    create_driven(&slot, drive(0.0), chosen(state), &b);
     history h = {0};
     lac_sink sink = history_sink(&h);
     lac_run_def how = to_failure(1e-11, 1e8);
@@ -315,7 +316,6 @@ static void driven_block(void **state)
 // A ramp that starts at 1 s and ends at 2 s, ln S from 0 to 1/2: theta stays 2, then bends twice.
 static void ramped_block(void **state)
 {
-    (void)state;
     lac_slot slot = test_slot_shear("ramp");
     test_slot_set(&slot, "rate", 5e3);
     test_slot_set(&slot, "start", 1.0);
@@ -323,7 +323,7 @@ static void ramped_block(void **state)
     block b;
     lac_error err;
     lac_run_result result;
-    create_driven(&slot, 1.0, &b);
+    create_driven(&slot, 1.0, chosen(state), &b);
     history h = {0};
     lac_sink sink = history_sink(&h);
     lac_run_def how = to_failure(1e-10, 1e8);
@@ -357,11 +357,11 @@ static double no_rate(double t)
 // O10: a step of the load divides x by exp(step/(b-a)); it triggers failure iff x falls below 1.
 static void load_step(void **state)
 {
-    (void)state;
     const double m = 1.5;
     callback c = {jumping_ratio, no_rate, jump_at};
     lac_slot slot = {.about = &callback_kind.about, .params = &c};
     block_def def = block_default(m, 1.3);
+    def.formulation = chosen(state);
     def.shear = &slot;
     def.shear_count = 1;
 
@@ -399,12 +399,12 @@ static void load_step(void **state)
 // O11: the slip law.
 static void slip_law(void **state)
 {
-    (void)state;
     const double table[][3] = {{1.3, 0.2, 0.919294157325}, {2.0, 0.5, 0.219383934396}};
     for (size_t i = 0; i < 2; i++) {
         double m = table[i][0];
         double phi = table[i][1];
         block_def def = block_default(m, exp(-phi / (m - 1.0)));
+        def.formulation = chosen(state);
         def.law = "slip";
         double exponent = m / (m - 1.0);
         double v_f = 1e5;
@@ -427,8 +427,8 @@ static void slip_law(void **state)
 // O12: radiation damping has no singularity: -sigma a/v + eta ln v grows as (sigma b/dc) t.
 static void damped(void **state)
 {
-    (void)state;
     block_def def = block_default(3.0, 1e-4); // theta v/dc = 1e8: healing stays negligible
+    def.formulation = chosen(state);
     def.slip_rate = 1.0;
     def.damping = 1e3; // v_c = a sigma/eta = 10 m/s
     lac_run_def how = to_failure(1e-10, 200.0);
@@ -455,18 +455,18 @@ int main(void)
     gsl_set_error_handler_off();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quadrature_meets_the_published_numbers),
-        cmocka_unit_test(time_of_failure),
-        cmocka_unit_test(slip_and_rate_along_the_run),
-        cmocka_unit_test(lambert),
-        cmocka_unit_test(approach_to_failure),
-        cmocka_unit_test(relaxation),
-        cmocka_unit_test(approach_to_steady_sliding),
-        cmocka_unit_test(quadrants),
-        cmocka_unit_test(driven_block),
-        cmocka_unit_test(ramped_block),
-        cmocka_unit_test(load_step),
-        cmocka_unit_test(slip_law),
-        cmocka_unit_test(damped),
+        FOR_EACH_FORMULATION(time_of_failure),
+        FOR_EACH_FORMULATION(slip_and_rate_along_the_run),
+        FOR_EACH_FORMULATION(lambert),
+        FOR_EACH_FORMULATION(approach_to_failure),
+        FOR_EACH_FORMULATION(relaxation),
+        FOR_EACH_FORMULATION(approach_to_steady_sliding),
+        FOR_EACH_FORMULATION(quadrants),
+        FOR_EACH_FORMULATION(driven_block),
+        FOR_EACH_FORMULATION(ramped_block),
+        FOR_EACH_FORMULATION(load_step),
+        FOR_EACH_FORMULATION(slip_law),
+        FOR_EACH_FORMULATION(damped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,15 +70,16 @@ static size_t maxima(const history *h, double *time, double *height, size_t room
 // lambda^2 + lambda [k V/(a s) - (V/dc)(b-a)/a] + k V^2/(a s dc) = 0: growth is Re lambda.
 static void growth_rate(void **state)
 {
-    (void)state;
     const double ratios[] = {0.5, 0.9, 0.99, 1.01, 1.1, 1.5};
     for (size_t i = 0; i < sizeof ratios / sizeof ratios[0]; i++) {
         block_def def = block_default(1.5, 1.0);
+        def.formulation = chosen(state);
         double critical = def.pressure * (def.b - def.a) / def.dc;
         double k = ratios[i] * critical;
         double want = 0.5 * ((def.b - def.a) / (def.a * def.dc) - k / (def.a * def.pressure));
         lac_slot slot = spring(k, 1.0);
         def = slider(&slot, 1e-6);
+        def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.rtol = 1e-13;
         how.end = 40.0;
@@ -101,12 +102,13 @@ static void growth_rate(void **state)
 // Far from linear: above k_crit a slider comes to rest at the spring's speed, below it stick-slips.
 static void stable_above_and_unstable_below(void **state)
 {
-    (void)state;
     const double ratios[] = {0.8, 1.2};
     for (size_t i = 0; i < 2; i++) {
         block_def def = block_default(1.5, 1.0);
+        def.formulation = chosen(state);
         lac_slot slot = spring(ratios[i] * def.pressure * (def.b - def.a) / def.dc, 1.0);
         def = slider(&slot, 0.1);
+        def.formulation = chosen(state);
         def.damping = 1.0;
         lac_run_def how = lac_run_default();
         how.rtol = 1e-9;
@@ -129,12 +131,12 @@ static void stable_above_and_unstable_below(void **state)
 // spans 1e21 s and resolves microseconds at its end.
 static void slow_start(void **state)
 {
-    (void)state;
     const char *laws[] = {"aging", "slip"};
     double time[2][2];
     for (int form = 0; form < 2; form++) {
         for (int l = 0; l < 2; l++) {
             block_def def = block_default(1.5, 0.9);
+            def.formulation = chosen(state);
             def.law = laws[l];
             def.form = form;
             def.v0 = 1e-6;
@@ -173,8 +175,8 @@ static void slow_start(void **state)
 // With damping the same start passes v_c = a sigma/eta and goes on to 10 m/s without a singularity.
 static void slow_start_damped(void **state)
 {
-    (void)state;
     block_def def = block_default(1.5, 0.9);
+    def.formulation = chosen(state);
     def.dc = 1e-4;
     def.v0 = 1e-6;
     def.slip_rate = 1e-25;
@@ -200,8 +202,8 @@ static void slow_start_damped(void **state)
 // A block that relaxes: from 10 m/s down to 1e-25 m/s.
 static void slow_end(void **state)
 {
-    (void)state;
     block_def def = block_default(1.5, 1.5);
+    def.formulation = chosen(state);
     def.dc = 1e-4;
     def.slip_rate = 10.0;
     lac_run_def how = lac_run_default();
@@ -224,9 +226,9 @@ static void slow_end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(growth_rate), cmocka_unit_test(stable_above_and_unstable_below),
-        cmocka_unit_test(slow_start),  cmocka_unit_test(slow_start_damped),
-        cmocka_unit_test(slow_end),
+        FOR_EACH_FORMULATION(growth_rate), FOR_EACH_FORMULATION(stable_above_and_unstable_below),
+        FOR_EACH_FORMULATION(slow_start),  FOR_EACH_FORMULATION(slow_start_damped),
+        FOR_EACH_FORMULATION(slow_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// solver: its keys and what is wrong with them.
+#include <math.h>
+
+#include "case/sections.h"
+
+#define FIELD(name) offsetof(lac_case, name)
+
+static const char *const methods[] = {"bdf", "adams", "erk", NULL};
+static const char *const formulations[] = {"auto", "rate", "traction", "slip", NULL};
+static const char *const answers[] = {"false", "true", NULL};
+static const char *const plannings[] = {"estimate", NULL};
+
+const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
+    {.key = "method",
+     .unit = "1",
+     .fallback = LAC_BDF,
+     .type = LAC_CHOICE,
+     .choices = methods,
+     .offset = FIELD(run.method),
+     .doc = "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"},
+    {.key = "formulation",
+     .unit = "1",
+     .fallback = LAC_FORMULATION_AUTO,
+     .type = LAC_CHOICE,
+     .choices = formulations,
+     .offset = FIELD(formulation),
+     .doc = "unknown besides ln theta: rate (ln v), traction, slip; auto: what was measured to be "
+            "best for the method"},
+    {.key = "projection",
+     .unit = "1",
+     .fallback = 0,
+     .type = LAC_CHOICE,
+     .choices = answers,
+     .offset = FIELD(run.projection),
+     .doc = "whether what is written is first moved onto the traction balance, which drifts where "
+            "slip is not the unknown"},
+    {.key = "rtol",
+     .unit = "1",
+     .fallback = 1e-6,
+     .min = 1e-13,
+     .max = 0.1,
+     .offset = FIELD(run.rtol),
+     .doc = "relative tolerance on slip rate and state"},
+    {.key = "max_order",
+     .unit = "1",
+     .fallback = 0,
+     .min = 0,
+     .max = 12,
+     .type = LAC_INTEGER,
+     .offset = FIELD(run.max_order),
+     .doc = "highest order: bdf at most 5, adams 12, erk from 2 to 8; 0: the method's own"},
+    {.key = "first_step",
+     .unit = "s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e15,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(run.first_step),
+     .doc = "first step; from the problem's own time scales if absent"},
+    {.key = "max_steps",
+     .unit = "1",
+     .fallback = 1e7,
+     .min = 1,
+     .max = 1e12,
+     .type = LAC_INTEGER,
+     .offset = FIELD(run.max_steps),
+     .doc = "of the whole run; more is an error"},
+    {.key = "fft_planning",
+     .unit = "1",
+     .fallback = 0,
+     .type = LAC_CHOICE,
+     .choices = plannings,
+     .offset = FIELD(fft_planning),
+     .doc = "of Fourier transforms: estimate is the same to the bit in every run"},
+};
+
+void lac_check_solver(lac_reader *reader, lac_case *c)
+{
+    static const struct {
+        const char *name;
+        int lowest, highest;
+    } orders[] = {
+        [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
+    const lac_friction_params *friction = c->friction.params;
+    lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
+                                 ? LAC_FORM_PLAIN
+                                 : LAC_FORM_REGULARISED;
+    c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
+    int64_t order = c->run.max_order;
+    if (!lac_clean(reader, "solver") || order == 0) {
+        return;
+    }
+    if (order < orders[c->run.method].lowest || order > orders[c->run.method].highest) {
+        lac_blame_key(reader, "solver.max_order", "must be from %d to %d with method %s",
+                      orders[c->run.method].lowest, orders[c->run.method].highest,
+                      orders[c->run.method].name);
+    }
+}

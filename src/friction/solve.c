@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <assert.h>
+#include <math.h>
+
+#include "base/vmath.h"
+#include "friction/form.h"
+
+// h(u) = p f(u, w) + eta e^u - |tau| rises with u = ln|v|. Newton's method on a block of cells at
+// once, no step longer than LONGEST: where h bends upwards a step from the left may be far too
+// long, one from the right never is. From the last rates two or three steps do; what is left after
+// MOST steps is bisected, which cannot fail.
+
+enum { MOST_STEPS = 40, MOST_HALVINGS = 80 };
+
+#define LONGEST 1.5
+// Newton's method doubles the digits: after a step as short as this the next is rounding.
+#define CLOSE 1e-9
+
+// f alone, g is not asked for.
+static void strength(const lac_friction *friction, size_t first, size_t n, const double *u,
+                     const double *w, double *f, double *f_u)
+{
+    double f_w[LAC_FRICTION_BLOCK];
+    lac_form_evaluate(friction, first, n, u, w,
+                      &(lac_friction_values){.f = f, .f_u = f_u, .f_w = f_w}, NULL);
+}
+
+// One step of every cell. Gives back the longest.
+static double newton_step(const lac_friction *friction, const lac_friction_balance *eq, double *u)
+{
+    double f[LAC_FRICTION_BLOCK], f_u[LAC_FRICTION_BLOCK], viscous[LAC_FRICTION_BLOCK];
+    double longest = 0.0;
+    strength(friction, eq->first, eq->n, u, eq->w, f, f_u);
+    lac_vexp(eq->n, u, viscous);
+    for (size_t i = 0; i < eq->n; i++) {
+        double p = eq->pressure[i] * eq->share, damped = eq->damping * viscous[i];
+        double du = (p * f[i] + damped - fabs(eq->traction[i])) / (p * f_u[i] + damped);
+        du = du < LONGEST ? du : LONGEST;
+        du = du > -LONGEST ? du : -LONGEST;
+        double next = u[i] - du;
+        next = next > LAC_SLOWEST ? next : LAC_SLOWEST;
+        next = next < LAC_FASTEST ? next : LAC_FASTEST;
+        double moved = fabs(next - u[i]);
+        longest = moved > longest ? moved : longest;
+        u[i] = next;
+    }
+    return longest;
+}
+
+// One more step of cell i. Whether the next would be rounding.
+static bool settles(const lac_friction *friction, const lac_friction_balance *eq, size_t i,
+                    double *u)
+{
+    lac_friction_balance one = *eq;
+    one.first += i;
+    one.n = 1;
+    one.w += i;
+    one.traction += i;
+    one.pressure += i;
+    return newton_step(friction, &one, u) <= CLOSE;
+}
+
+static double bisect(const lac_friction *friction, const lac_friction_balance *eq, size_t i)
+{
+    double low = LAC_SLOWEST, high = LAC_FASTEST;
+    double p = eq->pressure[i] * eq->share;
+    for (int k = 0; k < MOST_HALVINGS; k++) {
+        double u = 0.5 * (low + high), f, f_u;
+        strength(friction, eq->first + i, 1, &u, eq->w + i, &f, &f_u);
+        if (p * f + eq->damping * exp(u) > fabs(eq->traction[i])) {
+            high = u;
+        } else {
+            low = u;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+// Cells without a last rate begin at the scalar solution, or in the midst where there is none.
+static void begin(const lac_friction *friction, const lac_friction_balance *eq, double *u)
+{
+    for (size_t i = 0; i < eq->n; i++) {
+        if (u[i] != 0.0 && u[i] >= LAC_SLOWEST && u[i] <= LAC_FASTEST) {
+            continue;
+        }
+        double cold =
+            lac_friction_rate_for(friction, eq->first + i, eq->w[i], fabs(eq->traction[i]),
+                                  eq->pressure[i] * eq->share, eq->damping);
+        cold = cold >= LAC_SLOWEST ? cold : LAC_SLOWEST; // also for NaN
+        u[i] = cold <= LAC_FASTEST ? cold : LAC_FASTEST;
+    }
+}
+
+void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *eq, double *u,
+                        double *v)
+{
+    assert(eq->n <= LAC_FRICTION_BLOCK && eq->first + eq->n <= friction->n);
+    begin(friction, eq, u);
+    double longest = INFINITY;
+    for (int step = 0; step < MOST_STEPS && longest > CLOSE; step++) {
+        longest = newton_step(friction, eq, u);
+    }
+    for (size_t i = 0; longest > CLOSE && i < eq->n; i++) {
+        if (!settles(friction, eq, i, &u[i])) {
+            u[i] = bisect(friction, eq, i);
+        }
+    }
+    lac_vexp(eq->n, u, v);
+    for (size_t i = 0; i < eq->n; i++) {
+        v[i] = copysign(v[i], eq->traction[i]);
+    }
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The table of formulations, and what those that solve for the rate have in common.
+#include <math.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+static const lac_formulation_kind *const kinds[] = {
+    &lac_formulation_rate,
+    &lac_formulation_traction,
+    &lac_formulation_slip,
+};
+
+const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (kinds[i]->id == id) {
+            return kinds[i];
+        }
+    }
+    return &lac_formulation_rate;
+}
+
+const char *lac_formulation_name(lac_formulation formulation)
+{
+    return lac_formulation_kind_of(formulation)->name;
+}
+
+lac_workspace lac_problem_split(const lac_problem *problem, double *work)
+{
+    size_t n = problem->n;
+    size_t solved = problem->kind->either_sign ? 2 : 0;
+    return (lac_workspace){.v = work,
+                           .kv = work + n,
+                           .diagonal = work + 2 * n,
+                           .u = work + 3 * n,
+                           .guess = work + 4 * n,
+                           .scratch = work + (3 + solved) * n};
+}
+
+size_t lac_problem_work(const lac_problem *problem)
+{
+    size_t arrays = problem->kind->either_sign ? 5 : 3;
+    return arrays * problem->n + problem->transfer.kind->work(problem->transfer.state);
+}
+
+void lac_problem_forget(const lac_problem *problem, double *work)
+{
+    if (problem->kind->either_sign) {
+        memset(lac_problem_split(problem, work).guess, 0, problem->n * sizeof *work);
+    }
+}
+
+lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, const double *traction,
+                                   const double *w, const lac_workspace *ws, bool keep)
+{
+    size_t n = problem->n;
+    double total = 0.0;
+    memcpy(ws->u, ws->guess, n * sizeof *ws->u);
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(n, first);
+        lac_friction_balance balance = {.first = first,
+                                        .n = length,
+                                        .w = w + first,
+                                        .traction = traction + first,
+                                        .pressure = problem->pressure + first,
+                                        .share = share,
+                                        .damping = problem->damping};
+        lac_friction_rates(problem->friction, &balance, ws->u + first, ws->v + first);
+        double part = 0.0;
+        for (size_t i = first; i < first + length; i++) {
+            part += ws->v[i];
+        }
+        total += part;
+    }
+    if (keep) {
+        memcpy(ws->guess, ws->u, n * sizeof *ws->u);
+    }
+    return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / (double)n};
+}
+
+size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, size_t first, lac_block *s,
+                          lac_block_slopes *d)
+{
+    size_t length = lac_block_length(problem->n, first);
+    for (size_t i = 0; i < length; i++) {
+        s->speed[i] = fabs(motion->v[first + i]);
+    }
+    lac_friction_cells cells = {.first = first,
+                                .n = length,
+                                .u = motion->u + first,
+                                .w = w + first,
+                                .v = s->speed,
+                                .normal_rate = drive->share_rate / drive->share};
+    lac_friction_values values = lac_block_values(s);
+    if (d == NULL) {
+        lac_friction_evaluate(problem->friction, &cells, &values, NULL);
+    } else {
+        lac_friction_slopes slopes = lac_block_slope_arrays(d);
+        lac_friction_evaluate(problem->friction, &cells, &values, &slopes);
+    }
+    return length;
+}
+
+double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, double *wdot)
+{
+    double check = 0.0;
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        lac_block s;
+        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
+        for (size_t i = 0; i < length; i++) {
+            wdot[first + i] = s.g[i];
+            check += s.g[i] * 0.0;
+        }
+    }
+    return check;
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Unknowns (slip, ln theta): the traction is the loads' less K slip, v is solved from the balance,
+// which holds by construction; docs/theory/creep.md eqs. 6, 7 and 9.
+#include <math.h>
+#include <string.h>
+
+#include "model/implicit.h"
+#include "model/internal.h"
+
+static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }
+
+static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       const lac_workspace *ws, bool keep)
+{
+    lac_problem_pull(problem, drive, y, ws->kv, ws->scratch);
+    return lac_problem_solve_rates(problem, drive->share, ws->kv, y + problem->n, ws, keep);
+}
+
+static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       double *ydot, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    double check = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
+    for (size_t i = 0; i < n; i++) {
+        ydot[i] = motion.v[i];
+        check += ydot[i] * 0.0;
+    }
+    return check == 0.0;
+}
+
+// x_slip = b_slip + gamma dv
+static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+                   double gamma, double *b, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    lac_implicit implicit = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
+    if (!lac_implicit_reduce(problem, &implicit, b + n, ws)) {
+        return false;
+    }
+    // ln|v| has been used: its place holds K b_slip.
+    double mean = drive->spring_stiffness * lac_problem_sum(n, b) / (double)n;
+    transfer->kind->apply(transfer->state, b, ws->u, ws->scratch);
+    for (size_t i = 0; i < n; i++) {
+        double rhs = -(ws->u[i] + mean + ws->kv[i]) / gamma;
+        ws->kv[i] = b[i];
+        b[i] = rhs;
+    }
+    if (!transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b, b,
+                               ws->scratch)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double dv = b[i];
+        b[i] = ws->kv[i] + gamma * dv;
+        b[n + i] += ws->v[i] * dv;
+    }
+    return true;
+}
+
+// Slip counts as the state that it renews and the traction that it takes off: dc, or the slip that
+// takes a p off against the cell's stiffness, whichever is less.
+static double scale(const lac_problem *problem, size_t cell)
+{
+    double dc = problem->friction->column[LAC_DC][cell];
+    double traction = lac_implicit_traction_scale(problem, cell);
+    return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
+}
+
+// The traction follows from the loads: slip does not jump.
+static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
+{
+    (void)problem;
+    (void)jump;
+    (void)y;
+    return true;
+}
+
+const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
+                                                   .name = "slip",
+                                                   .unknown = "slip",
+                                                   .either_sign = true,
+                                                   .has_slip = true,
+                                                   .start = start,
+                                                   .move = move,
+                                                   .derivative = derivative,
+                                                   .newton = newton,
+                                                   .scale = scale,
+                                                   .jump = jump};

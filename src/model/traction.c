@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Unknowns (tau, ln theta), tau = q - K slip: v of either sign is solved from the balance;
+// docs/theory/creep.md eqs. 6 to 8.
+#include <math.h>
+#include <string.h>
+
+#include "model/implicit.h"
+#include "model/internal.h"
+
+static void start(const lac_problem *problem, double *x)
+{
+    memcpy(x, problem->traction0, problem->n * sizeof *x);
+}
+
+static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       const lac_workspace *ws, bool keep)
+{
+    return lac_problem_solve_rates(problem, drive->share, y, y + problem->n, ws, keep);
+}
+
+// dtau/dt = dq/dt - K v
+static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       double *ydot, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    problem->transfer.kind->apply(problem->transfer.state, motion.v, ws->kv, ws->scratch);
+    double loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
+    double check = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
+    for (size_t i = 0; i < n; i++) {
+        ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - ws->kv[i];
+        check += ydot[i] * 0.0;
+    }
+    return check == 0.0;
+}
+
+// x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part by the row itself.
+static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+                   double gamma, double *b, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    lac_implicit implicit = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
+    if (!lac_implicit_reduce(problem, &implicit, b + n, ws)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        b[i] = (b[i] - ws->kv[i]) / gamma;
+    }
+    if (!problem->transfer.kind->solve(problem->transfer.state, drive->spring_stiffness,
+                                       ws->diagonal, b, b, ws->scratch)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double dv = b[i];
+        b[i] = gamma * ws->diagonal[i] * dv + ws->kv[i];
+        b[n + i] += ws->v[i] * dv;
+    }
+    return true;
+}
+
+// d tau = a p d ln v
+static double scale(const lac_problem *problem, size_t cell)
+{
+    return lac_implicit_traction_scale(problem, cell);
+}
+
+static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        y[i] += problem->pressure[i] * jump->ratio + jump->spring;
+    }
+    return true;
+}
+
+const lac_formulation_kind lac_formulation_traction = {.id = LAC_FORMULATION_TRACTION,
+                                                       .name = "traction",
+                                                       .unknown = "traction",
+                                                       .either_sign = true,
+                                                       .start = start,
+                                                       .move = move,
+                                                       .derivative = derivative,
+                                                       .newton = newton,
+                                                       .scale = scale,
+                                                       .jump = jump};
