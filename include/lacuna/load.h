@@ -13,6 +13,7 @@ typedef struct lac_load_state {
     double spring_stiffness;    ///< of the mean slip, over the nominal area [Pa/m]
     double spring_stress;       ///< sum of stiffness * travel of the far ends [Pa]
     double spring_rate;         ///< its rate [Pa/s]
+    double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
     double pore, pore_rate;     ///< pore pressure [Pa], [Pa/s]
 } lac_load_state;
 
@@ -32,6 +33,7 @@ typedef struct lac_normal_load {
 typedef struct lac_load_kind {
     lac_descriptor about;
     bool fixes_shear; ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    bool needs_anchor; ///< acts through a transfer that holds uniform slip
     /// Adds its values at time t [s since the start of the run].
     void (*add)(const void *params, double t, lac_load_state *sum);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.

@@ -15,6 +15,7 @@ static const lac_load_kind *const shear[] = {
     &lac_shear_slope,
     &lac_shear_ramp,
     &lac_shear_spring,
+    &lac_shear_back_slip,
 };
 
 static const lac_load_kind *const pore[] = {

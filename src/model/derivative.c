@@ -27,7 +27,7 @@ void lac_problem_rates(const lac_problem *problem, const double *y, double *v)
 // What the rates of every block are made from.
 typedef struct rate_field {
     const double *y;
-    const double *v, *kv; // [n] slip rate, K v
+    const double *v, *kv; // [n] slip rate, K (v - that of the rock around)
     double loading;       // dq/dt that all cells have in common [Pa/s]
     double *ydot;
 } rate_field;
@@ -70,7 +70,7 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
         return false;
     }
     double mean = lac_problem_exp_sum(n, y, v) / (double)n;
-    problem->transfer.kind->apply(problem->transfer.state, v, kv, work + 3 * n);
+    lac_problem_couple(problem, drive.back_rate, v, kv, work + 3 * n);
     double loading = drive.spring_rate - drive.spring_stiffness * mean;
     rate_field field = {.y = y, .v = v, .kv = kv, .loading = loading, .ydot = ydot};
 

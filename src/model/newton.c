@@ -90,7 +90,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
         return false;
     }
     double mean = lac_problem_exp_sum(n, y, field.v) / (double)n;
-    transfer->kind->apply(transfer->state, field.v, field.kv, scratch);
+    lac_problem_couple(problem, drive.back_rate, field.v, field.kv, scratch);
     field.loading = drive.spring_rate - drive.spring_stiffness * mean;
 
     bool good = true;

@@ -21,7 +21,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     (void)lac_problem_drive(problem, t, &drive);
     double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
     double common = drive.spring - drive.spring_stiffness * mean;
-    problem->transfer.kind->apply(problem->transfer.state, slip, traction, work + 3 * problem->n);
+    lac_problem_couple(problem, drive.back, slip, traction, work + 3 * problem->n);
     for (size_t i = 0; i < problem->n; i++) {
         double q = problem->traction0[i] + problem->pressure[i] * drive.ratio + common;
         traction[i] = q - traction[i];
@@ -72,6 +72,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
     double total =
         problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * spring;
+    total -= lac_problem_held(problem, drive.back, slip);
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;
