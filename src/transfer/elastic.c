@@ -161,6 +161,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     lac_rock rock = {.shear_modulus = scene->shear_modulus,
                      .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
                      .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
+                     .antiplane = p->mode == ANTIPLANE,
                      .line = scene->line,
                      .creeping = p->outside == CREEPING};
     e->n = scene->domain->n;

@@ -31,6 +31,9 @@ double lac_wave_stiffness(const lac_rock *rock, double kx, double ky)
         return rock->shear_modulus / (2 * rock->thickness);
     }
     double q = k * rock->thickness, nu = rock->poisson;
+    if (rock->antiplane) {
+        return rock->shear_modulus / 2 * k * slab_antiplane(q);
+    }
     double across = ky * (ky / k), along = kx * (kx / k) / (1 - nu);
     return rock->shear_modulus / 2 * (across * slab_antiplane(q) + along * slab_in_plane(nu, q));
 }

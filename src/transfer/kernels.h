@@ -8,8 +8,9 @@
 /// The rock on both sides of an interface.
 typedef struct lac_rock {
     double shear_modulus; ///< G [Pa], > 0
-    double poisson;       ///< nu [1], < 1; 0 is antiplane
+    double poisson;       ///< nu [1], < 1; 0 where antiplane
     double thickness;     ///< of a slab on either side, its far face rigid [m]; INFINITY: half-space
+    bool antiplane;       ///< the scalar problem; differs from nu = 0 in slabs only
     bool line;            ///< a row of cells is a line in plane strain or antiplane, not a strip
     bool creeping;        ///< beyond a free border slip is uniform instead of free of traction
 } lac_rock;

@@ -67,6 +67,9 @@ double wave_stiffness(const rock_def *rock, const lac_grid *grid, size_t p, size
     }
     bool slab = isfinite(rock->height) && k * rock->height < 20;
     double across = slab ? rock->g / 2 * k / tanh(k * rock->height) : rock->g / 2 * k;
+    if (rock->nu == 0) {
+        return across;
+    }
     double along = slab ? layer_stiffness(rock, k) : rock->g / 2 * k / (1 - rock->nu);
     return (ky * ky * across + kx * kx * along) / (k * k);
 }

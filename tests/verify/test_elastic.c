@@ -118,6 +118,7 @@ static void waves_have_closed_forms(void **state)
     check_waves(plane, (rock_def){2, 0, INFINITY, false});
     check_waves(plane, (rock_def){2, 0.25, INFINITY, false});
     check_waves(plane, (rock_def){2, 0.25, 5, false});
+    check_waves(plane, (rock_def){2, 0, 5, false});
     check_waves((lac_grid){1, 1, 1, 1, true}, (rock_def){2, 0.25, 5, false});
     check_waves((lac_grid){1, 1, 1, 1, true}, (rock_def){2, 0.25, INFINITY, false});
 }
