@@ -90,7 +90,7 @@ static void check_elastic(lac_reader *reader, const lac_case *c, bool material_r
     bool full = c->domain.about == NULL || strcmp(c->domain.about->name, "full") == 0;
     if (elastic->outside != 0 && (periodic || c->surface.about != NULL || !full)) {
         lac_blame_key(reader, "transfer.elastic.outside",
-                      "creeping needs interface.boundary: free and domain: {full: {}}");
+                      "needs interface.boundary: free and interface.domain: {full: {}}");
     }
 }
 

@@ -46,7 +46,7 @@ static lac_slot drawn(const lac_descriptor *about, uint64_t trial)
 }
 
 // The values of a load and their rates.
-enum { QUANTITIES = 4 };
+enum { QUANTITIES = 5 };
 
 typedef struct sample {
     double value[QUANTITIES], rate[QUANTITIES];
@@ -54,8 +54,8 @@ typedef struct sample {
 
 static sample sample_of(const lac_load_state *s)
 {
-    return (sample){{s->ratio, s->stress, s->spring_stress, s->pore},
-                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->pore_rate}};
+    return (sample){{s->ratio, s->stress, s->spring_stress, s->back_slip, s->pore},
+                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->back_rate, s->pore_rate}};
 }
 
 static sample sample_at(const lac_load_kind *kind, const lac_slot *slot, double t)
