@@ -59,8 +59,7 @@ static void check_line(lac_reader *reader, const lac_interface_def *def)
         lac_blame_key(reader, "interface.width",
                       "must be absent on a line, whose forces are for each metre of width");
     }
-    bool pressed =
-        lac_present(reader, "interface.surface") || lac_present(reader, "load.history");
+    bool pressed = lac_present(reader, "interface.surface") || lac_present(reader, "load.history");
     if (def->boundary == LAC_FREE && pressed) {
         lac_blame_key(
             reader, "interface.boundary",

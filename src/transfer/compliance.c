@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 enum { MAX_ITERATIONS = 1000 };
 
 struct lac_compliance {

@@ -29,8 +29,9 @@ static const lac_param params[] = {
      .offset = offsetof(lac_transfer_elastic, outside),
      .type = LAC_CHOICE,
      .choices = surroundings,
-     .doc = "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the rate of "
-            "load.shear.back-slip (none: held), on full contact only"},
+     .doc =
+         "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the rate of "
+         "load.shear.back-slip (none: held), on full contact only"},
     {.key = "thickness",
      .unit = "m",
      .fallback = NAN,
@@ -60,7 +61,8 @@ static const char *fault(const void *given)
 {
     const lac_transfer_elastic *p = given;
     bool both = p->outside == CREEPING && !isnan(p->thickness);
-    return both ? "outside: creeping needs a free border, thickness a periodic one: not both" : NULL;
+    return both ? "outside: creeping needs a free border, thickness a periodic one: not both"
+                : NULL;
 }
 
 // Whether every cell of the grid touches.

@@ -9,10 +9,10 @@
 typedef struct lac_rock {
     double shear_modulus; ///< G [Pa], > 0
     double poisson;       ///< nu [1], < 1; 0 where antiplane
-    double thickness;     ///< of a slab on either side, its far face rigid [m]; INFINITY: half-space
-    bool antiplane;       ///< the scalar problem; differs from nu = 0 in slabs only
-    bool line;            ///< a row of cells is a line in plane strain or antiplane, not a strip
-    bool creeping;        ///< beyond a free border slip is uniform instead of free of traction
+    double thickness; ///< of a slab on either side, its far face rigid [m]; INFINITY: half-space
+    bool antiplane;   ///< the scalar problem; differs from nu = 0 in slabs only
+    bool line;        ///< a row of cells is a line in plane strain or antiplane, not a strip
+    bool creeping;    ///< beyond a free border slip is uniform instead of free of traction
 } lac_rock;
 
 /// Stiffness of a wave of slip along x, with its traction along x held in mind:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The elastic transfer: iterations and times of the stress and of the Newton solve with nothing, the
-// diagonal and the hierarchy as preconditioner; docs/theory/transfer.md, "Measured".
+// The elastic transfer: iterations and times of the stress and of the Newton solve with nothing,
+// the diagonal and the hierarchy as preconditioner; docs/theory/transfer.md, "Measured".
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,10 +37,10 @@ static lac_domain *mask_of(double fraction)
     return domain;
 }
 
-static lac_domain *cascade_of(double dimension)
+static lac_domain *cascade_of(size_t side, double dimension, int64_t seed)
 {
-    lac_grid grid = {SIDE, SIDE, 1, 1, true};
-    lac_cascade cascade = {dimension, 5};
+    lac_grid grid = {side, side, 1, 1, true};
+    lac_cascade cascade = {dimension, seed};
     lac_slot source = {&lac_domain_source_at(1)->about, &cascade};
     lac_domain *domain = NULL;
     if (lac_domain_from_source(&source, &grid, 1, &domain, NULL) != LAC_OK) {
@@ -91,9 +91,10 @@ static void scene_free(scene *s)
 static void row(scene *s, const char *name, bool solve)
 {
     static const int by[] = {LAC_BY_NOTHING, LAC_BY_DIAGONAL, LAC_BY_HIERARCHY};
-    printf("%-30s", name);
+    printf("%-30s%s", name, soft ? "          -          -" : "");
     double taken = 0;
-    for (size_t i = 0; i < 3; i++) {
+    bool soft = solve && !s->e->direct && s->d[0] < 0; // has no other preconditioner
+    for (size_t i = soft ? 2 : 0; i < 3; i++) {
         s->e->preconditioner = by[i];
         double begin = cpu_seconds();
         int iterations = solve ? lac_elastic_solve(s->e, 0, s->d, s->y, s->x, s->work)
@@ -118,8 +119,8 @@ static void bench(const char *name, lac_domain *domain)
     double k0 = s.e->k[0];
     printf("\n%s: %zu cells, made in %.2f s, k_0 = %.3g G/r\n", name, s.n, cpu_seconds() - begin,
            k0);
-    printf("%-30s  %9s  %9s  %9s  %12s  %s\n", "iterations with", "nothing", "diagonal", "hierarchy",
-           "", "error");
+    printf("%-30s  %9s  %9s  %9s  %12s  %s\n", "iterations with", "nothing", "diagonal",
+           "hierarchy", "", "error");
     row(&s, "stress", false);
     static const double level[] = {1e-4, 1e-2, 1, 100};
     for (size_t l = 0; l < 4; l++) {
@@ -138,15 +139,31 @@ static void bench(const char *name, lac_domain *domain)
     for (size_t i = 0; i < s.n; i++) {
         s.d[i] = k0 * draw_uniform(9, i, -0.1, 1);
     }
+    s.d[0] = -0.1 * k0;
     row(&s, "solve, D = -0.1..1 k_0", true);
+    scene_free(&s);
+}
+
+// The stiffness of every level on the contacts of tools/fidelity.py.
+static void levels(double fraction)
+{
+    scene s = scene_of(cascade_of(64, 2 + log2(fraction) / 6, 1));
+    printf("contact %.2g, %5zu cells: k_l =", fraction, s.n);
+    for (size_t l = 0; l < lac_hierarchy_levels(s.h); l++) {
+        printf(" %.3f", s.e->k[l]);
+    }
+    printf(" G/r\n");
     scene_free(&s);
 }
 
 int main(void)
 {
+    levels(1);
+    levels(0.8);
+    levels(0.2);
     bench("full", mask_of(2));
     bench("random 0.8", mask_of(0.8));
     bench("random 0.2", mask_of(0.2));
-    bench("cascade 1.7", cascade_of(1.7));
+    bench("cascade 1.7", cascade_of(SIDE, 1.7, 5));
     return 0;
 }

@@ -18,7 +18,8 @@ static void row(const char *name, const fault *f, lac_method method, double end,
     double taken = cpu_seconds() - begin;
     double off = seen.count == count ? seen.time[count - 1] / events[count - 1] - 1 : (double)NAN;
     printf("%-4s %-5s %6.0e %8lld %8lld %8lld %8.2f  %9.1e\n", name, methods[method], rtol,
-           (long long)r.steps, (long long)r.rhs_evaluations, (long long)r.linear_solves, taken, off);
+           (long long)r.steps, (long long)r.rhs_evaluations, (long long)r.linear_solves, taken,
+           off);
     (void)fflush(stdout);
 }
 

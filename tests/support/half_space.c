@@ -81,8 +81,8 @@ static double wave_slip(const double *softness, const lac_grid *grid, double di,
     size_t cells = lac_grid_cells(grid);
     for (size_t mode = 0; mode < cells; mode++) {
         double p = (double)(mode % grid->nx), q = (double)(mode / grid->nx);
-        sum += cos(2 * pi * (p * di / (double)grid->nx + q * dj / (double)grid->ny)) *
-               softness[mode];
+        sum +=
+            cos(2 * pi * (p * di / (double)grid->nx + q * dj / (double)grid->ny)) * softness[mode];
     }
     return sum / (double)cells;
 }
@@ -115,16 +115,17 @@ static double slip_between(const rock_def *rock, const lac_grid *grid, const dou
     if (grid->periodic) {
         return wave_slip(softness, grid, di, dj);
     }
-    return rock->line ? line_slip(rock, grid->dx, di * grid->dx)
-                      : free_slip(rock->g, rock->nu, grid->dx, grid->dy, di * grid->dx,
-                                  dj * grid->dy);
+    return rock->line
+               ? line_slip(rock, grid->dx, di * grid->dx)
+               : free_slip(rock->g, rock->nu, grid->dx, grid->dy, di * grid->dx, dj * grid->dy);
 }
 
 static void fill_slips(const rock_def *rock, const lac_domain *domain, size_t m, long double *c)
 {
     const lac_grid *grid = &domain->grid;
     double *softness = softness_of(rock, grid);
-    double *known = new_doubles(4 * lac_grid_cells(grid)), *is = new_doubles(4 * lac_grid_cells(grid));
+    double *known = new_doubles(4 * lac_grid_cells(grid)),
+           *is = new_doubles(4 * lac_grid_cells(grid));
     for (size_t i = 0; i < domain->n; i++) {
         for (size_t j = 0; j < domain->n; j++) {
             size_t a = domain->index[i], b = domain->index[j];

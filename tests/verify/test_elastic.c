@@ -381,8 +381,7 @@ static void extreme_diagonals_are_solved(void **state)
             for (size_t i = 0; i < s.n; i++) {
                 residual[i] -= mean;
             }
-            assert_true(
-                s.transfer.kind->solve(s.transfer.state, 0, s.d, residual, s.x, s.work));
+            assert_true(s.transfer.kind->solve(s.transfer.state, 0, s.d, residual, s.x, s.work));
             apply(&s);
             double squares = 0, size = 0;
             for (size_t i = 0; i < s.n; i++) {
