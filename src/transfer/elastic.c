@@ -100,6 +100,7 @@ static void destroy(void *state)
     if (e != NULL) {
         lac_compliance_free(e->rock);
         free(e->k);
+        free(e->last);
         free(e);
     }
 }
@@ -123,6 +124,19 @@ static lac_status calibrate(const lac_transfer_scene *scene, double poisson, lac
     }
     free(found);
     return status;
+}
+
+// NaN stands for no slip yet; it is also its own stress.
+static lac_status make_last(lac_elastic *e, lac_error *err)
+{
+    e->last = malloc(2 * e->n * sizeof *e->last);
+    if (e->last == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < 2 * e->n; i++) {
+        e->last[i] = NAN;
+    }
+    return LAC_OK;
 }
 
 // Stiffness of the mean slip: the mean traction under unit slip, or as little as a unit mean
@@ -177,6 +191,9 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     if (!e->floating) {
         LAC_TRY(find_anchor(e, err));
     }
+    if (!e->direct) {
+        LAC_TRY(make_last(e, err));
+    }
     *state = e;
     e = NULL;
 out:
@@ -186,9 +203,23 @@ out:
 
 static size_t work(const void *state) { return lac_elastic_work(state); }
 
+// A Newton iteration asks again for what the rates it starts from have asked. The stress is a
+// function of the slip alone, so what is remembered is what would be computed.
 static void apply(const void *state, const double *slip, double *force, double *scratch)
 {
-    (void)lac_elastic_apply(state, slip, force, scratch);
+    const lac_elastic *e = state;
+    size_t bytes = e->n * sizeof *slip;
+    if (e->direct) {
+        (void)lac_elastic_apply(e, slip, force, scratch);
+        return;
+    }
+    if (memcmp(e->last, slip, bytes) != 0) {
+        (void)lac_elastic_apply(e, slip, force, scratch);
+        memcpy(e->last, slip, bytes);
+        memcpy(e->last + e->n, force, bytes);
+        return;
+    }
+    memcpy(force, e->last + e->n, bytes);
 }
 
 static bool solve(const void *state, double k_mean, const double *diagonal, const double *y,

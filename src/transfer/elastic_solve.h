@@ -16,6 +16,7 @@ typedef struct lac_elastic {
     bool floating;           ///< the mean slip is free: K 1 = 0
     double tolerance;        ///< of apply
     double newton_tolerance; ///< of solve
+    double *last;            ///< [2n] the last slip and its stress; NULL where K is a filter
     int preconditioner;      ///< LAC_BY_...: for measurements
 } lac_elastic;
 
