@@ -79,7 +79,7 @@ static double traction_to_corner(double nu, double x, double y)
     return (x / y + y / (x * (1 - nu))) / (4 * hypot(x, y));
 }
 
-// The same on a line, equations 12c and 12e; constants of the slip are free.
+// The same on a line, equations 12c and 12d; constants of the slip are free.
 static double line_slip(double nu, double x) { return -2 * (1 - nu) * x * log(fabs(x)); }
 
 static double line_traction(double nu, double x) { return 1 / (2 * (1 - nu) * x); }
