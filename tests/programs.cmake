@@ -79,12 +79,14 @@ add_test(NAME case.test_fractal
 set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
 
-# The cascade through the program.
-add_test(NAME case.test_rg
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_rg.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_rg PROPERTIES LABELS case TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+# The cascade through the program, of cases and of files.
+foreach(program test_rg test_rg_file)
+  add_test(NAME case.${program}
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${program}.py
+                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+  set_tests_properties(case.${program} PROPERTIES LABELS case TIMEOUT 300
+                       ENVIRONMENT ${case_environment})
+endforeach()
 
 # Cases for `lacuna rg`: each checks, runs, and its file meets CF.
 file(GLOB rg_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/rg/*.yaml)
@@ -102,3 +104,10 @@ foreach(bundled ${rg_cases})
   set_tests_properties(case.rg.${name}.run PROPERTIES FIXTURES_SETUP rg_${name})
   set_tests_properties(case.rg.${name}.cf PROPERTIES FIXTURES_REQUIRED rg_${name})
 endforeach()
+
+# The indicators of a run, counted again from the cells' own fields.
+add_test(NAME case.test_analysis
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_analysis.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_analysis PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

@@ -2,6 +2,7 @@
 #ifndef LACUNA_CASE_H
 #define LACUNA_CASE_H
 
+#include "lacuna/analysis.h"
 #include "lacuna/run.h"
 
 /// One thing that is wrong with a case.
@@ -82,20 +83,25 @@ typedef struct lac_compare_def {
 } lac_compare_def;
 
 /// How the shear force spreads over the cells in `rg`.
-typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL } lac_rg_field;
+typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL, LAC_RG_UNIFORM } lac_rg_field;
+
+/// Where the critical force of an elastic joint is looked for.
+typedef enum lac_rg_search { LAC_RG_SERIES = 0, LAC_RG_SOLVE } lac_rg_search;
 
 enum { LAC_MOST_BETAS = 32 };
 
 /// What `lacuna rg` does with the interface.
 typedef struct lac_rg_def {
-    bool named;      ///< the case has the section
-    int rule;        ///< lac_rg_rule
-    int field;       ///< lac_rg_field
-    int64_t shifts;  ///< places of the grid of blocks
-    int64_t seeds;   ///< surfaces or domains: the case's seed and those that follow it
-    int64_t loads;   ///< Q/Q_nom along the path
-    double friction; ///< Coulomb's f [1]
-    size_t betas;    ///< 0: from the friction law
+    bool named;       ///< the case has the section
+    int rule;         ///< lac_rg_rule
+    int field;        ///< lac_rg_field
+    int path;         ///< lac_rg_search
+    int64_t contacts; ///< solved along the path of an elastic joint
+    int64_t shifts;   ///< places of the grid of blocks
+    int64_t seeds;    ///< surfaces or domains: the case's seed and those that follow it
+    int64_t loads;    ///< Q/Q_nom along the path
+    double friction;  ///< Coulomb's f [1]
+    size_t betas;     ///< 0: from the friction law
     double beta[LAC_MOST_BETAS];
 } lac_rg_def;
 
@@ -135,7 +141,8 @@ typedef struct lac_case {
     char *path;
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
-    lac_slot surface, domain; ///< at most one is set
+    lac_slot surface, domain;         ///< at most one is set
+    lac_spread_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
     lac_slot normal;
     lac_slot_list shear, pore;
@@ -153,6 +160,7 @@ typedef struct lac_case {
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
     lac_rg_def rg;
+    lac_slot_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
 } lac_case;
@@ -168,6 +176,7 @@ typedef enum lac_case_purpose {
     LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
     LAC_FOR_CONTACT, ///< statics: none of those
     LAC_FOR_RG,      ///< statics, and what the cascade needs
+    LAC_FOR_CELLS,   ///< the cascade on cells that are known: statics, its beta and its friction
     LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
 } lac_case_purpose;
 

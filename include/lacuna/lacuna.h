@@ -3,6 +3,7 @@
 #define LACUNA_LACUNA_H
 
 /// Lacuna: creep, acceleration and failure of rough rock joints. All public headers.
+#include "lacuna/analysis.h"
 #include "lacuna/case.h"
 #include "lacuna/contact.h"
 #include "lacuna/error.h"
@@ -18,9 +19,11 @@
 #include "lacuna/rg_study.h"
 #include "lacuna/run.h"
 #include "lacuna/scene.h"
+#include "lacuna/scene_analysis.h"
 #include "lacuna/scene_rg.h"
 #include "lacuna/series.h"
 #include "lacuna/store.h"
+#include "lacuna/store_cells.h"
 #include "lacuna/store_rg.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"

@@ -11,7 +11,8 @@ typedef struct lac_load_state {
     double ratio, ratio_rate;    ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
     double stress, stress_rate;  ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
     double spring_stiffness;     ///< of the mean slip, over the nominal area [Pa/m]
-    double spring_stress;        ///< sum of stiffness * travel of the far ends [Pa]
+    double spring_stress;        ///< sum of stiffness * travel of the far ends, and of other loads
+                                 ///< that put the same stress on every cell [Pa]
     double spring_rate;          ///< its rate [Pa/s]
     double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
     double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]

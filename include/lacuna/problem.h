@@ -83,6 +83,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work);
 
 /// Means, extremes, forces and the balance residual.
+/// @param work  its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *seen, double *work);
 

@@ -55,7 +55,7 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
 /// The pass up the tree under one load: the threshold of every block, that is the smallest further
 /// stress, the same on all its cells, that makes it slip as a whole; <= 0: it slips by itself.
 /// LUMP has no thresholds: 0 where it slips, infinity where not.
-/// @param shear  [n] traction of each cell [Pa], at most its strength
+/// @param shear  [n] traction of each cell [Pa], at most its strength unless `gap` is given
 /// @param gap    [n] what each cell lacks to slip [Pa], may be < 0; NULL: strength - shear
 /// @return the threshold of the root: the joint slides where it is <= 0 (lac_rg_slips)
 /// @cost   O(blocks); allocates nothing; cannot fail
@@ -86,12 +86,27 @@ typedef struct lac_rg_path lac_rg_path;
 /// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
-enum { LAC_RG_LOADS = 24 };
+/// The same springs under a joint that is loaded already: each cell carries max(q, min(q + tau,
+/// f p)), tau the further stress, the same on all; the map sees the gap f p - q - tau. The load
+/// runs from Q/Q_nom, the sum of the q over f P, to where no cell can take up more.
+/// @param shear  [n] q, the traction of each cell [Pa]; may be beyond f p; NULL: none
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
+                               lac_rg_path **out, lac_error *err);
 
-/// The 24 parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002
-/// by a constant factor, 0; Q_crit comes out within 0.005.
-/// @param part  [LAC_RG_LOADS] overwritten
-void lac_rg_loads(double part[LAC_RG_LOADS]);
+/// The same stress on every cell, however weak, as a slow ramp puts it on: q = tau, and the gap
+/// f p - tau, < 0 where a cell has slipped on the way.
+/// @param strength  [n] f p of each contact cell [Pa], > 0
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
+
+enum { LAC_RG_LOADS = 24, LAC_RG_MOST_LOADS = 500 };
+
+/// Parts of the normal load at which `elastic` solves the contact: 1 to 0.1 evenly, to 0.002 by a
+/// constant factor, 0.
+/// @param loads  10 to LAC_RG_MOST_LOADS; LAC_RG_LOADS is usual
+/// @param part   [loads] overwritten
+void lac_rg_loads(size_t loads, double *part);
 
 /// Contact pressures of the same cells under falling load.
 typedef struct lac_rg_series {
@@ -109,25 +124,43 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
 /// Solves the contact at each part of the load, from one to the next.
 /// @param contact   load control
 /// @param domain    its solution's domain
-/// @param pressure  [LAC_RG_LOADS * domain->n] [Pa]; overwritten
+/// @param loads     as lac_rg_loads
+/// @param pressure  [loads * domain->n] [Pa]; overwritten
 /// @return as lac_contact_solve
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
-                               double *pressure, lac_error *err);
+                               size_t loads, double *pressure, lac_error *err);
 
 /// Frees a path; NULL is fine.
 void lac_rg_path_free(lac_rg_path *path);
 
 /// Tractions and gaps at a load.
-/// @param load   Q/Q_nom [1], 0 to 1
+/// @param load   Q/Q_nom [1], 0 to 1, or what lac_rg_path_further says
 /// @param shear  [n] [Pa]; overwritten
 /// @param gap    [n] [Pa]; overwritten
 void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
 
-/// The smallest load at which the joint slides, as part of Q_nom = f P.
+/// The smallest load at which the joint slides, as part of Q_nom = f P; where it slides already
+/// before a further load, the load that it carries.
 /// @param work  [2 n] scratch
 /// @return Q_crit/Q_nom, to 1e-9
-/// @cost   some 90 passes
+/// @cost   some 70 passes
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
+
+/// A contact that can be solved again under less load.
+typedef struct lac_rg_press {
+    const lac_contact_def *contact; ///< load control
+    const lac_domain *domain;       ///< its solution's
+    double friction;                ///< f [1]
+} lac_rg_press;
+
+/// The load at which the joint slides, on contacts that are solved for it, each from the one
+/// before, instead of interpolated ones: first near the critical load of the path, then closer.
+/// @param path      elastic, of the same contact
+/// @param critical  Q_crit/Q_nom, to 1e-6. The tree is left just before the joint slides
+/// @return as lac_contact_solve
+/// @cost   some 10 contacts
+lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
+                                  const lac_rg_path *path, double *critical, lac_error *err);
 
 /// N_slip/N_tot of every level along a path.
 /// @param n         loads

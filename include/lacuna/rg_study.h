@@ -8,9 +8,11 @@
 /// A joint as the cascade needs it.
 typedef struct lac_rg_joint {
     const lac_domain *domain;
-    const double *strength;  ///< [n] f p [Pa]
-    const double *drop;      ///< [n] (1 - beta) f p [Pa]
-    const lac_rg_path *path; ///< how the shear force grows
+    const double *strength;    ///< [n] f p [Pa]
+    const double *drop;        ///< [n] (1 - beta) f p [Pa]
+    const lac_rg_path *path;   ///< how the shear force grows
+    const lac_rg_press *press; ///< solved again for the critical force of each place; NULL: that
+                               ///< of the path
 } lac_rg_joint;
 
 /// How an ensemble of joints is studied.
@@ -18,7 +20,8 @@ typedef struct lac_rg_study_def {
     lac_rg_rule rule;
     size_t places;      ///< of the grid of blocks on each joint, at random, averaged; the first is
                         ///< the grid's own
-    size_t loads;       ///< Q/Q_nom from 1/loads to 1, evenly
+    size_t loads;       ///< Q/Q_nom from 1/loads to 1, evenly; along a path that begins loaded
+                        ///< (lac_rg_path_further) from its start to its end
     size_t resamplings; ///< of the bootstrap
     uint64_t seed;      ///< of places and bootstrap
 } lac_rg_study_def;
@@ -31,6 +34,21 @@ lac_rg_study_def lac_rg_study_default(void);
 typedef struct lac_rg_estimate {
     double value, error, low, high;
 } lac_rg_estimate;
+
+/// A map fitted to groups of pairs, with the intervals that resampling the groups gives.
+typedef struct lac_rg_fit {
+    lac_rg_map map;
+    lac_rg_estimate fixed_point, lambda, nu;
+} lac_rg_fit;
+
+/// Fits the map of rg_map.h to pairs that come in groups.
+/// @param first        [groups + 1] first pair of each group, and how many pairs there are
+/// @param s, s_next    [first[groups]]
+/// @param resamplings  of the groups, with repetition
+/// @return LAC_OK, also where the pairs tell no map: all but map.points is NaN then; LAC_ENOMEM
+lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
+                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
+                               lac_error *err);
 
 /// A power law xi ~ (1 - Q/Q_crit)^-exponent, or none.
 typedef struct lac_rg_power {
@@ -56,8 +74,12 @@ typedef struct lac_rg_result {
     double *block;      ///< [loads] side of the largest block slipped as a whole [m], mean
     double *blocks;     ///< [levels + 1] N_tot, mean
     double *slipping;   ///< [levels + 1] N_slip at Q_crit, just before the joint slides, mean
+    double *begin;      ///< [levels + 1] N_slip where a path begins loaded, mean; of the root: the
+                        ///< share of joints and places that slide there; else 0
     lac_rg_sizes *size; ///< [levels + 1] mean over joints and places
-    double *cell_load;  ///< [n of the last joint] load at which each cell has slipped [1]
+    double *cell_load;  ///< [n of the last joint] first load at which each cell has slipped [1]
+    double *own_level;  ///< [n of the last joint] level of the largest block around each cell that
+                        ///< slips by itself where a path begins loaded; NaN: none
     size_t last_n;      ///< n of the last joint
 } lac_rg_result;
 
@@ -70,7 +92,7 @@ lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, 
 /// Lets the cascade run on one joint, its places shared among the threads; the results do not
 /// depend on how many these are.
 /// @return LAC_OK; LAC_EINPUT (a joint of other levels than those before); LAC_ENOMEM
-/// @cost   some 280 passes a place
+/// @cost   some 75 passes a place, and as many passes down for the first
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
 
 /// Statistics of what was added.

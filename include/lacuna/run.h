@@ -13,6 +13,13 @@ typedef struct lac_cadence {
     double per_decade; ///< records per decade of the mean slip rate; NaN: not by rate
 } lac_cadence;
 
+/// The contact cells at a record; the arrays hold until the sink returns.
+typedef struct lac_record_cells {
+    size_t n;
+    const double *slip_rate; ///< [n] [m/s]
+    const double *log_state; ///< [n] ln theta, theta in s
+} lac_record_cells;
+
 /// One line of the time series.
 typedef struct lac_record {
     double time_origin, time_local; ///< t = origin + local since the start [s]
@@ -20,7 +27,25 @@ typedef struct lac_record {
     double step_size; ///< of the step that ended here or that this time lies in [s]; NaN at t = 0
     int64_t order;    ///< of that step; 0 at the start
     int64_t rhs_evaluations;
+    lac_record_cells cells;
+    const double *extra; ///< values that an analysis adds, in the order of its quantities that run
+                         ///< over time; NULL: none
 } lac_record;
+
+/// What a quantity beyond those of every run runs over.
+typedef enum lac_extra_over {
+    LAC_OVER_NOTHING = 0, ///< one value, known before the run or after it
+    LAC_OVER_TIME,        ///< one value a record
+    LAC_OVER_LEVELS,      ///< one value a record and level of the hierarchy
+} lac_extra_over;
+
+/// A quantity beyond those of every run: what a file says of it.
+typedef struct lac_extra {
+    const char *name, *unit, *long_name, *comment;
+    const char *cell_methods; ///< NULL: none
+    lac_extra_over over;
+    bool count; ///< a whole number, never missing
+} lac_extra;
 
 /// Fields of every cell at one time.
 typedef struct lac_snapshot {

@@ -5,6 +5,15 @@
 #include "lacuna/rg_study.h"
 #include "lacuna/scene.h"
 
+/// A joint as it is, before the further load of lac_scene_rg_cells.
+typedef struct lac_scene_rg_now {
+    bool loaded;        ///< the rest holds
+    double load;        ///< Q/Q_nom [1]
+    double share;       ///< effective normal pressure over the total one [1]
+    double weakest_gap; ///< least further stress that makes a cell slip [Pa]; <= 0: it slips now
+    double weakest[2];  ///< centre of that cell [m]
+} lac_scene_rg_now;
+
 /// The cascade of a case: a study for each beta, over all seeds and places.
 typedef struct lac_scene_rg {
     size_t betas;                                ///< 1 where it follows from the friction law
@@ -17,6 +26,7 @@ typedef struct lac_scene_rg {
     double contact_fraction; ///< mean over the seeds [1]
     double dimension;        ///< D_box, mean over the seeds [1]; NaN where it was not counted
     lac_domain *domain;      ///< of the last seed
+    lac_scene_rg_now now;    ///< of lac_scene_rg_cells
 } lac_scene_rg;
 
 /// Asked before each seed and told how many are done.
@@ -33,6 +43,21 @@ typedef struct lac_rg_watch {
 /// @cost   with `elastic` 24 contacts a seed; some 300 passes a place and beta
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
                             lac_error *err);
+
+/// Cells and tractions that are known, such as those of a snapshot.
+typedef struct lac_rg_cells {
+    const lac_domain *domain; ///< pressures before pore pressure
+    const double *shear;      ///< [n] traction of each cell [Pa]
+    double time;              ///< at which the case's pore pressure acts [s]; NaN: none acts
+} lac_rg_cells;
+
+/// Runs the cascade on known cells: a further load is laid on, the same stress on all cells up to
+/// their caps (lac_rg_path_further), f and beta from the case.
+/// @param c  read for LAC_FOR_CELLS; its rg.field and rg.seeds do not matter
+/// @return LAC_OK; LAC_EINPUT (no beta follows from the friction law; pore pressure as high as the
+///         normal stress); LAC_ENOMEM
+lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_scene_rg *out,
+                              lac_error *err);
 
 /// Frees what it holds.
 void lac_scene_rg_clear(lac_scene_rg *rg);

@@ -31,6 +31,8 @@ typedef struct lac_store_def {
     unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
     int64_t compression; ///< deflate level of the snapshots, 0 to 9
     int64_t sync_every;  ///< records between syncs
+    size_t extras;
+    const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
 } lac_store_def;
 
 /// A netCDF-4 file being written; docs/format.md.
@@ -42,6 +44,11 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
 
 /// The sink that writes into the store; valid until the store is finished or freed.
 lac_sink lac_store_sink(lac_store *store);
+
+/// Writes the extra quantities that run over nothing, before the run or after it.
+/// @param once  values in their order; NaN: missing
+/// @return LAC_OK; LAC_EIO
+lac_status lac_store_once(lac_store *store, const double *once, lac_error *err);
 
 /// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
 /// the wall time, and closes the file. The store still has to be freed.

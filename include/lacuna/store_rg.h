@@ -5,6 +5,17 @@
 #include "lacuna/rg_study.h"
 #include "lacuna/store.h"
 
+/// The file whose cells were followed, and what the joint was like in it.
+typedef struct lac_rg_origin {
+    const char *file, *status;
+    size_t snapshot;
+    double time;        ///< of the snapshot [s]; NaN: not in time
+    double load;        ///< Q/Q_nom
+    double share;       ///< effective over total normal pressure
+    double weakest_gap; ///< least further stress that makes a cell slip [Pa]
+    double weakest[2];  ///< centre of that cell [m]
+} lac_rg_origin;
+
 /// The results of a cascade, as they are written.
 typedef struct lac_rg_view {
     const char *rule, *field;
@@ -14,6 +25,7 @@ typedef struct lac_rg_view {
     const double *beta;                 ///< [betas] a mean where cells differ
     const lac_rg_result *const *result; ///< [betas]
     double strength;                    ///< Q_nom over the nominal area [Pa]
+    const lac_rg_origin *origin;        ///< NULL: of a case
 } lac_rg_view;
 
 /// Writes them to a netCDF-4 file of their own; docs/format.md.

@@ -262,4 +262,5 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_initial(reader, c);
     check_solver(reader, c);
     lac_check_rg(reader, c);
+    lac_check_analysis(reader, c);
 }

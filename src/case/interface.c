@@ -111,6 +111,11 @@ void lac_check_interface(lac_reader *reader, lac_interface_def *def)
         lac_blame_key(reader, "interface.domain",
                       "is given beside interface.surface; exactly one is allowed");
     }
+    if (lac_present(reader, "interface.spread") && !lac_present(reader, "interface.domain")) {
+        lac_blame_key(reader, "interface.spread",
+                      "goes with interface.domain; the pressures of a surface follow from pressing "
+                      "it");
+    }
     if (!lac_clean(reader, "interface")) {
         return;
     }

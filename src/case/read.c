@@ -57,6 +57,8 @@ void lac_case_free(lac_case *c)
     }
     clear_slots(&c->shear);
     clear_slots(&c->pore);
+    clear_spreads(&c->interface_spread);
+    clear_slots(&c->analysis);
     clear_spreads(&c->friction_spread);
     clear_spreads(&c->initial_spread);
     for (size_t i = 0; i < c->compare_count; i++) {

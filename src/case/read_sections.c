@@ -62,6 +62,7 @@ static void read_interface(lac_reader *reader, lac_case *c)
     if (node == NULL) {
         return;
     }
+    static const char *const varied[] = {"pressure"};
     const lac_node *surface = lac_node_child(node, "surface");
     const lac_node *domain = lac_node_child(node, "domain");
     if (surface != NULL) {
@@ -69,6 +70,9 @@ static void read_interface(lac_reader *reader, lac_case *c)
     }
     if (domain != NULL) {
         lac_read_slot(reader, domain, LAC_KIND_DOMAIN, NULL, &c->domain);
+    }
+    if (lac_node_child(node, "spread") != NULL) {
+        lac_read_spreads(reader, lac_node_child(node, "spread"), varied, 1, &c->interface_spread);
     }
 }
 
@@ -189,6 +193,7 @@ void lac_read_sections(lac_reader *reader, lac_case *c)
         lac_read_output(reader, output, c);
     }
     lac_read_rg(reader, lac_node_child(reader->root, "rg"), c);
+    lac_read_analysis(reader, lac_node_child(reader->root, "analysis"), c);
     const lac_node *compare = lac_node_child(reader->root, "compare");
     if (compare != NULL) {
         lac_read_compare(reader, compare, c);

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "case/schema.h"
+#include "lacuna/analysis.h"
 #include "lacuna/surface.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -108,6 +109,11 @@ static const lac_descriptor *transfer_at(size_t index)
     return (const void *)lac_transfer_kind_at(index);
 }
 
+static const lac_descriptor *indicator_at(size_t index)
+{
+    return (const void *)lac_indicator_kind_at(index);
+}
+
 static const lac_kind kinds[] = {
     [LAC_KIND_SURFACE] = {.name = "surface",
                           .section = "interface.surface",
@@ -140,8 +146,13 @@ static const lac_kind kinds[] = {
     [LAC_KIND_SPREAD] = {.name = "spread",
                          .section = "friction.spread",
                          .summary =
-                             "how a parameter varies from cell to cell (also initial.spread)",
+                             "how a parameter varies from cell to cell (also initial.spread and "
+                             "interface.spread)",
                          .at = spread_at},
+    [LAC_KIND_INDICATOR] = {.name = "indicator",
+                            .section = "analysis",
+                            .summary = "what a run follows beside its own quantities",
+                            .at = indicator_at},
 };
 
 const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }

@@ -4,11 +4,13 @@
 #include <string.h>
 
 #include "case/sections.h"
+#include "lacuna/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const rg_fields[] = {"elastic", "equal", NULL};
+static const char *const rg_fields[] = {"elastic", "equal", "uniform", NULL};
+static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
@@ -26,7 +28,9 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_CHOICE,
      .choices = rg_fields,
      .offset = FIELD(rg.field),
-     .doc = "how shear spreads over the cells: elastic contact, or equal springs with caps"},
+     .doc =
+         "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
+         "stress on all (uniform), as a ramp with share: equal puts it on"},
     {.key = "beta",
      .doc = "strength left after slip, as a number, a list, or from-friction",
      .unit = "1",
@@ -65,6 +69,21 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
      .type = LAC_INTEGER,
      .offset = FIELD(rg.loads),
      .doc = "shear forces at which slipping blocks are counted"},
+    {.key = "contacts",
+     .unit = "1",
+     .fallback = LAC_RG_LOADS,
+     .min = 10,
+     .max = LAC_RG_MOST_LOADS,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rg.contacts),
+     .doc = "contacts solved along the path of field elastic, to interpolate between"},
+    {.key = "path",
+     .unit = "1",
+     .fallback = LAC_RG_SERIES,
+     .type = LAC_CHOICE,
+     .choices = rg_paths,
+     .offset = FIELD(rg.path),
+     .doc = "the critical force of field elastic from that series, or on contacts solved for it"},
 };
 
 const char *const lac_rg_own[] = {"beta", NULL};
@@ -136,9 +155,10 @@ static void check_interface(lac_reader *reader, const lac_case *c)
     }
     if (c->rg.field == LAC_RG_ELASTIC && lac_present(reader, "interface.domain")) {
         lac_blame_key(reader, "rg.field",
-                      "needs interface.surface to press; a domain goes with equal");
+                      "needs interface.surface to press; a domain goes with equal or uniform");
     }
-    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain)) {
+    if (c->rg.seeds > 1 && !seeded(&c->surface) && !seeded(&c->domain) &&
+        c->interface_spread.count == 0) {
         lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
     }
 }
@@ -160,7 +180,8 @@ static void check_law(lac_reader *reader, const lac_case *c)
 void lac_check_rg(lac_reader *reader, lac_case *c)
 {
     bool asked = lac_present(reader, "rg");
-    if (reader->purpose != LAC_FOR_RG && !asked) {
+    const bool on_cells = reader->purpose == LAC_FOR_CELLS;
+    if (reader->purpose != LAC_FOR_RG && !on_cells && !asked) {
         return;
     }
     if (!lac_clean(reader, "rg") || !lac_clean(reader, "friction") ||
@@ -168,6 +189,8 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
         return;
     }
     lac_find_coulomb(reader, c, "rg", &c->rg.friction);
-    check_interface(reader, c);
+    if (!on_cells) {
+        check_interface(reader, c);
+    }
     check_law(reader, c);
 }

@@ -54,6 +54,7 @@ enum {
     LAC_KIND_FRICTION,
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
+    LAC_KIND_INDICATOR,
 };
 
 /// Parameters of every model of LAC_KIND_SPREAD.

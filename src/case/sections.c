@@ -28,7 +28,7 @@ static const lac_param case_rows[] = {
 
 static const char *const case_own[] = {"lacuna",  "interface", "material", "load",   "friction",
                                        "initial", "transfer",  "time",     "solver", "output",
-                                       "rg",      "compare",   NULL};
+                                       "rg",      "analysis",  "compare",  NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
@@ -90,9 +90,10 @@ static const lac_param interface_rows[] = {
      .doc = "periodic, or free: the faces end at the border, the rock goes on"},
     {.key = "surface", .doc = "{MODEL: {...}}: heights to press", OWN},
     {.key = "domain", .doc = "{MODEL: {...}}: contact cells, instead of a surface", OWN},
+    {.key = "spread", .doc = "{pressure: {MODEL: {...}}}: over the cells of a domain", OWN},
 };
 
-static const char *const interface_own[] = {"surface", "domain", NULL};
+static const char *const interface_own[] = {"surface", "domain", "spread", NULL};
 
 static const lac_param material_rows[] = {
     {.key = "shear_modulus",

@@ -42,7 +42,7 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// The keys of `rg`.
-enum { LAC_RG_ROWS = 7 };
+enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];
 extern const char *const lac_rg_own[];
 
@@ -51,6 +51,12 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
+
+/// Reads `analysis`; NULL: none.
+void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What is wrong with the indicators; fills in what they take from elsewhere in the case.
+void lac_check_analysis(lac_reader *reader, lac_case *c);
 
 /// Reads `load.history`.
 void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c);

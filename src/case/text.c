@@ -380,6 +380,22 @@ static void put_rg(writer *w, const lac_case *c)
     put(w, c->rg.betas == 0 ? "\n" : "]\n");
 }
 
+static void put_analysis(writer *w, const lac_case *c)
+{
+    if (c->analysis.count > 0) {
+        put(w, "analysis:\n");
+    }
+    for (size_t i = 0; i < c->analysis.count; i++) {
+        const lac_slot *slot = &c->analysis.item[i];
+        put(w, "  ");
+        put_model(w, 1, slot);
+        bool rg = strcmp(slot->about->name, "rg") == 0;
+        if (rg && ((const lac_analysis_rg *)slot->params)->beta_from_friction) {
+            put(w, "    beta: from-friction\n");
+        }
+    }
+}
+
 char *lac_case_text(const lac_case *c)
 {
     writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
@@ -389,6 +405,7 @@ char *lac_case_text(const lac_case *c)
     put_section(&w, 1, LAC_SECTION_INTERFACE, c);
     put_slot(&w, 1, "surface", &c->surface);
     put_slot(&w, 1, "domain", &c->domain);
+    put_spreads(&w, &c->interface_spread);
     put(&w, "material:\n");
     put_section(&w, 1, LAC_SECTION_MATERIAL, c);
     put(&w, "load:\n");
@@ -404,6 +421,7 @@ char *lac_case_text(const lac_case *c)
     put_section(&w, 1, LAC_SECTION_SOLVER, c);
     put_output(&w, c);
     put_rg(&w, c);
+    put_analysis(&w, c);
     put_compare(&w, c);
     if (w.failed) {
         free(w.text);

@@ -24,6 +24,7 @@ static const option table[] = {
     {CLI_OPT_COARSEST, '\0', "coarsest", "N", "cells a side of the coarsest resolution: 64"},
     {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
     {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
+    {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -152,6 +153,9 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         break;
     case CLI_OPT_SIZES:
         request->sizes = value;
+        break;
+    case CLI_OPT_SNAPSHOT:
+        request->snapshot = value;
         break;
     case CLI_OPT_SET:
         return add_override(request, value, err);

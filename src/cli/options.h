@@ -26,6 +26,7 @@ enum {
     CLI_OPT_COARSENING = 1 << 17,
     CLI_OPT_SIZES = 1 << 18,
     CLI_OPT_COARSEST = 1 << 19,
+    CLI_OPT_SNAPSHOT = 1 << 20,
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
@@ -41,6 +42,7 @@ typedef struct cli_request {
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
+    const char *snapshot;                              ///< which one of a file
     int threads;                                       ///< 0: not given
     size_t set_count;                                  ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values point into them

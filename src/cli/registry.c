@@ -20,11 +20,12 @@ static const cli_command commands[] = {
      "every resolution, box side, cluster octave and specimen.\n",
      "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_FRACTAL, cli_contact},
-    {"rg", "CASE", "the cascade of slip and its critical shear force",
-     "Writes slipped fractions of every level at every load, and what follows from them, to "
-     "-o FILE, else CASE-rg.nc in this folder; -v prints them too.\n",
-     "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1, CLI_OPT_WRITES | CLI_OPT_SET,
-     cli_rg},
+    {"rg", "CASE|OUT.nc", "the cascade of slip and its critical shear force",
+     "Of a case, or of the cells and tractions in the file of a run or a contact. Writes slipped "
+     "fractions of every level at every load, and what follows from them, to -o FILE, else "
+     "CASE-rg.nc in this folder; -v prints them too.\n",
+     "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report.h"
 
+#include <string.h>
+
 #include "cli/words.h"
 
 void cli_report_print(const lac_case_report *report, const cli_request *request)
 {
+    cli_report_print_of(report, request, "");
+}
+
+void cli_report_print_of(const lac_case_report *report, const cli_request *request,
+                         const char *section)
+{
     for (size_t i = 0; i < report->count; i++) {
         const lac_case_issue *issue = &report->issue[i];
         char text[2000];
-        if (!issue->warning || !cli_given(request, CLI_OPT_QUIET)) {
+        bool wanted = !cli_given(request, CLI_OPT_QUIET) && issue->key != NULL &&
+                      strncmp(issue->key, section, strlen(section)) == 0;
+        if (!issue->warning || wanted) {
             cli_note("%s%s", issue->warning ? "warning: " : "",
                      lac_case_issue_format(issue, text, sizeof text));
         }

@@ -8,6 +8,10 @@
 /// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
 void cli_report_print(const lac_case_report *report, const cli_request *request);
 
+/// The same with the warnings of keys that begin with `section` only.
+void cli_report_print_of(const lac_case_report *report, const cli_request *request,
+                         const char *section);
+
 /// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
 void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings);
 

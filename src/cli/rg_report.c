@@ -14,7 +14,9 @@ const char *cli_rg_rule(const lac_case *c)
 
 const char *cli_rg_field(const lac_case *c)
 {
-    return c->rg.field == LAC_RG_EQUAL ? "equal" : "elastic";
+    static const char *const names[] = {
+        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
+    return names[c->rg.field];
 }
 
 static const char *with_error(double value, double error, char *text, size_t size)
@@ -33,20 +35,28 @@ static void print_law(const char *label, const lac_rg_power *law)
 {
     if (law->holds) {
         cli_row(label, "~ (1 - Q/Q_crit)^-%.2f +/- %.2f", law->exponent, law->error);
+    } else if (isnan(law->exponent)) {
+        cli_row(label, "none: too few loads below Q_crit");
     } else {
         cli_row(label, "no power law over this range (slope %.2f, bent by %.1f errors)",
                 law->exponent, fabs(law->curvature));
     }
 }
 
-static void print_levels(const lac_rg_result *r, const lac_grid *grid)
+static void print_levels(const lac_rg_result *r, const lac_scene_rg *rg)
 {
     char side[32];
-    printf("\n  %12s %10s %16s %16s\n", "block", "N_tot", "N_slip at Q_crit", "strength (Pa)");
+    const double cell = fmax(rg->grid.dx, rg->grid.dy);
+    printf("\n  %12s %10s %16s %16s%s\n", "block", "N_tot", "N_slip at Q_crit", "strength (Pa)",
+           rg->now.loaded ? "       N_slip now" : "");
     for (size_t level = 0; level <= r->levels; level++) {
-        printf("  %12s %10.1f %16.1f %16.4g\n",
-               cli_quantity(ldexp(fmax(grid->dx, grid->dy), (int)level), "m", side, sizeof side),
-               r->blocks[level], r->slipping[level], r->size[level].strength);
+        printf("  %12s %10.1f %16.1f %16.4g",
+               cli_quantity(ldexp(cell, (int)level), "m", side, sizeof side), r->blocks[level],
+               r->slipping[level], r->size[level].strength);
+        if (rg->now.loaded) {
+            printf(" %16.1f", r->begin[level]);
+        }
+        printf("\n");
     }
 }
 
@@ -66,6 +76,19 @@ static void print_curve(const lac_rg_result *r)
     }
 }
 
+// How far the joint is from sliding, and what slips already.
+static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
+{
+    if (r->begin[r->levels] > 0.0) {
+        cli_row("slides now", "at %.3g %% of the places", 100.0 * r->begin[r->levels]);
+    }
+    cli_row("to Q_crit", "%.4f of Q_nom", r->critical - now->load);
+    cli_row("slipping cells", "%.0f of %.0f by themselves", r->begin[0], r->blocks[0]);
+    char length[32];
+    cli_row("xi now", "%s (clusters), %.4g m (blocks)",
+            cli_quantity(r->cluster[0], "m", length, sizeof length), r->block[0]);
+}
+
 static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
 {
     const lac_rg_result *r = rg->result[k];
@@ -79,6 +102,9 @@ static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool v
     } else {
         cli_row("Q_crit/Q_nom", "%s (sd %.4f among places)", text, r->place_sd);
     }
+    if (rg->now.loaded) {
+        print_now(r, &rg->now);
+    }
     cli_row("fixed point C", "%s",
             with_error(r->fixed_point.value, r->fixed_point.error, text, sizeof text));
     cli_row("lambda", "%s", with_error(r->lambda.value, r->lambda.error, text, sizeof text));
@@ -86,7 +112,7 @@ static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool v
     print_law("xi of clusters", &r->cluster_law);
     print_law("xi of blocks", &r->block_law);
     if (verbose) {
-        print_levels(r, &rg->grid);
+        print_levels(r, rg);
         print_curve(r);
     }
 }
@@ -124,8 +150,9 @@ static void write_law(cli_json *json, const char *key, const lac_rg_power *law)
     cli_json_close(json, '}');
 }
 
-static void write_levels(cli_json *json, const lac_rg_result *r, const lac_grid *grid)
+static void write_levels(cli_json *json, const lac_rg_result *r, const lac_scene_rg *rg)
 {
+    const lac_grid *grid = &rg->grid;
     cli_json_open(json, "levels", '[');
     for (size_t level = 0; level <= r->levels; level++) {
         cli_json_open(json, NULL, '{');
@@ -133,6 +160,9 @@ static void write_levels(cli_json *json, const lac_rg_result *r, const lac_grid 
         cli_json_number(json, "block_size_m", ldexp(fmax(grid->dx, grid->dy), (int)level));
         cli_json_number(json, "n_tot", r->blocks[level]);
         cli_json_number(json, "n_slip_at_q_crit", r->slipping[level]);
+        if (rg->now.loaded) {
+            cli_json_number(json, "n_slip_now", r->begin[level]);
+        }
         bool any = r->size[level].blocks > 0;
         cli_json_number(json, "strength_Pa", any ? r->size[level].strength : NAN);
         cli_json_number(json, "strength_spread_Pa", any ? r->size[level].spread : NAN);
@@ -152,6 +182,12 @@ static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *
     cli_json_number(json, "q_crit_error", r->critical_error);
     cli_json_number(json, "q_crit_sd", r->critical_sd);
     cli_json_number(json, "q_crit_sd_of_places", r->place_sd);
+    if (rg->now.loaded) {
+        cli_json_number(json, "distance_to_q_crit", r->critical - rg->now.load);
+        cli_json_number(json, "slides_now", r->begin[r->levels]);
+        cli_json_number(json, "cluster_length_now_m", r->cluster[0]);
+        cli_json_number(json, "block_length_now_m", r->block[0]);
+    }
     cli_json_number(json, "critical_fraction", r->fixed_point.value);
     cli_json_number(json, "critical_fraction_error", r->fixed_point.error);
     write_interval(json, "critical_fraction_interval95", &r->fixed_point);
@@ -164,7 +200,7 @@ static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *
     cli_json_integer(json, "map_points", (int64_t)r->map.points);
     write_law(json, "cluster_length", &r->cluster_law);
     write_law(json, "block_length", &r->block_law);
-    write_levels(json, r, &rg->grid);
+    write_levels(json, r, rg);
     cli_json_close(json, '}');
 }
 

@@ -12,6 +12,7 @@
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/words.h"
+#include "lacuna/scene_analysis.h"
 
 enum { RECORDS_BETWEEN_SYNCS = 64 };
 
@@ -21,6 +22,7 @@ typedef struct run_job {
     lac_case *source;
     cli_compare compare;
     lac_scene *scene;
+    lac_analysis *analysis; // NULL where the case names no indicator
     lac_store *store;
     cli_history history;
     cli_progress progress;
@@ -31,6 +33,7 @@ typedef struct run_job {
 static void job_clear(run_job *job)
 {
     lac_store_free(job->store);
+    lac_analysis_free(job->analysis);
     lac_scene_free(job->scene);
     cli_history_clear(&job->history);
     cli_compare_clear(&job->compare);
@@ -113,7 +116,12 @@ static lac_status open_store(run_job *job, lac_error *err)
         .compression = c->compression,
         .sync_every = RECORDS_BETWEEN_SYNCS,
     };
-    return lac_store_create(&def, &job->store, err);
+    const double *once = NULL;
+    if (job->analysis != NULL) {
+        def.extras = lac_analysis_extras(job->analysis, &def.extra, &once);
+    }
+    lac_status status = lac_store_create(&def, &job->store, err);
+    return status == LAC_OK && once != NULL ? lac_store_once(job->store, once, err) : status;
 }
 
 static bool on_interrupted(void *context)
@@ -132,6 +140,9 @@ static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err
         .clock = job->source->dated ? job->source->start_date : 0,
     };
     lac_sink sink = cli_history_sink(&job->history);
+    if (job->analysis != NULL) {
+        sink = lac_analysis_sink(job->analysis, &sink);
+    }
     lac_run_def def = job->source->run;
     def.interrupted = on_interrupted;
     def.progress = on_progress;
@@ -147,12 +158,27 @@ static const char *status_word(lac_status status)
     return status == LAC_OK ? "complete" : status == LAC_EINTERRUPT ? "interrupted" : "failed";
 }
 
+// What the indicators know only now.
+static lac_status sum_up(run_job *job, const lac_run_result *result, lac_error *err)
+{
+    const lac_extra *extra;
+    const double *once;
+    if (job->analysis == NULL) {
+        return LAC_OK;
+    }
+    lac_status status = lac_analysis_finish(job->analysis, result, err);
+    (void)lac_analysis_extras(job->analysis, &extra, &once);
+    return status == LAC_OK ? lac_store_once(job->store, once, err) : status;
+}
+
 static lac_status close_store(run_job *job, lac_status status, const cli_outcome *outcome,
                               lac_error *err)
 {
     lac_error late = {0};
-    lac_status finished =
-        lac_store_finish(job->store, outcome->status, &outcome->result, outcome->wall_time, &late);
+    lac_status summed = sum_up(job, &outcome->result, &late);
+    lac_status finished = lac_store_finish(job->store, outcome->status, &outcome->result,
+                                           outcome->wall_time, summed == LAC_OK ? &late : NULL);
+    finished = summed == LAC_OK ? finished : summed;
     if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
         *err = late;
         return finished;
@@ -198,6 +224,7 @@ static lac_status compute(run_job *job, lac_error *err)
         .scene = job->scene,
         .history = &job->history,
         .compare = &job->compare,
+        .analysis = job->analysis,
         .path = job->path,
     };
     cli_say(job->request, "integrating to %g s", job->source->run.end);
@@ -221,6 +248,11 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
     cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
             cli_clock() - job.started);
+    if (job.source->analysis.count > 0) {
+        cli_say(request, "preparing the indicators");
+    }
+    LAC_TRY(
+        cli_blame(job.source, lac_scene_analysis_create(job.scene, NULL, &job.analysis, err), err));
     LAC_TRY(compute(&job, err));
 out:
     job_clear(&job);

@@ -9,6 +9,7 @@
 #include "base/date.h"
 #include "base/units.h"
 #include "cli/measures.h"
+#include "cli/run_analysis.h"
 #include "cli/words.h"
 
 static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
@@ -123,6 +124,7 @@ void cli_outcome_print(const cli_outcome *outcome)
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->result.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->result.max_slip_rate, "m/s");
+    cli_analysis_print(outcome->analysis);
     print_cost(outcome);
     cli_compare_print(outcome->compare, &run);
 }
@@ -176,6 +178,7 @@ void cli_outcome_json(const cli_outcome *outcome)
     write_failure(&json, outcome);
     cli_measures_json(&json, &outcome->scene->contact);
     write_results(&json, outcome);
+    cli_analysis_json(&json, outcome->analysis);
     write_cost(&json, outcome);
     cli_json_text(&json, "output", outcome->path);
     cli_compare_json(&json, outcome->compare, &run);

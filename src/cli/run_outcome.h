@@ -4,6 +4,7 @@
 
 #include "cli/compare.h"
 #include "cli/history.h"
+#include "lacuna/analysis.h"
 #include "lacuna/scene.h"
 
 /// Everything that is said about a run when it is over.
@@ -12,6 +13,7 @@ typedef struct cli_outcome {
     const lac_scene *scene;
     const cli_history *history;
     const cli_compare *compare;
+    const lac_analysis *analysis; ///< NULL: none
     lac_run_result result;
     const char *status; ///< as in the file: complete, failed, interrupted
     const char *path;   ///< of the file

@@ -7,7 +7,7 @@
 
 #include "lacuna/friction.h"
 
-extern const lac_friction_law lac_friction_aging, lac_friction_slip;
+extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening;
 
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];

@@ -4,6 +4,7 @@
 static const lac_friction_law *const laws[] = {
     &lac_friction_aging,
     &lac_friction_slip,
+    &lac_friction_weakening,
 };
 
 const lac_friction_law *lac_friction_law_at(size_t index)

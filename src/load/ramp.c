@@ -5,7 +5,13 @@ typedef struct ramp_params {
     double rate;  // [Pa/s]
     double start; // [s]
     double end;   // [s]; NaN: it never ends
+    int share;    // ramp_share
 } ramp_params;
+
+// How the stress is shared by the cells.
+typedef enum ramp_share { BY_PRESSURE = 0, EQUAL } ramp_share;
+
+static const char *const shares[] = {"pressure", "equal", NULL};
 
 static double end_of(const ramp_params *ramp) { return isnan(ramp->end) ? INFINITY : ramp->end; }
 
@@ -17,8 +23,11 @@ static void add(const void *p, double t, lac_load_state *sum)
     if (t < ramp->start || end <= ramp->start) {
         return;
     }
-    sum->stress += ramp->rate * (fmin(t, end) - ramp->start);
-    sum->stress_rate += t < end ? ramp->rate : 0;
+    double stress = ramp->rate * (fmin(t, end) - ramp->start);
+    double rate = t < end ? ramp->rate : 0;
+    // A spring's stress is the same on all cells; here it has no stiffness.
+    *(ramp->share == EQUAL ? &sum->spring_stress : &sum->stress) += stress;
+    *(ramp->share == EQUAL ? &sum->spring_rate : &sum->stress_rate) += rate;
 }
 
 static double next_break(const void *p, double t)
@@ -64,6 +73,13 @@ static const lac_param params[] = {
      .flags = LAC_OPTIONAL,
      .doc = "when it ends, since the start of the run, the stress being held from then on; never "
             "if absent"},
+    {.key = "share",
+     .unit = "1",
+     .fallback = BY_PRESSURE,
+     .type = LAC_CHOICE,
+     .choices = shares,
+     .offset = offsetof(ramp_params, share),
+     .doc = "of each cell: in proportion to its pressure, or the same stress on all (equal)"},
 };
 
 const lac_load_kind lac_shear_ramp = {

@@ -1,34 +1,68 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lacuna/rg.h"
+#include "rg/path.h"
 
-static bool slides(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
+#include <math.h>
+
+double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
                    double *work)
 {
     double *shear = work;
     double *gap = work + lac_rg_blocks_at(tree, 0);
     lac_rg_path_at(path, load, shear, gap);
-    return lac_rg_slips(tree, lac_rg_pass(tree, rule, shear, gap));
+    return lac_rg_pass(tree, rule, shear, gap);
+}
+
+// Twice a little beyond the chord through the thresholds, on the side that was not seen last, then
+// in the middle. LUMP has no thresholds to draw a chord through.
+double lac_rg_next_load(const lac_rg_bracket *b, int step, bool stuck, double within)
+{
+    const double width = b->high - b->low;
+    double x = b->low + width * b->at_low / (b->at_low - b->at_high);
+    if (step > 0) {
+        double beyond = fmax(0.4 * within, 0.02 * width);
+        x += stuck ? beyond : -beyond;
+    }
+    return step % 3 < 2 && x > b->low && x < b->high ? x : 0.5 * (b->low + b->high);
+}
+
+double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, lac_rg_bracket b,
+                    double *work)
+{
+    const double within = 1e-9;
+    bool stuck = false;
+    for (int step = 0; b.high - b.low > within; step++) {
+        double load = lac_rg_next_load(&b, step, stuck, within);
+        double at = lac_rg_root(tree, rule, path, load, work);
+        stuck = !lac_rg_slips(tree, at);
+        if (stuck) {
+            b.low = load;
+            b.at_low = at;
+        } else {
+            b.high = load;
+            b.at_high = at;
+        }
+    }
+    return b.high;
 }
 
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work)
 {
-    const int scan = 60; // a joint may slide, stick and slide again as its tractions rearrange
-    double high = 1.0;
-    double low = 0.0;
-    for (int i = 1; i <= scan; i++) {
-        high = (double)i / scan;
-        if (slides(tree, rule, path, high, work)) {
+    // a joint may slide, stick and slide again as its tractions rearrange
+    lac_rg_bracket b = {.low = lac_rg_path_load(path, 0.0), .at_low = INFINITY};
+    if (lac_rg_path_is_laden(path)) {
+        b.at_low = lac_rg_root(tree, rule, path, b.low, work);
+        if (lac_rg_slips(tree, b.at_low)) {
+            return b.low;
+        }
+    }
+    for (int i = 1; i <= LAC_RG_SCAN; i++) {
+        b.high = lac_rg_path_load(path, (double)i / LAC_RG_SCAN);
+        b.at_high = lac_rg_root(tree, rule, path, b.high, work);
+        if (lac_rg_slips(tree, b.at_high)) {
             break;
         }
-        low = high;
+        b.low = b.high;
+        b.at_low = b.at_high;
     }
-    while (high - low > 1e-9) {
-        double middle = 0.5 * (low + high);
-        if (slides(tree, rule, path, middle, work)) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    return high;
+    return lac_rg_close(tree, rule, path, b, work);
 }

@@ -61,6 +61,25 @@ static void slip(slide *s, const lac_rg_layer *below, uint32_t c)
     }
 }
 
+// Of two children: the one that slips first, and what it leaves the other to bear.
+static double threshold_of_two(const lac_rg_tree *tree, const lac_rg_layer *below, double all,
+                               uint32_t c)
+{
+    const lac_rg_child one = {below->gap[c], below->strength[c], c};
+    const lac_rg_child two = {below->gap[c + 1], below->strength[c + 1], c + 1};
+    const uint32_t first = before(&two, &one) ? c + 1 : c;
+    const uint32_t last = 2 * c + 1 - first;
+    const double left = below->cells[last];
+    double needed = below->gap[last];
+    if (tree->rule == LAC_RG_FIX) {
+        needed -= below->drop[first] / left;
+    } else {
+        double kept = below->strength[first] - below->drop[first];
+        needed = (left * needed - (below->shear[first] - kept)) / all;
+    }
+    return fmax(needed, below->gap[first]);
+}
+
 // The smallest stress on all cells of a block that makes each child slip in turn.
 static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_rg_layer *layer,
                         size_t block)
@@ -70,6 +89,9 @@ static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_
         return below->gap[child[0]];
     }
     const double all = layer->cells[block];
+    if (child[1] - child[0] == 2) {
+        return threshold_of_two(tree, below, all, child[0]);
+    }
     size_t n = lac_rg_sort(below, child[0], child[1], tree->order);
     double best = -INFINITY;
     slide s = {.left = all};
@@ -183,5 +205,27 @@ void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
         if (stress != NULL) {
             stress[c] = slipped[c] != 0 ? 0.0 : cells->received[i];
         }
+    }
+}
+
+void lac_rg_own_levels(lac_rg_tree *tree, double *level)
+{
+    size_t above = tree->levels;
+    for (size_t k = tree->layers; k-- > 0;) {
+        lac_rg_layer *layer = &tree->layer[k];
+        while (above > 0 && tree->of_level[above] > k) {
+            above--; // the highest level of this layer
+        }
+        for (size_t b = 0; b < layer->count; b++) {
+            double of_parent = k + 1 < tree->layers ? layer->received[b] : NAN;
+            bool own = isnan(of_parent) && layer->gap[b] <= tree->tolerance;
+            layer->received[b] = own ? (double)above : of_parent;
+            for (uint32_t c = 0; k > 0 && c < layer->child[b + 1] - layer->child[b]; c++) {
+                tree->layer[k - 1].received[layer->child[b] + c] = layer->received[b];
+            }
+        }
+    }
+    for (size_t i = 0; i < tree->layer[0].count; i++) {
+        level[lac_rg_cell(tree, i)] = tree->layer[0].received[i];
     }
 }

@@ -9,9 +9,13 @@
 
 struct lac_rg_path {
     size_t n;
-    double *strength; // [n]; equal: f p of each cell
-    double *sorted;   // [n] equal: the same, ascending
+    bool uniform;     // equal without caps
+    double from, to;  // Q/Q_nom at its start and end
+    double *strength; // [n] equal: f p of each cell
+    double *shear;    // [n] equal: what each carries before; NULL: nothing
+    double *sorted;   // [n] equal: what each can take up, ascending
     double *below;    // [n + 1] equal: sums of those
+    double nominal;   // equal: sum of f p
     size_t loads;     // 0: equal
     double *load;     // [loads] elastic: Q/Q_nom, ascending
     double *left;     // [loads * n] elastic: f p(P - Q/f)
@@ -23,6 +27,7 @@ void lac_rg_path_free(lac_rg_path *path)
         return;
     }
     free(path->strength);
+    free(path->shear);
     free(path->sorted);
     free(path->below);
     free(path->load);
@@ -35,42 +40,91 @@ static lac_status check_strengths(size_t n, const double *strength, lac_error *e
     if (n == 0) {
         return lac_fail(err, LAC_EINPUT, "no cell is in contact");
     }
+    double total = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
             return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
                             strength[i]);
         }
+        total += strength[i];
+    }
+    return isfinite(total) ? LAC_OK
+                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
+}
+
+static lac_status check_tractions(size_t n, const double *shear, lac_error *err)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(shear[i])) {
+            return lac_fail(err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i, shear[i]);
+        }
     }
     return LAC_OK;
 }
 
-lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+// Copies the cells, and sorts what each can still take up.
+static void fill_equal(lac_rg_path *path, const double *strength, const double *shear)
 {
-    lac_rg_path *path = NULL;
-    lac_status status;
-    *out = NULL;
-    LAC_TRY(check_strengths(n, strength, err));
-    path = calloc(1, sizeof *path);
-    status = path != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    path->n = n;
-    path->strength = malloc(n * sizeof *path->strength);
-    path->sorted = malloc(n * sizeof *path->sorted);
-    path->below = malloc((n + 1) * sizeof *path->below);
-    bool made = path->strength != NULL && path->sorted != NULL && path->below != NULL;
-    status = made ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    const size_t n = path->n;
+    double carried = 0.0;
     memcpy(path->strength, strength, n * sizeof *strength);
-    memcpy(path->sorted, strength, n * sizeof *strength);
+    for (size_t i = 0; i < n; i++) {
+        path->sorted[i] = shear != NULL ? fmax(strength[i] - shear[i], 0.0) : strength[i];
+        path->nominal += strength[i];
+        carried += shear != NULL ? shear[i] : 0.0;
+    }
     gsl_sort(path->sorted, 1, n);
     path->below[0] = 0.0;
     for (size_t i = 0; i < n; i++) {
         path->below[i + 1] = path->below[i] + path->sorted[i];
     }
+    path->to = 1.0;
+    if (shear != NULL) {
+        memcpy(path->shear, shear, n * sizeof *shear);
+        path->from = carried / path->nominal;
+        path->to = (carried + path->below[n]) / path->nominal;
+    }
+}
+
+lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
+                               lac_rg_path **out, lac_error *err)
+{
+    lac_rg_path *path = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(check_strengths(n, strength, err));
+    LAC_TRY(shear != NULL ? check_tractions(n, shear, err) : LAC_OK);
+    path = calloc(1, sizeof *path);
+    status = path != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    path->n = n;
+    path->strength = malloc(n * sizeof *path->strength);
+    path->shear = shear != NULL ? malloc(n * sizeof *path->shear) : NULL;
+    path->sorted = malloc(n * sizeof *path->sorted);
+    path->below = malloc((n + 1) * sizeof *path->below);
+    bool made = path->strength != NULL && path->sorted != NULL && path->below != NULL &&
+                (path->shear != NULL || shear == NULL);
+    status = made ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    fill_equal(path, strength, shear);
     *out = path;
     return LAC_OK;
 out:
     lac_rg_path_free(path);
+    return status;
+}
+
+lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+{
+    return lac_rg_path_further(n, strength, NULL, out, err);
+}
+
+lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
+{
+    lac_status status = lac_rg_path_equal(n, strength, out, err);
+    if (status == LAC_OK) {
+        (*out)->uniform = true;
+    }
     return status;
 }
 
@@ -109,6 +163,7 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
     LAC_TRY(status);
     path->n = n;
     path->loads = loads;
+    path->to = 1.0;
     path->load = malloc(loads * sizeof *path->load);
     path->left = malloc(loads * n * sizeof *path->left);
     status = path->load != NULL && path->left != NULL ? LAC_OK : lac_fail_memory(err);
@@ -128,10 +183,21 @@ out:
 
 bool lac_rg_path_is_equal(const lac_rg_path *path) { return path->loads == 0; }
 
+bool lac_rg_path_is_laden(const lac_rg_path *path) { return path->shear != NULL; }
+
+double lac_rg_path_load(const lac_rg_path *path, double part)
+{
+    return part == 1.0 ? path->to : path->from + part * (path->to - path->from);
+}
+
 double lac_rg_path_stress(const lac_rg_path *path, double load)
 {
     const size_t n = path->n;
-    double force = load * path->below[n];
+    double force =
+        path->shear != NULL ? (load - path->from) * path->nominal : load * path->below[n];
+    if (path->uniform) {
+        return force / (double)n;
+    }
     size_t low = 0; // cells at their cap
     size_t high = n - 1;
     while (low < high) {
@@ -150,8 +216,9 @@ static void equal_at(const lac_rg_path *path, double load, double *shear, double
 {
     double tau = lac_rg_path_stress(path, load);
     for (size_t i = 0; i < path->n; i++) {
-        shear[i] = fmin(tau, path->strength[i]);
-        gap[i] = path->strength[i] - tau;
+        double q = path->shear != NULL ? path->shear[i] : 0.0;
+        shear[i] = path->uniform ? tau : fmax(q, fmin(q + tau, path->strength[i]));
+        gap[i] = path->strength[i] - q - tau;
     }
 }
 
@@ -179,33 +246,34 @@ void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double 
     }
 }
 
-void lac_rg_loads(double part[LAC_RG_LOADS])
+void lac_rg_loads(size_t loads, double *part)
 {
-    const int even = 10; // 1, 0.9 ... 0.1
-    const int last = LAC_RG_LOADS - 2;
-    for (int k = 0; k < LAC_RG_LOADS; k++) {
-        part[k] =
-            k < even ? (10.0 - k) / 10.0 : 0.1 * pow(0.02, (k - even + 1.0) / (last - even + 1.0));
+    const size_t even = (10 * loads + 12) / 24; // 10 of 24: 1, 0.9 ... 0.1
+    const size_t falling = loads - even - 1;
+    for (size_t k = 0; k < loads; k++) {
+        double x = (double)k;
+        part[k] = k < even ? 1.0 - 0.9 * x / (double)(even - 1)
+                           : 0.1 * pow(0.02, (x - (double)even + 1.0) / (double)falling);
     }
-    part[LAC_RG_LOADS - 1] = 0.0;
+    part[loads - 1] = 0.0;
 }
 
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
-                               double *pressure, lac_error *err)
+                               size_t loads, double *pressure, lac_error *err)
 {
     const size_t n = domain->n;
-    double part[LAC_RG_LOADS];
+    double part[LAC_RG_MOST_LOADS];
     lac_contact_def def = *contact;
     lac_status status;
     double *p = calloc(lac_grid_cells(&contact->grid), sizeof *p);
     status = p != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    lac_rg_loads(part);
+    lac_rg_loads(loads, part);
     def.start = p;
     for (size_t i = 0; i < n; i++) {
         p[domain->index[i]] = domain->pressure[i];
     }
-    for (size_t k = 0; k < LAC_RG_LOADS; k++) {
+    for (size_t k = 0; k < loads; k++) {
         if (k > 0 && part[k] > 0.0) {
             def.mean_pressure = part[k] * contact->mean_pressure;
             LAC_TRY(lac_contact_solve(&def, p, NULL, NULL, err));

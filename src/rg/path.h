@@ -4,10 +4,41 @@
 
 #include "lacuna/rg.h"
 
+#define LAC_RG_WITHIN_SOLVED 1e-6 // of Q/Q_nom: contacts are solved to 1e-8
+
+enum { LAC_RG_SCAN = 60 }; // loads at which it is seen whether the joint slides, at least
+
 /// Whether every cell gets the same stress, up to its cap.
 bool lac_rg_path_is_equal(const lac_rg_path *path);
 
-/// That stress [Pa]: sum min(tau, strength) = load * sum strength.
+/// Whether the joint carries tractions before the path begins.
+bool lac_rg_path_is_laden(const lac_rg_path *path);
+
+/// Q/Q_nom at a part of the path, 0 to 1.
+double lac_rg_path_load(const lac_rg_path *path, double part);
+
+/// The stress added to every cell [Pa]: sum min(tau, what a cell can take up) is the load less the
+/// one that the path begins at.
 double lac_rg_path_stress(const lac_rg_path *path, double load);
+
+/// Two loads of a path, the joint sticking at the lower and sliding at the higher one.
+typedef struct lac_rg_bracket {
+    double low, high;       ///< Q/Q_nom
+    double at_low, at_high; ///< threshold of the root there [Pa]; INFINITY: not known
+} lac_rg_bracket;
+
+/// Where to look next inside a bracket, to close it to `within`.
+/// @param step   how many loads have been looked at
+/// @param stuck  whether the joint stuck at the last of them
+double lac_rg_next_load(const lac_rg_bracket *bracket, int step, bool stuck, double within);
+
+/// Threshold of the root at a load. @param work  [2 cells]
+double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
+                   double *work);
+
+/// The load between the two at which the joint slides, to 1e-9.
+/// @cost  some 12 passes; with LUMP 24
+double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
+                    lac_rg_bracket bracket, double *work);
 
 #endif

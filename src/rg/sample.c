@@ -4,7 +4,10 @@
 #include <string.h>
 
 #include "lacuna/fractal.h"
+#include "rg/path.h"
+#include "rg/size_effect.h"
 #include "rg/study.h"
+#include "rg/tree.h"
 
 size_t lac_rg_sample_levels(const lac_grid *grid)
 {
@@ -40,7 +43,8 @@ static void count_at_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_
                               double *work, lac_rg_sample *out)
 {
     double *gap = work + lac_rg_blocks_at(tree, 0);
-    lac_rg_path_at(path, fmax(0.0, out->critical - 2e-9), work, gap);
+    double least = lac_rg_path_load(path, 0.0);
+    lac_rg_path_at(path, fmax(least, out->critical - 2e-9), work, gap);
     (void)lac_rg_pass(tree, rule, work, gap);
     for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
         out->blocks[level] = (double)lac_rg_blocks_at(tree, level);
@@ -48,94 +52,174 @@ static void count_at_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_
     }
 }
 
-lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
-                              size_t dy, const double *load, lac_rg_sample *out, lac_error *err)
+lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
+                               lac_error *err)
 {
-    const lac_domain *domain = joint->domain;
-    lac_rg_tree *tree = NULL;
-    double *work = malloc(2 * domain->n * sizeof *work);
-    lac_status status = work != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(lac_rg_tree_create_at(domain, dx, dy, joint->strength, joint->drop, &tree, err));
-    out->critical = lac_rg_critical(tree, def->rule, joint->path, work);
-    LAC_TRY(lac_rg_curve(tree, def->rule, joint->path, def->loads, load, out->fraction, work, err));
-    largest_block(tree, &domain->grid, def->loads, out);
-    count_at_critical(tree, def->rule, joint->path, work, out);
-    LAC_TRY(lac_rg_size_effect(tree, def->rule, joint->path, domain->grid.ny == 1, out->size, work,
-                               err));
-out:
-    lac_rg_tree_free(tree);
-    free(work);
-    return status;
+    *order = (lac_rg_order){.domain = domain};
+    order->cluster = malloc(loads * sizeof *order->cluster);
+    order->cell_load = malloc(domain->n * sizeof *order->cell_load);
+    order->own_level = malloc(domain->n * sizeof *order->own_level);
+    order->slipped = malloc(domain->n);
+    order->part = calloc(1, sizeof *order->part);
+    if (order->part != NULL) {
+        order->part->grid = domain->grid;
+        order->part->index = malloc(domain->n * sizeof *order->part->index);
+    }
+    if (order->cluster == NULL || order->cell_load == NULL || order->own_level == NULL ||
+        order->slipped == NULL || order->part == NULL || order->part->index == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t c = 0; c < domain->n; c++) {
+        order->cell_load[c] = NAN;
+        order->own_level[c] = NAN;
+    }
+    return LAC_OK;
 }
 
-// Longer side of the largest cluster of slipped cells [m]; `pressure` is scratch of the grid, all
-// 0.
+void lac_rg_order_clear(lac_rg_order *order)
+{
+    lac_domain_free(order->part);
+    free(order->slipped);
+    free(order->own_level);
+    free(order->cell_load);
+    free(order->cluster);
+    *order = (lac_rg_order){0};
+}
+
+// Longer side of the largest cluster of slipped cells [m].
 static lac_status largest_cluster(const lac_domain *domain, const uint8_t *slipped,
-                                  double *pressure, double *extent, lac_error *err)
+                                  lac_domain *part, double *extent, lac_error *err)
 {
-    lac_domain *part = NULL;
     lac_clusters *clusters = NULL;
-    lac_status status = LAC_OK;
-    size_t count = 0;
     *extent = 0.0;
+    part->n = 0;
     for (size_t i = 0; i < domain->n; i++) {
-        pressure[domain->index[i]] = slipped[i] != 0 ? 1.0 : 0.0;
-        count += slipped[i];
+        part->index[part->n] = domain->index[i];
+        part->n += slipped[i];
     }
-    if (count > 0) {
-        LAC_TRY(lac_domain_create(&domain->grid, pressure, &part, err));
-        LAC_TRY(lac_clusters_create(part, &clusters, err));
-        for (size_t c = 0; c < clusters->n; c++) {
-            *extent = fmax(*extent, lac_cluster_extent(clusters, &domain->grid, c));
-        }
+    lac_status status = part->n > 0 ? lac_clusters_create(part, &clusters, err) : LAC_OK;
+    for (size_t c = 0; clusters != NULL && c < clusters->n; c++) {
+        *extent = fmax(*extent, lac_cluster_extent(clusters, &domain->grid, c));
     }
-out:
     lac_clusters_free(clusters);
-    lac_domain_free(part);
     return status;
 }
 
-static lac_status take_order(const lac_rg_joint *joint, const lac_rg_study_def *def,
-                             const double *load, lac_rg_tree *tree, lac_rg_order *out,
+// Takes note of the cells that have slipped in the end at load i; the loads rise.
+static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, double load,
                              lac_error *err)
 {
-    const lac_domain *domain = joint->domain;
-    lac_status status;
-    double *work = malloc(2 * domain->n * sizeof *work);
-    uint8_t *slipped = malloc(domain->n);
-    double *pressure = calloc(lac_grid_cells(&domain->grid), sizeof *pressure);
-    bool made = work != NULL && slipped != NULL && pressure != NULL;
-    status = made ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    for (size_t i = def->loads; i-- > 0;) {
-        lac_rg_path_at(joint->path, load[i], work, work + domain->n);
-        (void)lac_rg_pass(tree, def->rule, work, work + domain->n);
-        lac_rg_settle(tree, slipped, NULL);
-        for (size_t c = 0; c < domain->n; c++) {
-            out->cell_load[c] = slipped[c] != 0 ? load[i] : out->cell_load[c];
+    const lac_domain *domain = order->domain;
+    const bool was_whole = i > 0 && order->part->n == domain->n;
+    size_t count = 0;
+    lac_rg_settle(tree, order->slipped, NULL);
+    for (size_t c = 0; c < domain->n; c++) {
+        double at = order->cell_load[c];
+        order->cell_load[c] = order->slipped[c] == 0 || !isnan(at) ? at : load;
+        count += order->slipped[c];
+    }
+    if (was_whole && count == domain->n) {
+        order->cluster[i] = order->cluster[i - 1];
+        return LAC_OK;
+    }
+    return largest_cluster(domain, order->slipped, order->part, &order->cluster[i], err);
+}
+
+// Along a path: every pass tells of the blocks that slip, and one of them that the joint does.
+typedef struct scan {
+    lac_rg_tree *tree;
+    const lac_rg_path *path;
+    lac_rg_rule rule;
+    double *work;
+    lac_rg_block_state *states;
+    lac_rg_bracket bracket;
+    double at; // the load reached
+    bool slides;
+    lac_rg_order *order; // NULL: not wanted
+} scan;
+
+static void scan_to(scan *s, double load)
+{
+    double root = lac_rg_root(s->tree, s->rule, s->path, load, s->work);
+    lac_rg_states_note(s->tree, s->at, load, s->states);
+    if (!s->slides) {
+        s->slides = lac_rg_slips(s->tree, root);
+        *(s->slides ? &s->bracket.high : &s->bracket.low) = load;
+        *(s->slides ? &s->bracket.at_high : &s->bracket.at_low) = root;
+    }
+    s->at = load;
+}
+
+// Slipped fractions at the loads asked for; between them as many more as it takes to see where the
+// joint slides.
+static lac_status scan_path(scan *s, size_t loads, const double *load, lac_rg_sample *out,
+                            lac_error *err)
+{
+    lac_status status = LAC_OK;
+    const size_t levels = lac_rg_levels(s->tree) + 1;
+    const size_t parts = (LAC_RG_SCAN + loads - 1) / loads;
+    scan_to(s, s->at);
+    for (size_t level = 0; level < levels; level++) {
+        out->begin[level] = (double)lac_rg_slipping(s->tree, level);
+    }
+    if (s->order != NULL && lac_rg_path_is_laden(s->path)) {
+        lac_rg_own_levels(s->tree, s->order->own_level);
+    }
+    for (size_t i = 0; i < loads; i++) {
+        double from = s->at;
+        for (size_t k = 1; k < parts; k++) {
+            scan_to(s, from + (load[i] - from) * (double)k / (double)parts);
         }
-        LAC_TRY(largest_cluster(domain, slipped, pressure, &out->cluster[i], err));
+        scan_to(s, load[i]);
+        for (size_t level = 0; level < levels; level++) {
+            out->fraction[i * levels + level] =
+                (double)lac_rg_slipping(s->tree, level) / (double)lac_rg_blocks_at(s->tree, level);
+        }
+        LAC_TRY(s->order != NULL ? note_order(s->order, s->tree, i, load[i], err) : LAC_OK);
     }
 out:
-    free(pressure);
-    free(slipped);
-    free(work);
     return status;
 }
 
-lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,
-                             const double *load, lac_rg_order *out, lac_error *err)
+lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                              size_t dy, const double *load, lac_rg_order *order,
+                              lac_rg_sample *out, lac_error *err)
+{
+    const lac_domain *domain = joint->domain;
+    scan s = {.path = joint->path,
+              .rule = def->rule,
+              .at = lac_rg_path_load(joint->path, 0.0),
+              .order = order};
+    s.work = malloc(2 * domain->n * sizeof *s.work);
+    lac_status status = s.work != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(lac_rg_tree_create_at(domain, dx, dy, joint->strength, joint->drop, &s.tree, err));
+    LAC_TRY(lac_rg_states_create(s.tree, &s.states, err));
+    s.bracket = (lac_rg_bracket){s.at, s.at, INFINITY, INFINITY};
+    LAC_TRY(scan_path(&s, def->loads, load, out, err));
+    lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
+    out->critical = s.slides ? lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
+    largest_block(s.tree, &domain->grid, def->loads, out);
+    count_at_critical(s.tree, def->rule, joint->path, s.work, out);
+out:
+    free(s.states);
+    lac_rg_tree_free(s.tree);
+    free(s.work);
+    return status;
+}
+
+lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                               size_t dy, lac_rg_sample *sample, lac_error *err)
 {
     lac_rg_tree *tree = NULL;
-    for (size_t i = 0; i < joint->domain->n; i++) {
-        out->cell_load[i] = NAN;
+    lac_status status;
+    LAC_TRY(lac_rg_tree_create_at(joint->domain, dx, dy, joint->strength, joint->drop, &tree, err));
+    LAC_TRY(
+        lac_rg_critical_solved(tree, def->rule, joint->press, joint->path, &sample->critical, err));
+    for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
+        sample->slipping[level] = (double)lac_rg_slipping(tree, level);
     }
-    lac_status status =
-        lac_rg_tree_create_at(joint->domain, 0, 0, joint->strength, joint->drop, &tree, err);
-    if (status == LAC_OK) {
-        status = take_order(joint, def, load, tree, out, err);
-    }
+out:
     lac_rg_tree_free(tree);
     return status;
 }

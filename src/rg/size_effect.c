@@ -1,35 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "rg/size_effect.h"
+
 #include <math.h>
 #include <stdlib.h>
 
+#include "rg/path.h"
 #include "rg/tree.h"
 
 enum { SCAN = 128 };
 
-// What is known of a block before it slips.
-typedef struct state {
-    double gap, force; // at the load before
-    bool slipped;
-    double load;    // at which it did
-    double carried; // force on its cells then
-} state;
-
-static lac_status create_states(const lac_rg_tree *tree, state **out, lac_error *err)
+lac_status lac_rg_states_create(const lac_rg_tree *tree, lac_rg_block_state **states,
+                                lac_error *err)
 {
     size_t total = 0;
     for (size_t k = 0; k < tree->layers; k++) {
         total += tree->layer[k].count;
     }
-    state *s = calloc(total + 1, sizeof *s);
-    if (s == NULL) {
-        return lac_fail_memory(err);
+    *states = calloc(total + 1, sizeof **states);
+    for (size_t i = 0; *states != NULL && i < total; i++) {
+        (*states)[i].gap = INFINITY; // nothing is known before the first load
     }
-    *out = s;
-    return LAC_OK;
+    return *states != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-// Takes note of the blocks that slip between two loads, by interpolation where thresholds tell.
-static void note(const lac_rg_tree *tree, double before, double load, state *s)
+void lac_rg_states_note(const lac_rg_tree *tree, double before, double load, lac_rg_block_state *s)
 {
     for (size_t k = 0; k < tree->layers; k++) {
         const lac_rg_layer *layer = &tree->layer[k];
@@ -48,7 +42,7 @@ static void note(const lac_rg_tree *tree, double before, double load, state *s)
     }
 }
 
-static void summarise(size_t count, const state *s, double cells, lac_rg_sizes *out)
+static void summarise(size_t count, const lac_rg_block_state *s, double cells, lac_rg_sizes *out)
 {
     double load = 0.0;
     double sum = 0.0;
@@ -69,31 +63,36 @@ static void summarise(size_t count, const state *s, double cells, lac_rg_sizes *
     out->spread = sqrt(fmax(0.0, square / n - out->strength * out->strength));
 }
 
-lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
-                              bool line, lac_rg_sizes *sizes, double *work, lac_error *err)
+void lac_rg_states_summarise(const lac_rg_tree *tree, const lac_rg_block_state *s, bool line,
+                             lac_rg_sizes *sizes)
 {
-    double *shear = work;
-    double *gap = work + tree->layer[0].count;
-    state *s = NULL;
-    lac_status status = create_states(tree, &s, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    for (int i = 0; i <= SCAN; i++) {
-        double load = (double)i / SCAN;
-        lac_rg_path_at(path, load, shear, gap);
-        (void)lac_rg_pass(tree, rule, shear, gap);
-        note(tree, (double)(i - 1) / SCAN, load, s);
-    }
     for (size_t level = 0; level <= tree->levels; level++) {
         size_t k = tree->of_level[level];
-        const state *of_layer = s;
+        const lac_rg_block_state *of_layer = s;
         for (size_t below = 0; below < k; below++) {
             of_layer += tree->layer[below].count;
         }
         double cells = pow(line ? 2.0 : 4.0, (double)level);
         summarise(tree->layer[k].count, of_layer, cells, &sizes[level]);
     }
+}
+
+lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
+                              bool line, lac_rg_sizes *sizes, double *work, lac_error *err)
+{
+    lac_rg_block_state *s = NULL;
+    lac_status status = lac_rg_states_create(tree, &s, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    double before = lac_rg_path_load(path, 0.0);
+    for (int i = 0; i <= SCAN; i++) {
+        double load = lac_rg_path_load(path, (double)i / SCAN);
+        (void)lac_rg_root(tree, rule, path, load, work);
+        lac_rg_states_note(tree, before, load, s);
+        before = load;
+    }
+    lac_rg_states_summarise(tree, s, line, sizes);
     free(s);
     return LAC_OK;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "rg/path.h"
 
 enum { LEAST_BLOCKS = 8, LEAST_LOADS = 10, MOST = 1 << 16 };
 
@@ -45,11 +46,19 @@ lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, 
         lac_rg_study_free(study);
         return lac_fail_memory(err);
     }
-    for (size_t i = 0; i < def->loads; i++) {
-        study->load[i] = (double)(i + 1) / (double)def->loads;
-    }
     *out = study;
     return LAC_OK;
+}
+
+// Evenly along the path: to its end, and from its start where the joint is loaded there.
+static void set_loads(lac_rg_study *study, const lac_rg_path *path)
+{
+    const size_t n = study->def.loads;
+    for (size_t i = 0; i < n; i++) {
+        double part =
+            lac_rg_path_is_laden(path) ? (double)i / (double)(n - 1) : (double)(i + 1) / (double)n;
+        study->load[i] = lac_rg_path_load(path, part);
+    }
 }
 
 static void free_samples(const lac_rg_study *study, lac_rg_sample *samples)
@@ -66,6 +75,7 @@ static void free_result(lac_rg_result *result)
     if (result != NULL) {
         free(result->fraction);
         free(result->cell_load);
+        free(result->own_level);
         free(result->size);
     }
     free(result);
@@ -94,13 +104,14 @@ static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out,
     bool made = samples != NULL;
     for (size_t i = 0; made && i < study->def.places; i++) {
         lac_rg_sample *s = &samples[i];
-        s->fraction = malloc((loads * levels + loads + 2 * levels) * sizeof *s->fraction);
+        s->fraction = malloc((loads * levels + loads + 3 * levels) * sizeof *s->fraction);
         s->size = malloc(levels * sizeof *s->size);
         made = s->fraction != NULL && s->size != NULL;
         if (made) {
             s->block = s->fraction + loads * levels;
             s->blocks = s->block + loads;
             s->slipping = s->blocks + levels;
+            s->begin = s->slipping + levels;
         }
     }
     if (!made) {
@@ -122,7 +133,7 @@ static void draw_place(const lac_rg_study *study, const lac_grid *grid, size_t p
 }
 
 static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *joint,
-                               lac_rg_sample *samples, lac_error *err)
+                               lac_rg_sample *samples, lac_rg_order *order, lac_error *err)
 {
     const int places = (int)study->def.places;
     lac_status worst = LAC_OK;
@@ -132,8 +143,8 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
         size_t dx;
         size_t dy;
         draw_place(study, &joint->domain->grid, (size_t)i, &dx, &dy);
-        lac_status status =
-            lac_rg_sample_take(joint, &study->def, dx, dy, study->load, &samples[i], &own);
+        lac_status status = lac_rg_sample_take(joint, &study->def, dx, dy, study->load,
+                                               i == 0 ? order : NULL, &samples[i], &own);
         if (status != LAC_OK) {
 #pragma omp critical
             {
@@ -147,34 +158,41 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
     return worst;
 }
 
-// Clusters and the order of slipping, at the grid's own place.
-static lac_status take_order(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
+// One place after the other: the contact solver has the threads.
+static lac_status solve_samples(const lac_rg_study *study, const lac_rg_joint *joint,
+                                lac_rg_sample *samples, lac_error *err)
 {
-    const size_t n = joint->domain->n;
-    lac_rg_order order = {malloc(study->def.loads * sizeof(double)), malloc(n * sizeof(double))};
     lac_status status = LAC_OK;
-    if (order.cluster == NULL || order.cell_load == NULL) {
-        status = lac_fail_memory(err);
-    } else {
-        status = lac_rg_order_take(joint, &study->def, study->load, &order, err);
+    for (size_t i = 0; joint->press != NULL && i < study->def.places; i++) {
+        size_t dx;
+        size_t dy;
+        draw_place(study, &joint->domain->grid, i, &dx, &dy);
+        LAC_TRY(lac_rg_sample_solve(joint, &study->def, dx, dy, &samples[i], err));
     }
-    if (status == LAC_OK) {
-        for (size_t i = 0; i < study->def.loads; i++) {
-            study->cluster[i] += order.cluster[i];
-        }
-        free(study->result->cell_load);
-        study->result->cell_load = order.cell_load;
-        study->result->last_n = n;
-        order.cell_load = NULL;
-    }
-    free(order.cell_load);
-    free(order.cluster);
+out:
     return status;
+}
+
+// Clusters and the order of slipping, at the grid's own place.
+static void keep_order(lac_rg_study *study, lac_rg_order *order)
+{
+    lac_rg_result *r = study->result;
+    for (size_t i = 0; i < study->def.loads; i++) {
+        study->cluster[i] += order->cluster[i];
+    }
+    free(r->cell_load);
+    free(r->own_level);
+    r->cell_load = order->cell_load;
+    r->own_level = order->own_level;
+    r->last_n = order->domain->n;
+    order->cell_load = NULL;
+    order->own_level = NULL;
 }
 
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
 {
     lac_rg_sample *samples = NULL;
+    lac_rg_order order = {0};
     lac_status status;
     const size_t levels = lac_rg_sample_levels(&joint->domain->grid);
     if (study->joints > 0 && levels != study->levels) {
@@ -183,16 +201,22 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
         goto out;
     }
     study->levels = levels;
+    if (study->joints == 0) {
+        set_loads(study, joint->path);
+    }
     lac_rg_sample **grown = realloc(study->of_joint, (study->joints + 1) * sizeof *study->of_joint);
     status = grown != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     study->of_joint = grown;
     LAC_TRY(create_samples(study, &samples, err));
-    LAC_TRY(take_samples(study, joint, samples, err));
-    LAC_TRY(take_order(study, joint, err));
+    LAC_TRY(lac_rg_order_create(joint->domain, study->def.loads, &order, err));
+    LAC_TRY(take_samples(study, joint, samples, &order, err));
+    LAC_TRY(solve_samples(study, joint, samples, err));
+    keep_order(study, &order);
     study->of_joint[study->joints++] = samples;
     samples = NULL;
 out:
+    lac_rg_order_clear(&order);
     free_samples(study, samples);
     return status;
 }
@@ -247,7 +271,7 @@ static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_
     const size_t levels = study->levels + 1;
     free(r->fraction);
     free(r->size);
-    r->fraction = calloc(loads * levels + 3 * loads + 2 * levels, sizeof *r->fraction);
+    r->fraction = calloc(loads * levels + 3 * loads + 3 * levels, sizeof *r->fraction);
     r->size = calloc(levels, sizeof *r->size);
     if (r->fraction == NULL || r->size == NULL) {
         return lac_fail_memory(err);
@@ -257,6 +281,7 @@ static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_
     r->block = r->cluster + loads;
     r->blocks = r->block + loads;
     r->slipping = r->blocks + levels;
+    r->begin = r->slipping + levels;
     return LAC_OK;
 }
 
@@ -304,6 +329,7 @@ static void means(const lac_rg_study *study, lac_rg_result *r)
             for (size_t k = 0; k < levels; k++) {
                 r->blocks[k] += weight * s->blocks[k];
                 r->slipping[k] += weight * s->slipping[k];
+                r->begin[k] += weight * s->begin[k];
             }
         }
     }

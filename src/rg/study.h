@@ -11,25 +11,39 @@ typedef struct lac_rg_sample {
     double *block;      ///< [loads] side of the largest block slipped as a whole [m]
     double *blocks;     ///< [levels + 1]
     double *slipping;   ///< [levels + 1]
+    double *begin;      ///< [levels + 1]
     lac_rg_sizes *size; ///< [levels + 1]
 } lac_rg_sample;
 
 /// What one joint gave at its own place only.
 typedef struct lac_rg_order {
-    double *cluster;   ///< [loads]
-    double *cell_load; ///< [n]
+    const lac_domain *domain;
+    double *cluster;   ///< [loads] longer side of the largest cluster of slipped cells [m]
+    double *cell_load; ///< [n] the first load at which each cell has slipped in the end; NaN
+    double *own_level; ///< [n] of the largest block around it that slips by itself where a loaded
+                       ///< path begins; NaN
+    uint8_t *slipped;  ///< [n] scratch
+    lac_domain *part;  ///< scratch
 } lac_rg_order;
 
+/// @return LAC_OK; LAC_ENOMEM; to be cleared whatever the status
+lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
+                               lac_error *err);
+
+void lac_rg_order_clear(lac_rg_order *order);
+
+/// @param order  NULL: not wanted
 /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
-                              size_t dy, const double *load, lac_rg_sample *out, lac_error *err);
+                              size_t dy, const double *load, lac_rg_order *order,
+                              lac_rg_sample *out, lac_error *err);
+
+/// The critical force of a sample on contacts that are solved for it, where the joint has them.
+lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                               size_t dy, lac_rg_sample *sample, lac_error *err);
 
 /// Levels of the trees of a grid; one that is not periodic is laid into one twice as long.
 size_t lac_rg_sample_levels(const lac_grid *grid);
-
-/// Largest slipped cluster at each load, and the load at which each cell slips for good.
-lac_status lac_rg_order_take(const lac_rg_joint *joint, const lac_rg_study_def *def,
-                             const double *load, lac_rg_order *out, lac_error *err);
 
 /// Bootstrap of the map over groups of pairs.
 /// @param groups  of pairs; group i is pairs first[i] ... first[i + 1]

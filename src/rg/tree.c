@@ -51,18 +51,21 @@ static lac_status check_blocks(const lac_rg_blocks *b, lac_error *err)
 
 static lac_status check_cells(size_t n, const double *strength, const double *drop, lac_error *err)
 {
+    double total = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
             return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
                             strength[i]);
         }
+        total += strength[i];
         if (!(drop[i] >= 0.0 && drop[i] <= strength[i])) {
             return lac_fail(err, LAC_EINPUT,
                             "the drop of strength of cell %zu must lie between 0 and %g Pa, not %g",
                             i, strength[i], drop[i]);
         }
     }
-    return LAC_OK;
+    return isfinite(total) ? LAC_OK
+                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
 }
 
 // Gives levels without a merger the layer of the level below; returns the blocks above the cells.

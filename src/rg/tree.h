@@ -46,6 +46,11 @@ static inline size_t lac_rg_cell(const lac_rg_tree *tree, size_t i)
 /// @return how many
 size_t lac_rg_sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order);
 
+/// After a pass up: of each cell the level of the largest block around it that slips by itself, NaN
+/// where none does.
+/// @param level  [n] overwritten
+void lac_rg_own_levels(lac_rg_tree *tree, double *level);
+
 /// The pass up with rule LUMP, over the layers above the cells.
 void lac_rg_lump(lac_rg_tree *tree);
 

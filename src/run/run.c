@@ -72,6 +72,8 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
                        .order = engine->step > 0.0 ? engine->order : 0,
                        .rhs_evaluations = engine->counts.rhs_evaluations};
     lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.seen, engine->work);
+    line.cells =
+        (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};
     if (!(line.seen.balance_residual <= r->result->balance_residual)) {
         r->result->balance_residual = line.seen.balance_residual; // a NaN stays
     }

@@ -21,8 +21,8 @@ static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
                     def->approach, highest - mean);
 }
 
-// Presses the surface; heights and gap are allocated here. With `all` the surface is measured too.
-static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
+// Presses the surface; heights and gap are allocated here.
+static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out, lac_error *err)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     size_t cells = lac_grid_cells(&out->grid);
@@ -33,9 +33,9 @@ static lac_status press(const lac_case *c, bool all, lac_scene_contact *out, lac
     if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
         return lac_fail_memory(err);
     }
-    status = all ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
-                                                 &out->surface, err)
-                 : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
+    status = measure ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
+                                                     &out->surface, err)
+                     : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.surface");
     }
@@ -81,22 +81,53 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status make_domain(const lac_case *c, bool all, lac_scene_contact *out, lac_error *err)
+// The pressures of a domain's cells, spread about their mean; the load is held.
+static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
+{
+    const lac_spread *spread = lac_spread_find(&c->interface_spread, "pressure");
+    double *p = domain->pressure;
+    double sum = 0.0;
+    double spread_sum = 0.0;
+    if (spread == NULL) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += p[i];
+    }
+    lac_spread_fill(spread, domain, p, p);
+    for (size_t i = 0; i < domain->n; i++) {
+        spread_sum += p[i];
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        p[i] *= sum / spread_sum;
+        if (!(isfinite(p[i]) && p[i] > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must "
+                            "be finite and > 0",
+                            i, p[i]);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                              lac_error *err)
 {
     lac_status status = LAC_OK;
     if (c->surface.about != NULL) {
-        LAC_TRY(press(c, all, out, err));
+        LAC_TRY(press(c, keep == LAC_SCENE_MEASURED, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else if (c->domain.about != NULL) {
         LAC_TRY(
             lac_domain_from_source(&c->domain, &out->grid, out->mean_pressure, &out->domain, err));
+        LAC_TRY(spread_pressure(c, out->domain, err));
     } else {
         LAC_TRY(lac_domain_create(&out->grid, &out->mean_pressure, &out->domain, err));
     }
-    if (all && out->pressure == NULL) {
+    if (keep != LAC_SCENE_DOMAIN && out->pressure == NULL) {
         LAC_TRY(scatter(out, err));
     }
-    if (!all) {
+    if (keep == LAC_SCENE_DOMAIN) {
         drop_fields(out);
     }
 out:
@@ -112,26 +143,38 @@ static size_t shorter_side(const lac_grid *grid)
     return grid->nx < grid->ny ? grid->nx : grid->ny;
 }
 
-lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
-                                   lac_error *err)
+lac_status lac_scene_contact_count(lac_scene_contact *out, lac_error *err)
+{
+    // Three box sides at least; a smaller grid has no dimension to speak of.
+    if (shorter_side(&out->grid) < 64 || out->domain->n <= 1) {
+        return LAC_OK;
+    }
+    const lac_box_def boxes = lac_box_default();
+    lac_status status = lac_box_dimension(out->domain, &boxes, &out->boxes, err);
+    out->counted = status == LAC_OK;
+    return status;
+}
+
+lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                                  lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = (lac_scene_contact){.grid = lac_interface_grid(&c->interface), .e_star = NAN};
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     out->mean_pressure = normal->pressure(c->normal.params, c->material.density);
-    LAC_TRY(make_domain(c, all, out, err));
-
-    // Three box sides at least; a smaller grid has no dimension to speak of.
-    if (shorter_side(&out->grid) >= 64 && out->domain->n > 1) {
-        lac_box_def boxes = lac_box_default();
-        LAC_TRY(lac_box_dimension(out->domain, &boxes, &out->boxes, err));
-        out->counted = true;
-    }
+    LAC_TRY(make_domain(c, keep, out, err));
+    LAC_TRY(lac_scene_contact_count(out, err));
 out:
     if (status != LAC_OK) {
         lac_scene_contact_clear(out);
     }
     return status;
+}
+
+lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
+                                   lac_error *err)
+{
+    return lac_scene_contact_make(c, all ? LAC_SCENE_MEASURED : LAC_SCENE_DOMAIN, out, err);
 }
 
 void lac_scene_contact_clear(lac_scene_contact *contact)

@@ -4,6 +4,20 @@
 
 #include "lacuna/scene.h"
 
+// What is kept of a contact besides its domain.
+typedef enum lac_scene_keep {
+    LAC_SCENE_DOMAIN,   // nothing
+    LAC_SCENE_FIELDS,   // heights, gaps and pressures
+    LAC_SCENE_MEASURED, // those, and what the surface is like
+} lac_scene_keep;
+
+// lac_scene_contact_solve, with a choice of what is kept.
+lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                                  lac_error *err);
+
+// Counts boxes where the grid is large enough for a dimension.
+lac_status lac_scene_contact_count(lac_scene_contact *contact, lac_error *err);
+
 // eta = G/(2 cs) [Pa s/m]; no shear speed and no density: 0.
 double lac_damping_of(const lac_material_def *material);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade of a case: interface by interface, the contact under falling load, then the blocks.
-#include "lacuna/scene_rg.h"
+#include "scene/rg.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,20 +8,13 @@
 
 #include "scene/internal.h"
 
-// One interface.
-typedef struct joint {
-    lac_scene_contact contact;
-    double *strength, *drop; // [n] [Pa]
-    lac_rg_path *path;
-} joint;
-
-static void joint_clear(joint *j)
+void lac_scene_joint_clear(lac_scene_joint *j)
 {
     lac_scene_contact_clear(&j->contact);
     lac_rg_path_free(j->path);
     free(j->strength);
     free(j->drop);
-    *j = (joint){0};
+    *j = (lac_scene_joint){0};
 }
 
 // The field of a slot's parameters that holds its seed; NULL where it has none.
@@ -36,48 +29,73 @@ static int64_t *seed_of(const lac_slot *slot)
     return NULL;
 }
 
-// Pressures under the falling load, and the gaps that follow.
-static lac_status elastic_path(const lac_scene_contact *contact, double friction,
-                               lac_rg_path **path, lac_error *err)
+// The contact, to be pressed again.
+static lac_contact_def contact_of(const lac_scene_contact *contact)
 {
-    const size_t n = contact->domain->n;
-    double part[LAC_RG_LOADS];
-    double *pressure = malloc(LAC_RG_LOADS * n * sizeof *pressure);
-    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
     lac_contact_def def = lac_contact_default();
     def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
     def.mean_pressure = contact->mean_pressure;
-    LAC_TRY(lac_rg_series_solve(&def, contact->domain, pressure, err));
-    lac_rg_loads(part);
-    const lac_rg_series series = {n, LAC_RG_LOADS, part, pressure, friction};
+    return def;
+}
+
+// Pressures under the falling load, and the gaps that follow.
+static lac_status elastic_path(const lac_case *c, const lac_scene_contact *contact,
+                               lac_rg_path **path, lac_error *err)
+{
+    const size_t n = contact->domain->n;
+    const size_t loads = (size_t)c->rg.contacts;
+    const lac_contact_def def = contact_of(contact);
+    double part[LAC_RG_MOST_LOADS];
+    double *pressure = malloc(loads * n * sizeof *pressure);
+    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(lac_rg_series_solve(&def, contact->domain, loads, pressure, err));
+    lac_rg_loads(loads, part);
+    const lac_rg_series series = {n, loads, part, pressure, c->rg.friction};
     LAC_TRY(lac_rg_path_elastic(&series, path, err));
 out:
     free(pressure);
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact under less load");
 }
 
-static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
+lac_status lac_scene_joint_strengths(const lac_case *c, lac_scene_joint *j, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(lac_scene_contact_solve(c, true, &j->contact, err));
     const lac_domain *domain = j->contact.domain;
     j->strength = malloc(domain->n * sizeof *j->strength);
     j->drop = malloc(domain->n * sizeof *j->drop);
-    status = j->strength != NULL && j->drop != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    if (j->strength == NULL || j->drop == NULL) {
+        return lac_fail_memory(err);
+    }
     for (size_t i = 0; i < domain->n; i++) {
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
+    return LAC_OK;
+}
+
+static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(lac_scene_contact_make(c, LAC_SCENE_FIELDS, &j->contact, err));
+    const lac_domain *domain = j->contact.domain;
+    LAC_TRY(lac_scene_joint_strengths(c, j, err));
     lac_rg_path *path = NULL;
-    status = c->rg.field == LAC_RG_EQUAL ? lac_rg_path_equal(domain->n, j->strength, &path, err)
-                                         : elastic_path(&j->contact, c->rg.friction, &path, err);
+    switch ((lac_rg_field)c->rg.field) {
+    case LAC_RG_ELASTIC:
+        status = elastic_path(c, &j->contact, &path, err);
+        break;
+    case LAC_RG_EQUAL:
+        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
+        break;
+    case LAC_RG_UNIFORM:
+        status = lac_rg_path_uniform(domain->n, j->strength, &path, err);
+        break;
+    }
     j->path = path;
 out:
     if (status != LAC_OK) {
-        joint_clear(j);
+        lac_scene_joint_clear(j);
     }
     return status;
 }
@@ -103,7 +121,8 @@ static double drop_after_arrest(const lac_friction_params *law, double strength,
     return x;
 }
 
-static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, lac_error *err)
+static lac_status drops_from_friction(const lac_case *c, lac_scene_joint *j, double *sum,
+                                      lac_error *err)
 {
     const lac_friction_params *law = c->friction.params;
     const double damping = lac_damping_of(&c->material);
@@ -123,9 +142,13 @@ static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, 
     return LAC_OK;
 }
 
-static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_error *err)
+lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg *out,
+                            lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
+    const lac_contact_def contact = contact_of(&j->contact);
+    const lac_rg_press press = {&contact, domain, c->rg.friction};
+    const bool solved = c->rg.path == LAC_RG_SOLVE && c->rg.field == LAC_RG_ELASTIC;
     lac_status status = LAC_OK;
     for (size_t k = 0; k < out->betas; k++) {
         if (c->rg.betas == 0) {
@@ -134,7 +157,7 @@ static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_
         for (size_t i = 0; i < domain->n && c->rg.betas > 0; i++) {
             j->drop[i] = (1.0 - out->beta[k]) * j->strength[i];
         }
-        const lac_rg_joint part = {domain, j->strength, j->drop, j->path};
+        const lac_rg_joint part = {domain, j->strength, j->drop, j->path, solved ? &press : NULL};
         LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
     }
     double total = 0.0;
@@ -149,7 +172,7 @@ out:
     return status;
 }
 
-static lac_status create_studies(const lac_case *c, lac_scene_rg *out, lac_error *err)
+lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     lac_rg_study_def def = lac_rg_study_default();
     lac_status status = LAC_OK;
@@ -165,11 +188,23 @@ out:
     return status;
 }
 
-static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_t *seed,
-                            lac_scene_rg *out, lac_error *err)
+// The next interface: of what makes it every seed, one higher.
+static void next_seed(const lac_case *c)
+{
+    int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    if (seed != NULL) {
+        ++*seed;
+    }
+    for (size_t k = 0; k < c->interface_spread.count; k++) {
+        c->interface_spread.item[k].seed++;
+    }
+}
+
+static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
+                            lac_error *err)
 {
     lac_status status = LAC_OK;
-    joint j = {0};
+    lac_scene_joint j = {0};
     for (size_t i = 0; i < out->seeds; i++) {
         if (watch != NULL && !watch->go_on(watch->context, i, out->seeds)) {
             status = lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i,
@@ -177,36 +212,63 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, int64_
             goto out;
         }
         LAC_TRY(make_joint(c, &j, err));
-        LAC_TRY(add_joint(c, &j, out, err));
+        LAC_TRY(lac_scene_rg_add(c, &j, out, err));
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
         }
-        joint_clear(&j);
-        if (seed != NULL) {
-            ++*seed;
-        }
+        lac_scene_joint_clear(&j);
+        next_seed(c);
     }
 out:
-    joint_clear(&j);
+    lac_scene_joint_clear(&j);
     return status;
 }
 
-// The case with parameters of its own for what makes the interface, so that its seed can be set.
+static void free_source(const lac_case *own, const lac_slot *slot)
+{
+    free(slot->params);
+    free(own->interface_spread.item);
+}
+
+// The case with parameters of its own for what makes the interface, so that its seeds can be set.
 static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
 {
     *own = *c;
     *slot = c->surface.about != NULL ? &own->surface : &own->domain;
     size_t size = (*slot)->about != NULL ? (*slot)->about->params_size : 0;
+    size_t spreads = own->interface_spread.count * sizeof(lac_spread);
     void *params = malloc(size + 1);
-    if (params == NULL) {
+    lac_spread *spread = malloc(spreads + 1);
+    if (params == NULL || spread == NULL) {
+        free(params);
+        free(spread);
         return lac_fail_memory(err);
     }
+    if (spreads > 0) {
+        memcpy(spread, c->interface_spread.item, spreads); // their keys stay the case's
+    }
+    own->interface_spread.item = spread;
     if (size > 0) {
         memcpy(params, (*slot)->params, size); // its texts stay the case's
     }
     (*slot)->params = params;
     return LAC_OK;
+}
+
+lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err)
+{
+    const double n = (double)out->seeds;
+    lac_status status = LAC_OK;
+    out->strength /= n;
+    out->contact_fraction /= n;
+    out->dimension /= n;
+    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
+    for (size_t k = 0; k < out->betas; k++) {
+        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
+    }
+out:
+    return status;
 }
 
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
@@ -219,18 +281,11 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     if (status != LAC_OK) {
         return status;
     }
-    LAC_TRY(create_studies(c, out, err));
-    LAC_TRY(all_seeds(&own, watch, seed_of(slot), out, err));
-    double n = (double)out->seeds;
-    out->strength /= n;
-    out->contact_fraction /= n;
-    out->dimension /= n;
-    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
-    for (size_t k = 0; k < out->betas; k++) {
-        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
-    }
+    LAC_TRY(lac_scene_rg_begin(c, out, err));
+    LAC_TRY(all_seeds(&own, watch, out, err));
+    LAC_TRY(lac_scene_rg_end(c, out, err));
 out:
-    free(slot->params);
+    free_source(&own, slot);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }

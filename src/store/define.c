@@ -240,6 +240,7 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
     if (def->hierarchy != NULL && def->domain != NULL) {
         LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, err));
     }
+    LAC_TRY(lac_store_define_extras(s, err));
 out:
     return status;
 }

@@ -99,6 +99,8 @@ lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, co
     int code = nc_def_var(file->id, var->name, var->type, rank, dims, id);
     if (code == NC_NOERR && rank > 0) {
         code = define_storage(file->id, *id, var, chunk, deflate);
+    } else if (code == NC_NOERR && var->fill) {
+        code = define_fill(file->id, *id, var->type);
     }
     LAC_TRY(lac_nc_check(file->path, code, err, "define", var->name));
     LAC_TRY(lac_nc_text(file, *id, "long_name", var->long_name, err));

@@ -10,20 +10,12 @@
 #include <unistd.h>
 
 #include "store/columns.h"
+#include "store/input.h"
 
 // deflate packs at most this many bytes into one.
 enum { DEFLATE_MAX = 1032 };
 
-typedef struct lac_input {
-    int id;
-    bool open;
-    const char *path;
-    size_t size;    ///< of the file [bytes]
-    size_t records; ///< along `time`
-    int time;       ///< dimension
-} lac_input;
-
-static lac_status fail_read(const lac_input *in, int code, lac_error *err, const char *name)
+lac_status lac_input_fail(const lac_input *in, int code, lac_error *err, const char *name)
 {
     return lac_fail(err, LAC_EIO, "%s: cannot read %s: %s", in->path, name,
                     code == NC_EHDFERR ? "the file is damaged" : nc_strerror(code));
@@ -65,7 +57,7 @@ out:
     return status;
 }
 
-static lac_status open_input(lac_input *in, const char *path, lac_error *err)
+lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
 {
     *in = (lac_input){.path = path};
     lac_status status = inspect(in, err);
@@ -84,9 +76,14 @@ static lac_status open_input(lac_input *in, const char *path, lac_error *err)
     return LAC_OK;
 }
 
+bool lac_input_may_hold(const lac_input *in, size_t values)
+{
+    return values / DEFLATE_MAX <= in->size / sizeof(double);
+}
+
 static lac_status open_series(lac_input *in, const char *path, lac_error *err)
 {
-    lac_status status = open_input(in, path, err);
+    lac_status status = lac_input_open(in, path, err);
     if (status != LAC_OK) {
         return status;
     }
@@ -94,14 +91,14 @@ static lac_status open_series(lac_input *in, const char *path, lac_error *err)
         nc_inq_dimlen(in->id, in->time, &in->records) != NC_NOERR) {
         return lac_fail(err, LAC_EIO, "%s: holds no time series", path);
     }
-    if (in->records / DEFLATE_MAX > in->size / sizeof(double)) {
+    if (!lac_input_may_hold(in, in->records)) {
         return lac_fail(err, LAC_EIO, "%s: is damaged: %zu records in %zu bytes", path, in->records,
                         in->size);
     }
     return LAC_OK;
 }
 
-static void close_input(lac_input *in)
+void lac_input_close(lac_input *in)
 {
     if (in->open) {
         (void)nc_close(in->id);
@@ -109,8 +106,7 @@ static void close_input(lac_input *in)
     }
 }
 
-// What a variable holds where nothing was written, as a double.
-static double fill_of(const lac_input *in, int id, nc_type type)
+double lac_input_fill(const lac_input *in, int id, nc_type type)
 {
     double fill = 0.0;
     if (nc_get_att_double(in->id, id, "_FillValue", &fill) == NC_NOERR) {
@@ -137,7 +133,7 @@ static lac_status read_variable(const lac_input *in, const char *name, double *v
         code = nc_inq_var(in->id, id, NULL, &type, NULL, dims, NULL);
     }
     if (code != NC_NOERR) {
-        return fail_read(in, code, err, name);
+        return lac_input_fail(in, code, err, name);
     }
     if (rank != 1 || dims[0] != in->time) {
         return lac_fail(err, LAC_EIO, "%s: %s does not run over time", in->path, name);
@@ -147,9 +143,9 @@ static lac_status read_variable(const lac_input *in, const char *name, double *v
         code = nc_get_vara_double(in->id, id, &start, &in->records, values);
     }
     if (code != NC_NOERR) {
-        return fail_read(in, code, err, name);
+        return lac_input_fail(in, code, err, name);
     }
-    double fill = fill_of(in, id, type);
+    double fill = lac_input_fill(in, id, type);
     for (size_t i = 0; i < in->records; i++) {
         values[i] = values[i] == fill ? NAN : values[i];
     }
@@ -162,7 +158,7 @@ static bool may_be_missing(size_t column)
            strcmp(lac_columns[column].var.name, "order") == 0;
 }
 
-static bool has_status(const lac_input *in, const char *status)
+bool lac_input_has_status(const lac_input *in, const char *status)
 {
     char text[16] = "";
     size_t length = 0;
@@ -177,7 +173,7 @@ static bool has_status(const lac_input *in, const char *status)
 // shortens the series to the records of which everything is there.
 static lac_status drop_torn(lac_input *in, lac_error *err)
 {
-    if (in->records == 0 || !has_status(in, "running")) {
+    if (in->records == 0 || !lac_input_has_status(in, "running")) {
         return LAC_OK;
     }
     lac_status status = LAC_OK;
@@ -217,7 +213,7 @@ lac_status lac_store_read(const char *path, const char *variable, double **value
     LAC_TRY(read_variable(&in, variable, *values, err));
     *n = in.records;
 out:
-    close_input(&in);
+    lac_input_close(&in);
     if (status != LAC_OK) {
         free(*values);
         *values = NULL;
@@ -231,7 +227,7 @@ static lac_status read_string(const lac_input *in, const char *name, char *text,
     char *string = NULL;
     int code = nc_get_att_string(in->id, NC_GLOBAL, name, &string);
     if (code != NC_NOERR || string == NULL) {
-        return fail_read(in, code, err, name);
+        return lac_input_fail(in, code, err, name);
     }
     size_t length = strlen(string);
     if (length < size) {
@@ -252,7 +248,7 @@ static lac_status read_text(const lac_input *in, const char *name, size_t length
     }
     int code = nc_get_att_text(in->id, NC_GLOBAL, name, text);
     text[code == NC_NOERR ? length : 0] = '\0';
-    return code == NC_NOERR ? LAC_OK : fail_read(in, code, err, name);
+    return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
 }
 
 static lac_status read_number(const lac_input *in, const char *name, char *text, size_t size,
@@ -261,7 +257,7 @@ static lac_status read_number(const lac_input *in, const char *name, char *text,
     double value = 0.0;
     int code = nc_get_att_double(in->id, NC_GLOBAL, name, &value);
     if (code != NC_NOERR) {
-        return fail_read(in, code, err, name);
+        return lac_input_fail(in, code, err, name);
     }
     (void)snprintf(text, size, "%.17g", value);
     return LAC_OK;
@@ -275,7 +271,7 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
     nc_type type = NC_NAT;
     size_t length = 0;
     lac_status status = LAC_OK;
-    LAC_TRY(open_input(&in, path, err));
+    LAC_TRY(lac_input_open(&in, path, err));
     if (nc_inq_att(in.id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: has no attribute %s", path, name));
     }
@@ -289,6 +285,6 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
         LAC_TRY(read_number(&in, name, text, size, err));
     }
 out:
-    close_input(&in);
+    lac_input_close(&in);
     return status;
 }

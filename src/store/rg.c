@@ -67,6 +67,8 @@ ARRAY(fill_cluster, cluster, LOAD)
 ARRAY(fill_block, block, LOAD)
 ARRAY(fill_slipping, slipping, LEVEL)
 ARRAY(fill_cell_load, cell_load, CELL)
+ARRAY(fill_begin, begin, LEVEL)
+ARRAY(fill_own_level, own_level, CELL)
 
 static void fill_fraction(const writer *w, const lac_rg_result *r, size_t k, double *out)
 {
@@ -237,7 +239,7 @@ static const variable variables[] = {
     {{.name = "pressure",
       .unit = "Pa",
       .long_name = "normal contact pressure",
-      .comment = "of the last interface of the ensemble",
+      .comment = "of the last interface of the ensemble; of a run's snapshot less pore pressure",
       .coordinates = "x y"},
      {CELL, -1},
      fill_pressure},
@@ -248,6 +250,24 @@ static const variable variables[] = {
       .coordinates = "beta x y"},
      {BETA, CELL, -1},
      fill_cell_load},
+};
+
+// Only where the cells come from a file.
+static const variable of_origin[] = {
+    {{.name = "n_slip_now",
+      .long_name = "blocks that slip by themselves at the snapshot",
+      .comment = "mean over the places of the blocks; of the last level: the share of places at "
+                 "which the joint slides",
+      .coordinates = "beta block_size"},
+     {BETA, LEVEL, -1},
+     fill_begin},
+    {{.name = "own_level",
+      .long_name =
+          "level of the largest block around the cell that slips by itself at the snapshot",
+      .fill = true,
+      .coordinates = "beta x y"},
+     {BETA, CELL, -1},
+     fill_own_level},
 };
 
 static lac_status put(writer *w, const variable *v, lac_error *err)
@@ -276,6 +296,29 @@ out:
     return status;
 }
 
+static lac_status put_origin(const lac_nc *file, const lac_rg_origin *o, lac_error *err)
+{
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {
+        {"snapshot_time_s", o->time},   {"q_over_q_nom", o->load},
+        {"effective_share", o->share},  {"weakest_gap_Pa", o->weakest_gap},
+        {"weakest_x_m", o->weakest[0]}, {"weakest_y_m", o->weakest[1]},
+    };
+    lac_status status;
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "source_file", o->file, err));
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "source_status", o->status, err));
+    LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "snapshot", (long long)o->snapshot, err));
+    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) {
+        if (isfinite(reals[i].value)) {
+            LAC_TRY(lac_nc_real(file, NC_GLOBAL, reals[i].name, reals[i].value, err));
+        }
+    }
+out:
+    return status;
+}
+
 static lac_status put_all(writer *w, lac_error *err)
 {
     static const char *const names[DIMENSIONS] = {"beta", "load", "level", "cell"};
@@ -286,6 +329,10 @@ static lac_status put_all(writer *w, lac_error *err)
     for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++) {
         LAC_TRY(put(w, &variables[i], err));
     }
+    for (size_t i = 0; w->view->origin != NULL && i < sizeof of_origin / sizeof *of_origin; i++) {
+        LAC_TRY(put(w, &of_origin[i], err));
+    }
+    LAC_TRY(w->view->origin != NULL ? put_origin(w->file, w->view->origin, err) : LAC_OK);
     LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "rule", w->view->rule, err));
     LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "field", w->view->field, err));
     LAC_TRY(lac_nc_real(w->file, NC_GLOBAL, "q_nom_Pa", w->view->strength, err));

@@ -65,6 +65,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     if (s->rows == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
+    LAC_TRY(lac_store_create_extras(s, def, err));
     LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
     LAC_TRY(name_time_unit(s, def, err));
     LAC_TRY(lac_store_define(s, def, err));
@@ -114,17 +115,22 @@ static lac_status write_rows(lac_store *s, lac_error *err)
     if (s->buffered == 0) {
         return LAC_OK;
     }
-    lac_status space = reserve(s, s->buffered * sizeof *s->rows, err);
-    if (space != LAC_OK) {
-        return space;
+    size_t bytes = s->buffered * (sizeof *s->rows + s->width * sizeof *s->values);
+    lac_status status = reserve(s, bytes, err);
+    if (status != LAC_OK) {
+        return status;
     }
     for (size_t c = 0; c < LAC_COLUMNS; c++) {
         errno = 0;
         int code = lac_columns[c].var.type == NC_DOUBLE ? put_reals(s, c) : put_integers(s, c);
-        lac_status status = lac_nc_check(s->file.path, code, err, "write", lac_columns[c].var.name);
+        status = lac_nc_check(s->file.path, code, err, "write", lac_columns[c].var.name);
         if (status != LAC_OK) {
             return status;
         }
+    }
+    status = lac_store_write_extras(s, err);
+    if (status != LAC_OK) {
+        return status;
     }
     s->written += s->buffered;
     s->buffered = 0;
@@ -184,6 +190,7 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
         status = write_rows(s, err);
     }
     if (status == LAC_OK) {
+        lac_store_keep_extras(s, record->extra);
         s->rows[s->buffered++] = row;
         status = count_unsynced(s, err);
     }
@@ -259,5 +266,6 @@ void lac_store_free(lac_store *store)
     }
     lac_nc_clear(&store->file);
     free(store->rows);
+    lac_store_clear_extras(store);
     free(store);
 }

@@ -20,7 +20,26 @@ struct lac_store {
     size_t unsynced, sync_every;    ///< records and snapshots
     double last_origin, last_local; ///< of the newest record
     bool has_last;
+    size_t extras;
+    const lac_extra *extra; ///< [extras] what an analysis adds
+    int *extra_ids;         ///< [extras]
+    size_t levels, width;   ///< of the hierarchy; values that it adds to a record
+    double *values;         ///< [capacity][width] not yet written
 };
+
+/// Room for what an analysis adds; `capacity` is set.
+lac_status lac_store_create_extras(lac_store *store, const lac_store_def *def, lac_error *err);
+
+/// Its variables, the dimensions being there.
+lac_status lac_store_define_extras(lac_store *store, lac_error *err);
+
+/// Its values of the record that is buffered next. @param values  [width]; NULL: none
+void lac_store_keep_extras(lac_store *store, const double *values);
+
+/// Writes those of the buffered records.
+lac_status lac_store_write_extras(const lac_store *store, lac_error *err);
+
+void lac_store_clear_extras(lac_store *store);
 
 /// Everything of a run's file that is known before the first record.
 /// @return LAC_OK; LAC_EIO; LAC_ENOMEM

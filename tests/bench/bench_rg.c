@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cascade on contacts of self-affine surfaces: time of the contact series and of a pass, and
-// the critical force by each rule. bench_rg [side]
+// The cascade on contacts of self-affine surfaces: time of the contact series, of a pass, and of a
+// study of five betas at 1 and 16 places; the critical force by each rule. All CPU time, on one
+// thread. Floors at 1024: series <= 12 s, pass <= 15 ns a node, study <= 2 s. bench_rg [side
+// [loads]]
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "lacuna/rg.h"
+#include "lacuna/rg_study.h"
 #include "lacuna/surface.h"
 #include "support/cost.h"
 
@@ -58,14 +61,14 @@ static void press(size_t side, double load, joint *j, lac_error *err)
     j->pressure = get(LAC_RG_LOADS * j->domain->n * sizeof(double));
     j->drop = get(j->domain->n * sizeof(double));
     j->work = get(2 * j->domain->n * sizeof(double));
-    double start = wall_seconds();
-    must(lac_rg_series_solve(&def, j->domain, j->pressure, err), err);
+    double start = cpu_seconds();
+    must(lac_rg_series_solve(&def, j->domain, LAC_RG_LOADS, j->pressure, err), err);
     double part[LAC_RG_LOADS];
-    lac_rg_loads(part);
+    lac_rg_loads(LAC_RG_LOADS, part);
     lac_rg_series series = {j->domain->n, LAC_RG_LOADS, part, j->pressure, 1.0};
     must(lac_rg_path_elastic(&series, &j->path, err), err);
     printf("p/E* %g: %zu cells, contact series %.2f s\n", load, j->domain->n,
-           wall_seconds() - start);
+           cpu_seconds() - start);
     free(heights);
     free(pressure);
 }
@@ -85,15 +88,15 @@ static void cascade(const joint *j, double beta, lac_error *err)
     }
     printf("  beta %.1f:", beta);
     for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
-        double start = wall_seconds();
+        double start = cpu_seconds();
         double critical = lac_rg_critical(tree, rule, j->path, j->work);
-        double whole = wall_seconds() - start;
+        double whole = cpu_seconds() - start;
         double fastest = INFINITY;
         for (int i = 0; i < 20; i++) {
             lac_rg_path_at(j->path, 0.5 + 0.02 * i, j->work, j->work + n);
-            start = wall_seconds();
+            start = cpu_seconds();
             (void)lac_rg_pass(tree, rule, j->work, j->work + n);
-            fastest = fmin(fastest, wall_seconds() - start);
+            fastest = fmin(fastest, cpu_seconds() - start);
         }
         printf("  %s %.4f (%.0f ms; %.1f ns a node)", names[rule], critical, 1e3 * whole,
                1e9 * fastest / (double)nodes);
@@ -102,17 +105,49 @@ static void cascade(const joint *j, double beta, lac_error *err)
     lac_rg_tree_free(tree);
 }
 
+// Five betas by each rule, as lacuna rg studies them.
+static void study(const joint *j, size_t places, lac_error *err)
+{
+    static const char *const names[] = {"fix", "cons", "lump"};
+    printf("  five beta, %2zu places:", places);
+    for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
+        lac_rg_study_def def = lac_rg_study_default();
+        const lac_rg_result *result = NULL;
+        def.rule = rule;
+        def.places = places;
+        double start = cpu_seconds();
+        for (int beta = 9; beta >= 5; beta--) {
+            lac_rg_study *s = NULL;
+            for (size_t i = 0; i < j->domain->n; i++) {
+                j->drop[i] = (1.0 - 0.1 * beta) * j->domain->pressure[i];
+            }
+            const lac_rg_joint one = {j->domain, j->domain->pressure, j->drop, j->path, NULL};
+            must(lac_rg_study_create(&def, &s, err), err);
+            must(lac_rg_study_add(s, &one, err), err);
+            must(lac_rg_study_finish(s, &result, err), err);
+            lac_rg_study_free(s);
+        }
+        printf("  %s %.2f s", names[rule], cpu_seconds() - start);
+    }
+    printf("\n");
+}
+
 int main(int argc, char **argv)
 {
     size_t side = argc > 1 ? (size_t)atoi(argv[1]) : 256;
-    const double loads[] = {0.01, 0.033, 0.105};
+    const double loads[] = {0.033, 0.01, 0.105};
+    size_t cases = argc > 2 ? (size_t)atoi(argv[2]) : sizeof loads / sizeof *loads;
     lac_error err = {""};
-    for (size_t i = 0; i < sizeof loads / sizeof *loads; i++) {
+    omp_set_num_threads(1);
+    (void)setvbuf(stdout, NULL, _IOLBF, 0);
+    for (size_t i = 0; i < cases && i < sizeof loads / sizeof *loads; i++) {
         joint j = {0};
         press(side, loads[i], &j, &err);
         for (int beta = 8; beta >= 6; beta--) {
             cascade(&j, 0.1 * beta, &err);
         }
+        study(&j, 1, &err);
+        study(&j, 16, &err);
         lac_rg_path_free(j.path);
         lac_hierarchy_free(j.h);
         lac_domain_free(j.domain);

@@ -167,6 +167,70 @@ class Cascade(unittest.TestCase):
                  ["q_crit_over_q_nom"] for seed in (1, 2, 3)]
         self.assertAlmostEqual(one["q_crit_over_q_nom"], sum(alone) / 3, delta=0.01)
 
+    def test_solved_contacts(self):
+        series = self.rg("rg.contacts=300", "rg.shifts=2")
+        solved = self.rg("rg.path=solve", "rg.shifts=2")
+        for one, other in zip(series["results"], solved["results"]):
+            self.assertAlmostEqual(one["q_crit_over_q_nom"], other["q_crit_over_q_nom"],
+                                   delta=1e-3)
+            self.assertEqual(other["levels"][-1]["n_slip_at_q_crit"], 0)
+
+    def joint(self, *settings, domain="domain: {full: {}}", levels=1, load="pressure: 1 MPa"):
+        """A case of its own, without a surface unless `domain` is one."""
+        with open(os.path.join(self.folder, "own.yaml"), "w", encoding="utf-8") as out:
+            out.write(f"lacuna: 1\ninterface: {{size: 1, levels: {levels}, {domain}}}\n"
+                      "material: {shear_modulus: 15 GPa, poisson: 0.25}\n"
+                      f"load: {{normal: {{{load}}}}}\nrg: {{friction: 0.6}}\n")
+        words = ["rg", "own.yaml", "--json", "--force", "-o", "own.nc"]
+        for setting in settings:
+            words += ["--set", setting]
+        return subprocess.run([PROGRAM, *words], text=True, capture_output=True, cwd=self.folder,
+                              check=False)
+
+    ENDS = "rg.beta=[0, 1e-12, 0.5, 0.999999999999, 1]"
+
+    def test_uniform_joints_slip_at_coulombs(self):
+        for rule in ("fix", "cons", "lump"):
+            for levels in (1, 4):
+                done = self.joint("rg.field=equal", f"rg.rule={rule}", self.ENDS, levels=levels)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                for result in json.loads(done.stdout)["results"]:
+                    self.assertAlmostEqual(result["q_crit_over_q_nom"], 1, delta=1e-8)
+
+    SURFACE = "surface: {self-affine: {rms_slope: 0.1, seed: 1}}"
+
+    def test_a_single_cell_slips_at_coulombs(self):
+        for field in ("elastic", "equal"):
+            for rule in ("fix", "cons", "lump"):
+                done = self.joint(f"rg.field={field}", f"rg.rule={rule}", self.ENDS, levels=5,
+                                  domain=self.SURFACE, load="pressure: 1 Pa")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                found = json.loads(done.stdout)
+                self.assertEqual(found["contact_fraction"], 1 / 1024)
+                for result in found["results"]:
+                    self.assertAlmostEqual(result["q_crit_over_q_nom"], 1, delta=1e-8)
+
+    def test_beta_one_is_coulombs(self):
+        for field in ("elastic", "equal"):
+            for rule in ("fix", "cons", "lump"):
+                found = self.rg(f"rg.field={field}", f"rg.rule={rule}", self.ENDS, levels=5)
+                crit = [result["q_crit_over_q_nom"] for result in found["results"]]
+                self.assertAlmostEqual(crit[4], 1, delta=1e-8)
+                self.assertAlmostEqual(crit[3], 1, delta=1e-6)
+                self.assertAlmostEqual(crit[1], crit[0], delta=1e-8)
+                self.assertTrue(0 <= crit[0] <= crit[2] <= crit[4])
+
+    def test_no_load_and_no_contact(self):
+        for domain in (self.SURFACE, "domain: {full: {}}"):
+            done = self.joint("rg.field=equal", domain=domain, levels=5, load="pressure: 0 Pa")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("load.normal.pressure: \"0 Pa\" must be > 0", done.stderr)
+        done = self.joint(domain=self.SURFACE + ", boundary: free", levels=5,
+                          load="approach: 1 m")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("the faces do not touch", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
     def test_beta_from_friction(self):
         law = ("friction={slip: {f0: 0.6, a: 0.01, b: 0.02, dc: 10 um, v0: 1 um/s}}",
                "material.density=2700 kg/m3", "rg.beta=from-friction", "rg.field=equal")
@@ -199,6 +263,63 @@ class Cascade(unittest.TestCase):
             self.assertIn(words, done.stderr)
             self.assertEqual(done.stdout, "")
             self.assertFalse(os.path.exists(os.path.join(self.folder, "none.nc")))
+
+
+class Bridge(unittest.TestCase):
+    """cases/bridge.yaml: a slow ramp against the cascade of the same pressures."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="lacuna-bridge-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+
+    def call(self, command, *settings, status=0):
+        words = [PROGRAM, command, os.path.join(SOURCE, "cases/bridge.yaml"), "--json", "--force",
+                 "-o", "out.nc"]
+        for setting in settings:
+            words += ["--set", setting]
+        done = subprocess.run(words, text=True, capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return json.loads(done.stdout) if status == 0 else done.stderr
+
+    def critical(self, *settings):
+        return self.call("rg", *settings)["q_crit_over_q_nom"]
+
+    def test_a_slow_ramp_slides_where_the_cascade_does(self):
+        seeds = [f"interface.spread.pressure.uniform.seed={seed}" for seed in (1, 2, 3)]
+        expected = [self.critical(seed) for seed in seeds]
+        self.assertEqual(len(set(expected)), 3)
+        for seed, q_crit in zip(seeds, expected):
+            done = self.call("run", seed)
+            self.assertEqual(done["ended_by"], "stop_when")
+            self.assertLess(abs(done["apparent_friction"] / 0.6 - q_crit), 0.004)
+        # the seeds that rg goes through are those
+        self.assertAlmostEqual(self.critical("rg.seeds=3"), sum(expected) / 3, delta=1e-9)
+
+    def test_the_tool_makes_its_table(self):
+        tool = os.path.join(SOURCE, "tools/bridge.py")
+        done = subprocess.run([sys.executable, tool, "contrast", "--runs", "2", "--program", PROGRAM],
+                              text=True, capture_output=True, cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split("|")[1:-1] for line in done.stdout.splitlines() if line.startswith("| ±")]
+        self.assertEqual([row[0].strip() for row in rows], ["± 0.16", "± 0.3"])
+        for row in rows:
+            self.assertLess(float(row[1].split()[0]), 0.005)
+
+    def test_pressures_are_spread_and_their_load_is_held(self):
+        self.call("contact")
+        with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as data:
+            pressure = data["pressure"][:]
+        self.assertAlmostEqual(float(pressure.mean()), 1e7, delta=1e-6)
+        self.assertGreater(float(pressure.std()), 0.05e7)
+        self.assertLess(float(pressure.max() / pressure.min()), 1.16 / 0.84)
+
+    def test_a_pressure_that_cannot_be_is_refused(self):
+        said = self.call("run", "interface.spread={pressure: {normal: {sigma: 1}}}", status=2)
+        self.assertIn("interface.spread.pressure", said)
+        self.assertIn("must be finite and > 0", said)
+        said = self.call("run", "interface.spread={presure: {normal: {sigma: 0.1}}}", status=2)
+        self.assertIn('did you mean "pressure"', said)
 
 
 if __name__ == "__main__":

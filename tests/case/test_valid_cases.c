@@ -99,10 +99,13 @@ static void every_key_reads(void **state)
     assert_string_equal(c->references, "First line\nsecond line\n");
     is_nearly(c->material.density, 2600.0);
     is_nearly(load.ratio, 0.36397023426620234); // tan 20 degree
-    is_nearly(load.stress, -1.0);
+    // of the ramp, a day of it, and of the spring, two
+    is_nearly(load.spring_stress, -1.0 + 1e3 * 2.0 / 365.24219878125);
+    assert_true(load.stress == 0.0);
     is_nearly(load.spring_stiffness, 1e6);
     is_nearly(load.pore, 1.03e5);
     assert_int_equal(c->friction_spread.count, 3);
+    assert_int_equal(c->interface_spread.count, 1);
     assert_true(c->initial.state == LAC_STATE_FROM_LOAD);
     is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
     is_nearly(c->run.stop_rate, 3.0);
@@ -224,6 +227,7 @@ static void same_case(const lac_case *a, const lac_case *b)
     for (size_t i = 0; i < a->history.count; i++) {
         same_section(LAC_SECTION_STEP, &a->history.step[i], &b->history.step[i]);
     }
+    same_spreads(&a->interface_spread, &b->interface_spread);
     same_spreads(&a->friction_spread, &b->friction_spread);
     same_spreads(&a->initial_spread, &b->initial_spread);
     assert_int_equal(a->initial.state, b->initial.state);
@@ -394,7 +398,7 @@ static void tables_describe_themselves(void **state)
         assert_true(kind->name[0] != '\0' && kind->summary[0] != '\0');
         assert_non_null(kind->at(0));
     }
-    assert_int_equal(kinds, LAC_KIND_SPREAD + 1);
+    assert_int_equal(kinds, LAC_KIND_INDICATOR + 1);
     for (size_t i = 0; lac_section_at(i) != NULL; i++) {
         const lac_section *section = lac_section_at(i);
         for (size_t k = 0; k < section->param_count; k++, rows++) {

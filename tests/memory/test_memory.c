@@ -37,12 +37,15 @@ static const char text[] =
     "transfer: {hierarchy: {stiffness: elastic}}\n"
     "time: {start: \"2020-01-01\", end: \"1 min\"}\n"
     "output: {every: \"20 s\", fields: [slip, traction], fields_every: \"30 s\"}\n"
+    "analysis: {rg: {critical_fraction: 0.5}}\n"
     "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
 
 static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
                             lac_error *err)
 {
     lac_store *store = NULL;
+    lac_analysis *analysis = NULL;
+    const double *once;
     lac_status status = LAC_OK;
     lac_run_result result = {0};
     lac_store_def def = {.path = path,
@@ -55,12 +58,18 @@ static lac_status store_run(const lac_case *c, const lac_scene *scene, const cha
                          .fields = c->fields,
                          .compression = c->compression,
                          .sync_every = 10};
+    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
+    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
     LAC_TRY(lac_store_create(&def, &store, err));
+    LAC_TRY(lac_store_once(store, once, err));
     lac_sink sink = lac_store_sink(store);
+    sink = lac_analysis_sink(analysis, &sink);
     LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
+    LAC_TRY(lac_analysis_finish(analysis, &result, err));
     LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
 out:
     lac_store_free(store);
+    lac_analysis_free(analysis);
     return status;
 }
 
@@ -245,6 +254,35 @@ out:
     return status;
 }
 
+// A file's cells, and the cascade on them.
+static lac_status whole_stored_cascade(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    lac_stored_cells cells = {0};
+    lac_scene_rg rg = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_CELLS};
+    const lac_provenance provenance = {.title = "cascading", .case_text = cascading, .seed = 1};
+    const lac_snapshot_choice last = {0};
+    LAC_TRY(
+        lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    const lac_contact_view view = {.grid = &contact.grid, .pressure = contact.pressure};
+    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+    LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
+    const lac_rg_cells given = {cells.domain, cells.shear, cells.time};
+    LAC_TRY(lac_scene_rg_cells(c, &given, &rg, err));
+out:
+    lac_scene_rg_clear(&rg);
+    lac_stored_cells_clear(&cells);
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 static const char loaded[] =
     "lacuna: 1\n"
     "interface: {size: 1, levels: 3, shape: line, boundary: free, domain: {full: {}}}\n"
@@ -305,6 +343,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_shear, false);
     every_allocation_fails(whole_history, false);
     every_allocation_fails(whole_cascade, false);
+    every_allocation_fails(whole_stored_cascade, false);
     every_allocation_fails(whole_elastic, false);
 }
 
@@ -315,6 +354,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_shear, true);
     every_allocation_fails(whole_history, true);
     every_allocation_fails(whole_cascade, true);
+    every_allocation_fails(whole_stored_cascade, true);
     every_allocation_fails(whole_elastic, true);
 }
 

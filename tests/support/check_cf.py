@@ -31,7 +31,11 @@ MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local
                   "cycle_start", "cycle_dissipation", "cycle_shift", "highest_ratio", "highest_x",
                   "highest_y", "critical_fraction", "critical_fraction_error", "map_slope",
                   "map_slope_error", "map_intercept", "exponent", "exponent_error",
-                  "cluster_exponent", "strength", "slip_load"}
+                  "cluster_exponent", "strength", "slip_load", "criticality",
+                  "correlation_length",
+                  "critical_fraction_low", "critical_fraction_high", "run_critical_fraction",
+                  "run_critical_fraction_low", "run_critical_fraction_high", "run_lambda",
+                  "run_lambda_low", "run_lambda_high"}
 CELL_METHOD = re.compile(
     r"^(?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum)"
     r"(?: (?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum))*$")

@@ -83,12 +83,45 @@ static void a_bad_cell_is_named_and_changes_nothing(void **state)
     lac_slot_clear(&slot);
 }
 
+// The weakening law is the slip law where that weakens, and holds still where it would heal.
+static void weakening_never_heals(void **state)
+{
+    (void)state;
+    lac_friction *pair[2] = {NULL};
+    for (size_t law = 1; law <= 2; law++) {
+        lac_slot slot;
+        assert_int_equal(lac_slot_create(&lac_friction_law_at(law)->about, &slot, NULL), LAC_OK);
+        assert_string_equal(slot.about->name, law == 1 ? "slip" : "weakening");
+        test_slot_set(&slot, "a", 0.01);
+        test_slot_set(&slot, "b", 0.015);
+        test_slot_set(&slot, "dc", 1e-4);
+        assert_int_equal(lac_friction_create(&slot, 1, &pair[law - 1], NULL), LAC_OK);
+        lac_slot_clear(&slot);
+    }
+    for (double w = -5; w <= 25; w += 0.5) {
+        double u = -20, v = exp(u), f[2], f_u[2], f_w[2], g[2], none[3], g_u[2], g_w[2];
+        for (size_t k = 0; k < 2; k++) {
+            lac_friction_cells cell = {0, 1, &u, &w, &v};
+            lac_friction_values values = {&f[k], &f_u[k], &f_w[k], &g[k]};
+            lac_friction_slopes slopes = {&none[0], &none[1], &none[2], &g_u[k], &g_w[k]};
+            lac_friction_evaluate(pair[k], &cell, &values, &slopes);
+        }
+        bool weakens = u + w > log(1e-4);
+        assert_true(f[0] == f[1] && (g[0] < 0) == weakens);
+        assert_true(g[1] == (weakens ? g[0] : 0));
+        assert_true(g_u[1] == (weakens ? g_u[0] : 0) && g_w[1] == (weakens ? g_w[0] : 0));
+    }
+    lac_friction_free(pair[0]);
+    lac_friction_free(pair[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(required_parameters_have_no_default),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(a_bad_cell_is_named_and_changes_nothing),
+        cmocka_unit_test(weakening_never_heals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,6 +117,11 @@ static void a_ramp_starts_holds_and_ends(void **state)
     assert_true(shear_at(&ramp, 1e9).stress == 100);
     assert_true(break_after(&ramp, 0) == 100 && break_after(&ramp, 100) == 150);
     assert_true(break_after(&ramp, 150) == INFINITY);
+    test_slot_set(&ramp, "share", 1); // the same on every cell, as a spring's
+    lac_load_state equal = shear_at(&ramp, 120);
+    assert_true(equal.spring_stress == 40 && equal.spring_rate == 2 && equal.spring_stiffness == 0);
+    assert_true(equal.stress == 0 && equal.stress_rate == 0);
+    assert_true(shear_at(&ramp, 1e9).spring_stress == 100 && shear_at(&ramp, 1e9).spring_rate == 0);
     test_slot_set(&ramp, "end", 50); // ends before it starts: it never is
     assert_true(shear_at(&ramp, 120).stress == 0 && break_after(&ramp, 0) == INFINITY);
     lac_slot_clear(&ramp);

@@ -246,6 +246,45 @@ static void test_one_democratic_cell(void **state)
     }
 }
 
+// Q_crit over the mean strength of one block of many cells whose strengths are the quantiles of a
+// distribution, CONS.
+static double many_cells(double (*quantile)(double p), double mean, double beta)
+{
+    const size_t n = 200000;
+    const uint32_t whole[2] = {0, (uint32_t)n};
+    const size_t count[2] = {n, 1};
+    const uint32_t *first[2] = {NULL, whole};
+    double *strength = new_doubles(n);
+    double *zero = new_doubles(n);
+    for (size_t i = 0; i < n; i++) {
+        strength[i] = quantile(((double)i + 0.5) / (double)n);
+    }
+    lac_rg_tree *tree = tree_of(&(lac_rg_blocks){1, count, first}, strength, beta);
+    double threshold = lac_rg_pass(tree, LAC_RG_CONS, zero, NULL);
+    lac_rg_tree_free(tree);
+    free(zero);
+    free(strength);
+    return threshold / mean;
+}
+
+static double uniform(double p) { return p; }
+static double exponential(double p) { return -log1p(-p); }
+static double weibull2(double p) { return sqrt(-log1p(-p)); }
+static double weibull5(double p) { return pow(-log1p(-p), 0.2); }
+
+// T8 in the limit of many cells: uniform 1/(2 - beta); Weibull (m e)^(-1/m)/Gamma(1 + 1/m), beta 0.
+static void test_many_cells_in_one_block(void **state)
+{
+    (void)state;
+    for (double beta = 0.0; beta <= 1.0; beta += 0.25) {
+        assert_near(many_cells(uniform, 0.5, beta), 1.0 / (2.0 - beta), 2e-5);
+    }
+    assert_near(many_cells(exponential, 1.0, 0.8), 0.80135, 2e-5);
+    const double e = exp(1.0);
+    assert_near(many_cells(weibull2, tgamma(1.5), 0.0), pow(2 * e, -0.5) / tgamma(1.5), 2e-5);
+    assert_near(many_cells(weibull5, tgamma(1.2), 0.0), pow(5 * e, -0.2) / tgamma(1.2), 2e-5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -254,6 +293,7 @@ int main(void)
         cmocka_unit_test(test_one_cell_at_its_strength),
         cmocka_unit_test(test_lump_needs_k_of_n),
         cmocka_unit_test(test_one_democratic_cell),
+        cmocka_unit_test(test_many_cells_in_one_block),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -60,6 +60,43 @@ static void test_equal_stress_carries_the_load(void **state)
     }
 }
 
+// Uniform stress only shifts the root's threshold, so that Q_crit follows from a pass at no load.
+static void test_uniform_stress_slides_where_one_pass_says(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 200; seed++) {
+        lac_domain *domain = random_domain(seed, MOST);
+        lac_hierarchy *h = hierarchy_of(domain);
+        size_t n = domain->n;
+        double strength[MOST], drop[MOST], work[2 * MOST], none[MOST] = {0}, total = 0.0;
+        lac_error err = {""};
+        lac_rg_path *path = NULL;
+        lac_rg_tree *tree = NULL;
+        draw_strengths(seed, n, strength);
+        for (size_t i = 0; i < n; i++) {
+            drop[i] = draw_uniform(seed, 1000, 0, 0.5) * strength[i];
+            total += strength[i];
+        }
+        assert_int_equal(lac_rg_path_uniform(n, strength, &path, &err), LAC_OK);
+        assert_int_equal(lac_rg_tree_create(h, strength, drop, &tree, &err), LAC_OK);
+        lac_rg_path_at(path, 0.5, work, work + n);
+        for (size_t i = 0; i < n; i++) {
+            assert_near(work[i], 0.5 * total / (double)n, 1e-12 * total);
+            assert_near(work[n + i], strength[i] - work[i], 1e-12 * total);
+        }
+        double cons = (double)n * lac_rg_pass(tree, LAC_RG_CONS, none, NULL) / total;
+        double fix = (double)n * lac_rg_pass(tree, LAC_RG_FIX, none, NULL) / total;
+        assert_near(lac_rg_critical(tree, LAC_RG_CONS, path, work), cons, 1e-8);
+        if (fix <= 1.0) { // under stress that has no caps FIX can ask for more than f P
+            assert_near(lac_rg_critical(tree, LAC_RG_FIX, path, work), fix, 1e-8);
+        }
+        lac_rg_tree_free(tree);
+        lac_rg_path_free(path);
+        lac_hierarchy_free(h);
+        lac_domain_free(domain);
+    }
+}
+
 static void test_elastic_path_passes_through_its_solutions(void **state)
 {
     (void)state;
@@ -113,7 +150,7 @@ static void test_loads_run_from_all_to_none(void **state)
 {
     (void)state;
     double part[LAC_RG_LOADS];
-    lac_rg_loads(part);
+    lac_rg_loads(LAC_RG_LOADS, part);
     assert_near(part[0], 1.0, 0.0);
     assert_near(part[9], 0.1, 1e-15);
     assert_near(part[LAC_RG_LOADS - 2], 0.002, 1e-15);
@@ -202,6 +239,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_equal_stress_carries_the_load),
+        cmocka_unit_test(test_uniform_stress_slides_where_one_pass_says),
         cmocka_unit_test(test_elastic_path_passes_through_its_solutions),
         cmocka_unit_test(test_wrong_series_are_refused),
         cmocka_unit_test(test_loads_run_from_all_to_none),

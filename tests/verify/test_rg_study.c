@@ -49,7 +49,7 @@ static void add(lac_rg_study *study, const lac_domain *domain, double beta)
         drop[i] = (1.0 - beta) * domain->pressure[i];
     }
     assert_int_equal(lac_rg_path_equal(domain->n, domain->pressure, &path, &err), LAC_OK);
-    lac_rg_joint joint = {domain, domain->pressure, drop, path};
+    lac_rg_joint joint = {domain, domain->pressure, drop, path, NULL};
     assert_int_equal(lac_rg_study_add(study, &joint, &err), LAC_OK);
     lac_rg_path_free(path);
     free(drop);
@@ -186,7 +186,7 @@ static void test_what_cannot_be_is_refused(void **state)
     lac_rg_path *path = NULL;
     add(study, large, 0.7);
     assert_int_equal(lac_rg_path_equal(small->n, small->pressure, &path, &err), LAC_OK);
-    lac_rg_joint joint = {small, small->pressure, small->pressure, path};
+    lac_rg_joint joint = {small, small->pressure, small->pressure, path, NULL};
     assert_int_equal(lac_rg_study_add(study, &joint, &err), LAC_EINPUT);
     assert_int_equal(lac_rg_study_finish(study, &r, &err), LAC_OK);
     assert_int_equal(r->joints, 1);

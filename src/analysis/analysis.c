@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/analysis.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct lac_analysis {
+    size_t n;
+    lac_indicator *indicator; // [n]
+    size_t *first;            // [n] value of each indicator in a record
+    size_t levels;            // values of a quantity over levels
+    size_t extras;
+    lac_extra *extra; // [extras] of all indicators
+    double *once;     // [extras] gathered on request
+    double *values;   // of the last record
+    lac_sink next;
+};
+
+static size_t width(const lac_analysis *a, const lac_extra *extra)
+{
+    return extra->over == LAC_OVER_LEVELS ? a->levels : extra->over == LAC_OVER_TIME ? 1 : 0;
+}
+
+// Lists the quantities of all indicators and where their values stand.
+static lac_status gather(lac_analysis *a, lac_error *err)
+{
+    size_t values = 0;
+    for (size_t i = 0; i < a->n; i++) {
+        a->extras += a->indicator[i].extras;
+    }
+    a->extra = malloc((a->extras + 1) * sizeof *a->extra);
+    a->once = malloc((a->extras + 1) * sizeof *a->once);
+    if (a->extra == NULL || a->once == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0, k = 0; i < a->n; i++) {
+        const lac_indicator *indicator = &a->indicator[i];
+        a->first[i] = values;
+        for (size_t j = 0; j < indicator->extras; j++) {
+            a->extra[k++] = indicator->extra[j];
+            values += width(a, &indicator->extra[j]);
+        }
+    }
+    a->values = calloc(values + 1, sizeof *a->values);
+    return a->values != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, const lac_slot *slots,
+                               lac_analysis **out, lac_error *err)
+{
+    lac_status status;
+    *out = NULL;
+    lac_analysis *a = calloc(1, sizeof *a);
+    if (a == NULL) {
+        return lac_fail_memory(err);
+    }
+    a->levels = lac_hierarchy_levels(scene->hierarchy) + 1;
+    a->indicator = calloc(count + 1, sizeof *a->indicator);
+    a->first = calloc(count + 1, sizeof *a->first);
+    status = a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    for (; a->n < count; a->n++) {
+        lac_indicator *indicator = &a->indicator[a->n];
+        indicator->kind = (const void *)slots[a->n].about; // the first member of the kind
+        LAC_TRY(indicator->kind->create(scene, slots[a->n].params, indicator, err));
+    }
+    LAC_TRY(gather(a, err));
+    *out = a;
+    a = NULL;
+out:
+    lac_analysis_free(a);
+    return status;
+}
+
+void lac_analysis_free(lac_analysis *analysis)
+{
+    if (analysis == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < analysis->n; i++) {
+        analysis->indicator[i].kind->free(&analysis->indicator[i]);
+    }
+    free(analysis->indicator);
+    free(analysis->first);
+    free(analysis->extra);
+    free(analysis->once);
+    free(analysis->values);
+    free(analysis);
+}
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    lac_analysis *a = context;
+    lac_record line = *record;
+    for (size_t i = 0; i < a->n; i++) {
+        lac_indicator *indicator = &a->indicator[i];
+        indicator->kind->observe(indicator, record, a->values + a->first[i]);
+    }
+    line.extra = a->values;
+    return a->next.record != NULL ? a->next.record(a->next.context, &line, err) : LAC_OK;
+}
+
+static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
+{
+    lac_analysis *a = context;
+    return a->next.snapshot != NULL ? a->next.snapshot(a->next.context, snapshot, err) : LAC_OK;
+}
+
+lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
+{
+    analysis->next = *next;
+    return (lac_sink){.context = analysis, .record = on_record, .snapshot = on_snapshot};
+}
+
+size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra,
+                           const double **once)
+{
+    size_t k = 0;
+    for (size_t i = 0; i < analysis->n; i++) {
+        size_t own = 0;
+        for (size_t j = 0; j < analysis->indicator[i].extras; j++) {
+            if (analysis->indicator[i].extra[j].over == LAC_OVER_NOTHING) {
+                analysis->once[k++] = analysis->indicator[i].once[own++];
+            }
+        }
+    }
+    *extra = analysis->extra;
+    *once = analysis->once;
+    return analysis->extras;
+}
+
+lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < analysis->n; i++) {
+        LAC_TRY(analysis->indicator[i].kind->finish(&analysis->indicator[i], result, err));
+    }
+out:
+    return status;
+}
+
+const lac_indicator *lac_analysis_at(const lac_analysis *analysis, size_t index)
+{
+    return analysis != NULL && index < analysis->n ? &analysis->indicator[index] : NULL;
+}

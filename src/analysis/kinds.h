@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_ANALYSIS_KINDS_H
+#define LACUNA_ANALYSIS_KINDS_H
+
+#include "lacuna/analysis.h"
+
+extern const lac_indicator_kind lac_indicator_rg;
+
+#endif

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/kinds.h"
+
+static const lac_indicator_kind *const kinds[] = {&lac_indicator_rg};
+
+const lac_indicator_kind *lac_indicator_kind_at(size_t index)
+{
+    return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
+}

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cascade in time: what slips at each level, how far that is from the fixed point of the
+// renormalization map, and the longest slipping cluster; docs/theory/rg-in-time.md.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "analysis/kinds.h"
+#include "analysis/run_map.h"
+#include "analysis/slip_blocks.h"
+#include "analysis/slip_clusters.h"
+#include "analysis/slipping.h"
+#include "base/units.h"
+
+#define FIELD(name) offsetof(lac_analysis_rg, name)
+
+static const char *const rules[] = {"fix", "cons", "lump", NULL};
+static const char *const fields[] = {"elastic", "equal", NULL};
+
+static const lac_param params[] = {
+    {.key = "slipping_strength",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(slipping_strength),
+     .doc = "a cell slips while its strength f(v0, theta) is at most this part of what it was at "
+            "the start; halfway between beta and 1 if no slipping_... is given"},
+    {.key = "slipping_rate",
+     .unit = "m/s",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e4,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(slipping_rate),
+     .doc = "a cell slips while it is at least this fast"},
+    {.key = "slipping_rate_ratio",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 1,
+     .max = 1e30,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(slipping_rate_ratio),
+     .doc = "a cell slips while it is at least so many times as fast as the mean at the start"},
+    {.key = "critical_fraction",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(critical_fraction),
+     .doc = "fixed point of the map; from the static cascade of the contact domain if absent"},
+    {.key = "rule",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_CHOICE,
+     .flags = LAC_OPTIONAL,
+     .choices = rules,
+     .offset = FIELD(rule),
+     .doc = "of that cascade, as rg.rule; the section rg's, or its default, if absent"},
+    {.key = "field",
+     .unit = "1",
+     .fallback = NAN,
+     .type = LAC_CHOICE,
+     .flags = LAC_OPTIONAL,
+     .choices = fields,
+     .offset = FIELD(field),
+     .doc = "of that cascade, as rg.field; likewise"},
+    {.key = "beta",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(beta),
+     .doc = "of that cascade, a number or from-friction; the first of rg.beta, or 0.7, if absent"},
+    {.key = "shifts",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 1,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(shifts),
+     .doc = "of that cascade, as rg.shifts"},
+    {.key = "loads",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 10,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(loads),
+     .doc = "of that cascade, as rg.loads"},
+};
+
+static const char *fault(const void *p)
+{
+    const lac_analysis_rg *rg = p;
+    int given =
+        !isnan(rg->slipping_strength) + !isnan(rg->slipping_rate) + !isnan(rg->slipping_rate_ratio);
+    return given > 1 ? "tells slip in more than one way: at most one of slipping_strength, "
+                       "slipping_rate and slipping_rate_ratio is allowed"
+                     : NULL;
+}
+
+enum { N_SLIP, FRACTION, CRITICALITY, XI, ONCE, EXTRAS = ONCE + 9 };
+enum { CRITICAL, CRITICAL_LOW, CRITICAL_HIGH, RUN_C, RUN_C_LOW, RUN_C_HIGH, RUN_L };
+enum { RESULTS = 18, LINES = 4 };
+
+typedef struct rg {
+    lac_slipping slipping;
+    lac_slip_blocks blocks;
+    lac_slip_clusters clusters;
+    lac_run_map map;
+    lac_critical_fraction critical;
+    size_t cells;
+    double fraction, longest; // at the last record; longest xi of any [m]
+    double most;              // largest criticality
+    bool reached;             // it has come to 1 at
+    double origin, local;
+    char definition[LAC_ANALYSIS_TEXT], source[LAC_ANALYSIS_TEXT + 64];
+    lac_extra extra[EXTRAS];
+    double once[EXTRAS - ONCE];
+    lac_analysis_result result[RESULTS];
+    lac_analysis_line line[LINES];
+} rg;
+
+// What a file says of each quantity; those after XI are over nothing, in the order of `once`.
+static const lac_extra table[EXTRAS] = {
+    {.name = "n_slip",
+     .unit = "1",
+     .long_name = "blocks of this level all of whose contact cells slip",
+     .over = LAC_OVER_LEVELS,
+     .count = true},
+    {.name = "slip_fraction",
+     .unit = "1",
+     .long_name = "part of the contact cells that slip",
+     .cell_methods = "time: point",
+     .over = LAC_OVER_TIME},
+    {.name = "criticality",
+     .unit = "1",
+     .long_name = "slip_fraction over critical_fraction",
+     .comment = "1: as many cells slip as at the fixed point; missing where there is none",
+     .cell_methods = "time: point",
+     .over = LAC_OVER_TIME},
+    {.name = "correlation_length",
+     .unit = "m",
+     .long_name = "longest side of a connected cluster of slipping cells",
+     .comment =
+         "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for "
+         "some records where many cells slip and others stick again all the time",
+     .cell_methods = "time: point",
+     .over = LAC_OVER_TIME},
+    {.name = "critical_fraction",
+     .unit = "1",
+     .long_name = "slipped fraction at the unstable fixed point of the renormalization map"},
+    {.name = "critical_fraction_low",
+     .unit = "1",
+     .long_name = "lower end of the 95 % interval of critical_fraction"},
+    {.name = "critical_fraction_high",
+     .unit = "1",
+     .long_name = "upper end of the 95 % interval of critical_fraction"},
+    {.name = "run_critical_fraction",
+     .unit = "1",
+     .long_name = "fixed point of the map fitted to the run's own slipped fractions",
+     .comment = "pairs of neighbouring levels as slip_fraction first comes to each 1/64; missing "
+                "where that map does not cross the diagonal, and until the run is over"},
+    {.name = "run_critical_fraction_low",
+     .unit = "1",
+     .long_name = "lower end of the 95 % interval of run_critical_fraction"},
+    {.name = "run_critical_fraction_high",
+     .unit = "1",
+     .long_name = "upper end of the 95 % interval of run_critical_fraction"},
+    {.name = "run_lambda", .unit = "1", .long_name = "slope of the run's own map in logits"},
+    {.name = "run_lambda_low",
+     .unit = "1",
+     .long_name = "lower end of the 95 % interval of run_lambda"},
+    {.name = "run_lambda_high",
+     .unit = "1",
+     .long_name = "upper end of the 95 % interval of run_lambda"},
+};
+
+static void destroy(lac_indicator *self)
+{
+    rg *r = self->state;
+    if (r != NULL) {
+        lac_slipping_clear(&r->slipping);
+        lac_slip_blocks_clear(&r->blocks);
+        lac_slip_clusters_clear(&r->clusters);
+        lac_run_map_clear(&r->map);
+    }
+    free(r);
+    self->state = NULL;
+}
+
+static void describe(rg *r, lac_indicator *self)
+{
+    (void)lac_slipping_describe(&r->slipping, r->definition, sizeof r->definition);
+    for (size_t i = 0; i < EXTRAS; i++) {
+        r->extra[i] = table[i];
+    }
+    for (size_t i = 0; i < EXTRAS - ONCE; i++) {
+        r->once[i] = NAN;
+    }
+    r->extra[N_SLIP].comment = r->definition;
+    r->extra[FRACTION].comment = r->definition;
+    r->extra[ONCE + CRITICAL].comment = r->critical.source;
+    r->once[CRITICAL] = r->critical.value;
+    r->once[CRITICAL_LOW] = r->critical.low;
+    r->once[CRITICAL_HIGH] = r->critical.high;
+    self->extras = EXTRAS;
+    self->extra = r->extra;
+    self->once = r->once;
+}
+
+static lac_status create(const lac_analysis_scene *scene, const void *p, lac_indicator *self,
+                         lac_error *err)
+{
+    const lac_analysis_rg *def = p;
+    lac_status status;
+    bool none = isnan(def->slipping_strength) && isnan(def->slipping_rate) &&
+                isnan(def->slipping_rate_ratio);
+    double strength = none ? 0.5 * (1.0 + scene->critical.beta) : def->slipping_strength;
+    rg *r = self->state = calloc(1, sizeof *r);
+    if (r == NULL) {
+        return lac_fail_memory(err);
+    }
+    r->critical = scene->critical;
+    r->cells = scene->domain->n;
+    LAC_TRY(lac_slipping_create(scene->friction, strength, def->slipping_rate,
+                                def->slipping_rate_ratio, &r->slipping, err));
+    LAC_TRY(lac_slip_blocks_create(scene->hierarchy, &r->blocks, err));
+    LAC_TRY(lac_slip_clusters_create(scene->domain, &r->clusters, err));
+    LAC_TRY(lac_run_map_create(scene->hierarchy, &r->map, err));
+    describe(r, self);
+out:
+    if (status != LAC_OK) {
+        destroy(self);
+    }
+    return status;
+}
+
+static void follow(rg *r, const lac_record *record, double criticality)
+{
+    r->longest = fmax(r->longest, r->clusters.extent);
+    r->most = fmax(r->most, criticality);
+    if (!r->reached && criticality >= 1.0) {
+        r->reached = true;
+        r->origin = record->time_origin;
+        r->local = record->time_local;
+    }
+}
+
+static void observe(lac_indicator *self, const lac_record *record, double *values)
+{
+    rg *r = self->state;
+    lac_slipping *s = &r->slipping;
+    const size_t levels = r->blocks.levels + 1;
+    lac_slipping_look(s, record);
+    for (size_t k = 0; k < s->changes; k++) {
+        lac_slip_blocks_change(&r->blocks, s->changed[k], s->slips[s->changed[k]]);
+    }
+    lac_slip_clusters_update(&r->clusters, s->slips, lac_slip_blocks_at(&r->blocks, 0), s->changed,
+                             s->changes);
+    if (s->changes > 0) {
+        lac_run_map_look(&r->map, &r->blocks);
+    }
+    for (size_t level = 0; level < levels; level++) {
+        values[level] = (double)lac_slip_blocks_at(&r->blocks, level);
+    }
+    r->fraction = values[0] / (double)r->cells;
+    double criticality = r->fraction / r->critical.value;
+    follow(r, record, criticality);
+    values[levels] = r->fraction;
+    values[levels + 1] = criticality;
+    values[levels + 2] = r->clusters.extent;
+}
+
+static void set_lines(rg *r, double lead)
+{
+    char text[64];
+    lac_analysis_line *line = r->line;
+    line[0].label = "slipping at the end";
+    (void)snprintf(line[0].text, LAC_ANALYSIS_TEXT, "%.4g %% of the cells: %s", 100 * r->fraction,
+                   r->definition);
+    line[1].label = "critical fraction";
+    if (isnan(r->critical.value)) {
+        (void)snprintf(line[1].text, LAC_ANALYSIS_TEXT, "%s", r->critical.source);
+    } else if (isnan(r->critical.low)) {
+        (void)snprintf(line[1].text, LAC_ANALYSIS_TEXT, "%.4g, %s", r->critical.value,
+                       r->critical.source);
+    } else {
+        (void)snprintf(line[1].text, LAC_ANALYSIS_TEXT, "%.4g (%.4g to %.4g), %s",
+                       r->critical.value, r->critical.low, r->critical.high, r->critical.source);
+    }
+    line[2].label = "criticality";
+    if (isnan(r->critical.value)) {
+        (void)snprintf(line[2].text, LAC_ANALYSIS_TEXT, "unknown");
+    } else if (isnan(lead)) {
+        (void)snprintf(line[2].text, LAC_ANALYSIS_TEXT, "%.4g at most", r->most);
+    } else {
+        (void)snprintf(line[2].text, LAC_ANALYSIS_TEXT, "1 reached %s before failure",
+                       lac_units_format(lead, "s", text, sizeof text));
+    }
+    line[3].label = "longest cluster";
+    (void)snprintf(line[3].text, LAC_ANALYSIS_TEXT, "%s",
+                   lac_units_format(r->longest, "m", text, sizeof text));
+}
+
+static lac_status finish(lac_indicator *self, const lac_run_result *result, lac_error *err)
+{
+    rg *r = self->state;
+    lac_rg_fit fit;
+    lac_status status = lac_run_map_fit(&r->map, &fit, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    const lac_rg_estimate *estimates[] = {&fit.fixed_point, &fit.lambda};
+    for (size_t i = 0; i < 2; i++) {
+        r->once[RUN_C + 3 * i] = estimates[i]->value;
+        r->once[RUN_C + 3 * i + 1] = estimates[i]->low;
+        r->once[RUN_C + 3 * i + 2] = estimates[i]->high;
+    }
+    bool critical = isfinite(r->critical.value);
+    double lead = r->reached && result->failed
+                      ? (result->failure_origin - r->origin) + (result->failure_local - r->local)
+                      : NAN;
+    const lac_analysis_result rows[] = {
+        {"slip_fraction", r->fraction, NULL},
+        {"slipping_cell", NAN, r->definition},
+        {"correlation_length_m", r->clusters.extent, NULL},
+        {"correlation_length_max_m", r->longest, NULL},
+        {"critical_fraction", r->critical.value, NULL},
+        {"critical_fraction_low", r->critical.low, NULL},
+        {"critical_fraction_high", r->critical.high, NULL},
+        {"critical_fraction_source", NAN, r->critical.source},
+        {"criticality_max", critical ? r->most : NAN, NULL},
+        {"critical_time_s", r->reached ? r->origin + r->local : NAN, NULL},
+        {"critical_lead_time_s", lead, NULL},
+        {"run_critical_fraction", fit.fixed_point.value, NULL},
+        {"run_critical_fraction_low", fit.fixed_point.low, NULL},
+        {"run_critical_fraction_high", fit.fixed_point.high, NULL},
+        {"run_lambda", fit.lambda.value, NULL},
+        {"run_lambda_low", fit.lambda.low, NULL},
+        {"run_lambda_high", fit.lambda.high, NULL},
+        {"run_map_points", (double)fit.map.points, NULL},
+    };
+    for (size_t i = 0; i < RESULTS; i++) {
+        r->result[i] = rows[i];
+    }
+    set_lines(r, lead);
+    self->results = RESULTS;
+    self->result = r->result;
+    self->lines = LINES;
+    self->line = r->line;
+    return LAC_OK;
+}
+
+const lac_indicator_kind lac_indicator_rg = {
+    .about = {.name = "rg",
+              .summary = "slipping cells and blocks of each level against the fixed point of the "
+                         "renormalization map, and the longest slipping cluster",
+              .reference = "Borri-Brunetto, Carpinteri and Chiaia (2004)",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(lac_analysis_rg),
+              .fault = fault},
+    .create = create,
+    .free = destroy,
+    .observe = observe,
+    .finish = finish,
+};

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// analysis: the indicators that a run follows, how they are read and what is wrong with them.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+#include "lacuna/rg.h"
+
+enum { MOST_INDICATORS = 64 };
+
+static const char from_friction[] = "from-friction";
+static const char *const rg_own[] = {"beta", NULL};
+static const char *const none_own[] = {NULL};
+
+static bool is_rg(const lac_descriptor *about) { return strcmp(about->name, "rg") == 0; }
+
+static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *node)
+{
+    const lac_kind *kind = lac_kind_at(LAC_KIND_INDICATOR);
+    const char *names[MOST_INDICATORS];
+    size_t n = 0;
+    for (; n < MOST_INDICATORS && kind->at(n) != NULL; n++) {
+        names[n] = kind->at(n)->name;
+        if (strcmp(names[n], node->key) == 0) {
+            return kind->at(n);
+        }
+    }
+    lac_blame_unknown(reader, node, "indicator", names, n);
+    return NULL;
+}
+
+static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
+{
+    double beta = NAN;
+    if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
+        rg->beta_from_friction = true;
+    } else if (node->kind != LAC_NODE_SCALAR) {
+        lac_blame(reader, node, "must be a number or %s", from_friction);
+    } else if (lac_read_number(reader, node, "1", &beta)) {
+        rg->beta = beta;
+        if (!(beta >= 0.0 && beta <= 1.0)) {
+            lac_blame(reader, node, "must be >= 0 and <= 1");
+        }
+    }
+}
+
+static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *slot)
+{
+    const lac_descriptor *about = find_indicator(reader, node);
+    size_t errors = reader->report->errors;
+    bool nothing = lac_node_is_null(node);
+    if (about == NULL ||
+        (!nothing && !lac_expect_map(reader, node, "a mapping such as {slipping_strength: 0.8}"))) {
+        return;
+    }
+    if (lac_slot_create(about, slot, NULL) != LAC_OK) {
+        reader->no_memory = true;
+        return;
+    }
+    const lac_table table = {.params = about->params,
+                             .count = about->param_count,
+                             .own = is_rg(about) ? rg_own : none_own};
+    if (!nothing) {
+        lac_read_table(reader, node, &table, slot->params);
+    }
+    if (is_rg(about) && !nothing && lac_node_child(node, "beta") != NULL) {
+        read_beta(reader, lac_node_child(node, "beta"), slot->params);
+    }
+    bool sound = reader->report->errors == errors;
+    const char *fault = sound && about->fault != NULL ? about->fault(slot->params) : NULL;
+    if (fault != NULL) {
+        lac_blame(reader, node, "%s", fault);
+    }
+}
+
+void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (node == NULL || node->bad ||
+        !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
+        return;
+    }
+    c->analysis.item = calloc(node->count + 1, sizeof *c->analysis.item);
+    if (c->analysis.item == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        lac_slot *slot = &c->analysis.item[c->analysis.count];
+        if (!node->child[i]->ignored && !node->child[i]->bad) {
+            read_indicator(reader, node->child[i], slot);
+            c->analysis.count += slot->about != NULL ? 1 : 0;
+        }
+    }
+}
+
+// What the cascade does not name is as in the section rg.
+static void fill_in(const lac_case *c, lac_analysis_rg *rg)
+{
+    if (isnan(rg->beta) && !rg->beta_from_friction) {
+        rg->beta_from_friction = c->rg.betas == 0;
+        rg->beta = c->rg.betas > 0 ? c->rg.beta[0] : NAN;
+    }
+    if (isnan(rg->critical_fraction)) {
+        rg->rule = rg->rule < 0 ? c->rg.rule : rg->rule;
+        rg->field = rg->field < 0 ? c->rg.field : rg->field;
+        rg->shifts = rg->shifts < 0 ? c->rg.shifts : rg->shifts;
+        rg->loads = rg->loads < 0 ? c->rg.loads : rg->loads;
+    }
+    bool told = !isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio);
+    if (isnan(rg->slipping_strength) && !told && !rg->beta_from_friction) {
+        rg->slipping_strength = 0.5 * (1.0 + rg->beta);
+    }
+}
+
+static void check_slipping(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
+{
+    bool by_strength = isnan(rg->slipping_rate) && isnan(rg->slipping_rate_ratio);
+    bool spread = false;
+    for (size_t i = 0; i < c->friction_spread.count; i++) {
+        spread |= strcmp(c->friction_spread.item[i].key, "b") == 0;
+    }
+    if (!by_strength) {
+        return;
+    }
+    if (rg->slipping_strength >= 1.0 || rg->slipping_strength <= rg->beta) {
+        char key[] = "analysis.rg.slipping_strength";
+        bool given = lac_present(reader, key);
+        lac_blame_key(reader, given ? key : "analysis.rg.beta",
+                      "leaves no room for slip: must be beta = %g < slipping_strength < 1",
+                      rg->beta);
+    }
+    if (c->friction.about != NULL && !spread &&
+        !(((const lac_friction_params *)c->friction.params)->b > 0.0)) {
+        lac_blame_key(reader, "analysis.rg",
+                      "can't tell slip by the strength, which never drops with b = 0 in the "
+                      "friction law: give slipping_rate or slipping_rate_ratio");
+    }
+    if (rg->beta_from_friction && isnan(rg->slipping_strength) && !isnan(rg->critical_fraction)) {
+        lac_blame_key(reader, "analysis.rg.slipping_strength",
+                      "is missing: no cascade tells beta where critical_fraction is given");
+    }
+}
+
+// The static cascade of the case's own interface; a single block has none, which is no error.
+static void check_cascade(lac_reader *reader, const lac_case *c, lac_analysis_rg *rg)
+{
+    const lac_material_def *m = &c->material;
+    double friction = c->rg.friction;
+    bool domain = lac_present(reader, "interface.domain");
+    if (!isnan(rg->critical_fraction) || (!domain && !lac_present(reader, "interface.surface"))) {
+        return;
+    }
+    if (rg->field == LAC_RG_ELASTIC && domain) {
+        lac_blame_key(reader, "analysis.rg.field",
+                      "needs interface.surface to press; a domain goes with equal (or give "
+                      "critical_fraction)");
+    }
+    if (rg->beta_from_friction &&
+        (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)))) {
+        lac_blame_key(reader, "analysis.rg.beta",
+                      "needs material.shear_modulus and shear_speed or density");
+    }
+    if (isnan(friction)) {
+        lac_find_coulomb(reader, c, "rg", &friction);
+    }
+}
+
+void lac_check_analysis(lac_reader *reader, lac_case *c)
+{
+    if (!lac_clean(reader, "analysis") || !lac_clean(reader, "rg") ||
+        !lac_clean(reader, "friction") || !lac_clean(reader, "interface")) {
+        return;
+    }
+    for (size_t i = 0; i < c->analysis.count; i++) {
+        if (is_rg(c->analysis.item[i].about)) {
+            lac_analysis_rg *rg = c->analysis.item[i].params;
+            fill_in(c, rg);
+            check_slipping(reader, c, rg);
+            check_cascade(reader, c, rg);
+        }
+    }
+}

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cascade of a file: its case, its cells, which snapshot.
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "cli/report.h"
+#include "cli/rg.h"
+#include "cli/words.h"
+
+bool cli_rg_is_file(const char *path)
+{
+    unsigned char head[4] = {0};
+    const size_t length = strlen(path);
+    if (length > 3 && strcmp(path + length - 3, ".nc") == 0) {
+        return true;
+    }
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) {
+        return false; // the reader of cases says why
+    }
+    size_t n = fread(head, 1, sizeof head, file);
+    (void)fclose(file);
+    return n == sizeof head && (memcmp(head, "\x89HDF", 4) == 0 || memcmp(head, "CDF", 3) == 0);
+}
+
+// A file holds one interface with its tractions: only rg's own keys can differ, and not all.
+static lac_status check_override(const lac_override *set, lac_error *err)
+{
+    if (strncmp(set->key, "rg.", 3) != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: %s: cannot be changed in a file that holds its results; only keys "
+                        "of rg can, such as rg.beta",
+                        set->key);
+    }
+    if (strcmp(set->key, "rg.field") == 0 && strcmp(set->value, "equal") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: rg.field: \"%s\" must be equal: a further load on the tractions "
+                        "of a file",
+                        set->value);
+    }
+    if (strcmp(set->key, "rg.seeds") == 0 && strcmp(set->value, "1") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: rg.seeds: \"%s\" must be 1: a file holds one "
+                        "interface",
+                        set->value);
+    }
+    return LAC_OK;
+}
+
+static lac_status read_case(const cli_request *request, const char *text, lac_case **c,
+                            lac_error *err)
+{
+    lac_case_report report = {0};
+    const lac_case_request how = {LAC_FOR_CELLS, request->overrides, request->set_count};
+    for (size_t i = 0; i < request->set_count; i++) {
+        lac_status status = check_override(&request->overrides[i], err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    lac_status status =
+        lac_case_read_text(request->argument[0], text, strlen(text), &how, c, &report, err);
+    cli_report_print_of(&report, request, "rg"); // other warnings were given when it was made
+    if (report.errors > 0) {
+        err->message[0] = '\0'; // said already, line by line
+    }
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
+{
+    double date;
+    if (c->dated && lac_date_parse(text, &date)) {
+        *time = date - c->start_date;
+        return LAC_OK;
+    }
+    lac_units *units = NULL;
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_units_parse(units, text, "s", time, err);
+    }
+    lac_units_free(units);
+    return status == LAC_EINPUT
+               ? lac_fail(err, status,
+                          "--snapshot: \"%s\" must be last, a number from 0, or a time such as "
+                          "\"10 day\"%s",
+                          text, c->dated ? " or a date" : "")
+               : status;
+}
+
+static lac_status parse_choice(const char *text, const lac_case *c, lac_snapshot_choice *choice,
+                               lac_error *err)
+{
+    *choice = (lac_snapshot_choice){0};
+    if (text == NULL || strcmp(text, "last") == 0) {
+        return LAC_OK;
+    }
+    if (text[strspn(text, "0123456789")] == '\0' && strlen(text) < 18) {
+        choice->by = LAC_SNAPSHOT_INDEX;
+        choice->index = (size_t)strtoull(text, NULL, 10);
+        return LAC_OK;
+    }
+    choice->by = LAC_SNAPSHOT_TIME;
+    return parse_time(text, c, &choice->time, err);
+}
+
+lac_status cli_rg_file_read(const cli_request *request, lac_case **c, lac_stored_cells *cells,
+                            lac_error *err)
+{
+    const char *path = request->argument[0];
+    lac_snapshot_choice choice = {0};
+    lac_status status;
+    LAC_TRY(lac_stored_cells_read(path, &choice, cells, err));
+    LAC_TRY(read_case(request, cells->case_text, c, err));
+    LAC_TRY(parse_choice(request->snapshot, *c, &choice, err));
+    if (choice.by != LAC_SNAPSHOT_LAST) { // a date is known only when the case is
+        lac_stored_cells_clear(cells);
+        LAC_TRY(lac_stored_cells_read(path, &choice, cells, err));
+    }
+    (*c)->rg.field = LAC_RG_EQUAL; // of the further load, whatever the case says
+    (*c)->rg.seeds = 1;
+out:
+    return status;
+}
+
+void cli_rg_file_print(const lac_stored_cells *cells, const lac_scene_rg *rg)
+{
+    char text[32];
+    if (cells->kind == LAC_STORED_RUN) {
+        cli_row("snapshot", "%zu (0 to %zu), at %s; the run is %s", cells->index,
+                cells->snapshots - 1, cli_quantity(cells->time, "s", text, sizeof text),
+                cells->status);
+    } else if (cells->kind == LAC_STORED_HISTORY) {
+        cli_row("step", "%zu (0 to %zu) of a history", cells->index, cells->snapshots - 1);
+    } else {
+        cli_row("contact", "without shear");
+    }
+    if (rg->now.share != 1.0) {
+        cli_row("effective pressure", "%.4g %% of the total", 100.0 * rg->now.share);
+    }
+    cli_row("Q/Q_nom now", "%.4f", rg->now.load);
+    cli_row("weakest cell", "at (%.4g, %.4g) m, lacks %s", rg->now.weakest[0], rg->now.weakest[1],
+            cli_quantity(rg->now.weakest_gap, "Pa", text, sizeof text));
+}
+
+void cli_rg_file_json(cli_json *json, const char *path, const lac_stored_cells *cells,
+                      const lac_scene_rg *rg)
+{
+    static const char *const kinds[] = {"run", "contact", "history"};
+    cli_json_open(json, "source", '{');
+    cli_json_text(json, "file", path);
+    cli_json_text(json, "kind", kinds[cells->kind]);
+    cli_json_text(json, "status", cells->status);
+    cli_json_integer(json, "snapshot", (int64_t)cells->index);
+    cli_json_integer(json, "snapshots", (int64_t)cells->snapshots);
+    cli_json_number(json, "time_s", cells->time);
+    cli_json_number(json, "effective_share", rg->now.share);
+    cli_json_close(json, '}');
+    cli_json_number(json, "q_over_q_nom", rg->now.load);
+    cli_json_open(json, "weakest", '{');
+    cli_json_number(json, "x_m", rg->now.weakest[0]);
+    cli_json_number(json, "y_m", rg->now.weakest[1]);
+    cli_json_number(json, "gap_Pa", rg->now.weakest_gap);
+    cli_json_close(json, '}');
+}

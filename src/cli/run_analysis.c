@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/run_analysis.h"
+
+#include "cli/words.h"
+
+void cli_analysis_print(const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->lines; k++) {
+            cli_row(indicator->line[k].label, "%s", indicator->line[k].text);
+        }
+    }
+}
+
+void cli_analysis_json(cli_json *json, const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->results; k++) {
+            const lac_analysis_result *result = &indicator->result[k];
+            if (result->text != NULL) {
+                cli_json_text(json, result->key, result->text);
+            } else {
+                cli_json_number(json, result->key, result->value);
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The indicators of a case's run, with what they need to know before it starts.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "lacuna/scene_analysis.h"
+
+static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
+{
+    static const char *const rules[] = {"fix", "cons", "lump"};
+    (void)snprintf(text, size, "rule %s, field %s, beta %.4g%s, %zu places of the blocks",
+                   rules[rg->rule], rg->field == LAC_RG_EQUAL ? "equal" : "elastic", beta,
+                   rg->beta_from_friction ? " (from the friction law, mean)" : "", places);
+}
+
+// The cascade on the interface of the case itself.
+static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
+                              const lac_rg_watch *watch, lac_critical_fraction *out, lac_error *err)
+{
+    lac_scene_rg cascade;
+    char how[LAC_ANALYSIS_TEXT / 2];
+    lac_case own = *c;
+    own.rg = (lac_rg_def){.named = true,
+                          .rule = rg->rule,
+                          .field = rg->field,
+                          .shifts = rg->shifts,
+                          .loads = rg->loads,
+                          .seeds = 1,
+                          .friction = c->rg.friction,
+                          .betas = rg->beta_from_friction ? 0 : 1,
+                          .beta = {rg->beta}};
+    if (isnan(own.rg.friction)) {
+        own.rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
+    }
+    lac_status status = lac_scene_rg_run(&own, watch, &cascade, err);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "analysis.rg");
+    }
+    describe(rg, cascade.beta[0], cascade.result[0]->places, how, sizeof how);
+    *out = lac_critical_fraction_of(cascade.result[0], how, cascade.beta[0]);
+    lac_scene_rg_clear(&cascade);
+    return LAC_OK;
+}
+
+static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *rg,
+                                const lac_rg_watch *watch, lac_critical_fraction *out,
+                                lac_error *err)
+{
+    const lac_case *c = scene->source;
+    *out = (lac_critical_fraction){
+        .value = rg->critical_fraction, .low = NAN, .high = NAN, .beta = rg->beta};
+    if (!isnan(rg->critical_fraction)) {
+        (void)snprintf(out->source, sizeof out->source, "given in the case");
+        return LAC_OK;
+    }
+    if (c->surface.about == NULL && c->domain.about == NULL) {
+        (void)snprintf(out->source, sizeof out->source,
+                       "none: a single block has no cells to hand load on");
+        return LAC_OK;
+    }
+    return run_cascade(c, rg, watch, out, err);
+}
+
+lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch *watch,
+                                     lac_analysis **out, lac_error *err)
+{
+    const lac_slot_list *slots = &scene->source->analysis;
+    lac_analysis_scene made_for = {.domain = scene->contact.domain,
+                                   .hierarchy = scene->hierarchy,
+                                   .friction = scene->friction};
+    lac_status status = LAC_OK;
+    *out = NULL;
+    for (size_t i = 0; i < slots->count; i++) {
+        if (strcmp(slots->item[i].about->name, "rg") == 0) {
+            LAC_TRY(find_critical(scene, slots->item[i].params, watch, &made_for.critical, err));
+        }
+    }
+    if (slots->count > 0) {
+        LAC_TRY(lac_analysis_create(&made_for, slots->count, slots->item, out, err));
+    }
+out:
+    return status;
+}

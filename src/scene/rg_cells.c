@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cascade on cells that are known with their tractions: those of a snapshot.
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/internal.h"
+#include "scene/rg.h"
+
+// Effective over total normal pressure at a time, as in the run itself.
+static lac_status find_share(const lac_case *c, double time, double *share, lac_error *err)
+{
+    const lac_load_set loads = {.shear = c->shear.item,
+                                .shear_count = c->shear.count,
+                                .pore = c->pore.item,
+                                .pore_count = c->pore.count};
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    lac_load_state at;
+    *share = 1.0;
+    if (isnan(time) || c->pore.count == 0) {
+        return LAC_OK;
+    }
+    lac_load_evaluate(&loads, time, &at);
+    double total = normal->pressure(c->normal.params, c->material.density);
+    *share = 1.0 - at.pore / total;
+    if (!(*share > 0.0 && isfinite(*share))) {
+        return lac_fail(err, LAC_EINPUT,
+                        "at %g s the pore pressure, %g Pa, is not below the normal stress, %g Pa",
+                        time, at.pore, total);
+    }
+    return LAC_OK;
+}
+
+static lac_status copy_domain(const lac_domain *from, double share, lac_domain **out,
+                              lac_error *err)
+{
+    lac_domain *domain = calloc(1, sizeof *domain);
+    *out = domain;
+    if (domain == NULL) {
+        return lac_fail_memory(err);
+    }
+    domain->grid = from->grid;
+    domain->n = from->n;
+    domain->index = malloc(from->n * sizeof *domain->index);
+    domain->pressure = malloc(from->n * sizeof *domain->pressure);
+    if (domain->index == NULL || domain->pressure == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < from->n; i++) {
+        domain->index[i] = from->index[i];
+        domain->pressure[i] = share * from->pressure[i];
+    }
+    return LAC_OK;
+}
+
+// How loaded the joint is, and its weakest cell.
+static void look(const lac_scene_joint *j, const double *shear, double share, lac_scene_rg_now *now)
+{
+    const lac_domain *domain = j->contact.domain;
+    const lac_grid *grid = &domain->grid;
+    size_t weakest = 0;
+    double nominal = 0.0;
+    double carried = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        double gap = j->strength[i] - shear[i];
+        weakest = gap < j->strength[weakest] - shear[weakest] ? i : weakest;
+        nominal += j->strength[i];
+        carried += shear[i];
+    }
+    uint32_t at = domain->index[weakest];
+    *now = (lac_scene_rg_now){
+        .loaded = true,
+        .load = carried / nominal,
+        .share = share,
+        .weakest_gap = j->strength[weakest] - shear[weakest],
+        .weakest = {((double)(at % grid->nx) + 0.5) * grid->dx,
+                    ((double)(at / grid->nx) + 0.5) * grid->dy},
+    };
+}
+
+lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_scene_rg *out,
+                              lac_error *err)
+{
+    lac_scene_joint j = {.contact = {.grid = cells->domain->grid, .e_star = NAN}};
+    double share = 1.0;
+    lac_status status;
+    *out = (lac_scene_rg){.grid = cells->domain->grid, .seeds = 1};
+    LAC_TRY(find_share(c, cells->time, &share, err));
+    LAC_TRY(copy_domain(cells->domain, share, &j.contact.domain, err));
+    LAC_TRY(lac_scene_contact_count(&j.contact, err));
+    LAC_TRY(lac_scene_joint_strengths(c, &j, err));
+    LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &j.path, err));
+    LAC_TRY(lac_scene_rg_begin(c, out, err));
+    LAC_TRY(lac_scene_rg_add(c, &j, out, err));
+    LAC_TRY(lac_scene_rg_end(c, out, err));
+    look(&j, cells->shear, share, &out->now);
+    out->domain = j.contact.domain;
+    j.contact.domain = NULL;
+out:
+    lac_scene_joint_clear(&j);
+    if (status != LAC_OK) {
+        lac_scene_rg_clear(out);
+    }
+    return status;
+}

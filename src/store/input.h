@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_INPUT_H
+#define LACUNA_STORE_INPUT_H
+
+#include "store/nc.h"
+
+/// A file being read.
+typedef struct lac_input {
+    int id;
+    bool open;
+    const char *path;
+    size_t size;    ///< of the file [bytes]
+    size_t records; ///< along `time`
+    int time;       ///< dimension
+} lac_input;
+
+/// Opens a file of Lacuna, its seal or heap checked first. To be closed whatever the status.
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_input_open(lac_input *in, const char *path, lac_error *err);
+
+void lac_input_close(lac_input *in);
+
+/// `path: cannot read NAME: why`, from what netCDF returned. @return LAC_EIO
+lac_status lac_input_fail(const lac_input *in, int code, lac_error *err, const char *name);
+
+/// Whether a file of this size can hold that many doubles, deflated.
+bool lac_input_may_hold(const lac_input *in, size_t values);
+
+/// What a variable holds where nothing was written, as a double.
+double lac_input_fill(const lac_input *in, int id, nc_type type);
+
+/// Whether the attribute `status` says so.
+bool lac_input_has_status(const lac_input *in, const char *status);
+
+#endif
