@@ -84,7 +84,7 @@ foreach(program test_rg test_rg_file)
   add_test(NAME case.${program}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${program}.py
                    $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-  set_tests_properties(case.${program} PROPERTIES LABELS case TIMEOUT 300
+  set_tests_properties(case.${program} PROPERTIES LABELS case TIMEOUT 600
                        ENVIRONMENT ${case_environment})
 endforeach()
 

@@ -36,6 +36,29 @@ lac_box_def lac_box_default(void);
 lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
                              lac_box_count *result, lac_error *err);
 
+/// The blocks of a domain's own grid: squares of 2^l cells a side that hold a contact cell, up to
+/// the one that covers the grid.
+typedef struct lac_dyadic {
+    size_t levels;               ///< above the cells
+    double count[LAC_BOX_SIZES]; ///< [levels + 1] N_l
+    double dimension;            ///< -slope of log2 N_l on l, all levels alike; NaN for one cell
+} lac_dyadic;
+
+/// Counts the blocks of every level.
+/// @cost O(n levels); allocates nothing; cannot fail
+lac_dyadic lac_dyadic_count(const lac_domain *domain);
+
+/// Solves the contact at the normal load at which lac_dyadic has a given dimension, as near as the
+/// jumps by single cells allow: within 1e-4 where they do, else at most 0.02 away.
+/// @param def        e_star, grid, heights, tolerance and iterations count; the load does not
+/// @param dimension  [1] > 0, below that of full contact
+/// @param pressure   [ny * nx] as lac_contact_solve gives at report->mean_pressure; overwritten
+/// @param gap        [ny * nx] likewise; NULL if not wanted
+/// @return LAC_OK; LAC_EINPUT also where no load gives this dimension; as lac_contact_solve
+/// @cost   6 to 30 solutions, all but the first and the last from the one before
+lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
+                               double *gap, lac_contact_report *report, lac_error *err);
+
 /// The clusters of a contact domain: cells that touch by a side or a corner belong together.
 /// Largest first; of equals the one whose first cell comes first in the domain. Immutable.
 typedef struct lac_clusters {

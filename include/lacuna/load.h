@@ -19,15 +19,17 @@ typedef struct lac_load_state {
 } lac_load_state;
 
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
-/// near the faces are.
+/// near the faces are, or how densely they touch.
 typedef struct lac_normal_load {
     lac_descriptor about;
     bool needs_density;
     /// @param density  of the rock [kg/m3]; NaN where the case names none
-    /// @return mean normal stress over the nominal area [Pa]; NaN where an approach is given
+    /// @return mean normal stress over the nominal area [Pa]; NaN where it follows from the contact
     double (*pressure)(const void *params, double density);
-    /// The approach as in lac_contact_def [m]. NULL: the pressure is given
+    /// The approach as in lac_contact_def [m]. NULL: it is not what is given
     double (*approach)(const void *params);
+    /// The dimension as in lac_dyadic [1]. NULL: it is not what is given
+    double (*dimension)(const void *params);
 } lac_normal_load;
 
 /// A shear load or a pore-pressure load: adds its part to the sum.

@@ -64,6 +64,7 @@ typedef struct lac_rg_result {
     double critical;       ///< Q_crit/Q_nom, mean over joints and places [1]
     double critical_sd;    ///< standard deviation among joints; among places where there is one
     double critical_error; ///< of the mean: sd/sqrt(joints), or /sqrt(places) where there is one
+    double *of_joint;      ///< [joints] Q_crit/Q_nom of each, mean over places
     double place_sd;       ///< standard deviation among the places of a joint, mean over joints
     lac_rg_map map;        ///< fitted to all pairs of levels with 8 blocks at least
     lac_rg_estimate fixed_point, lambda, nu;
@@ -82,6 +83,15 @@ typedef struct lac_rg_result {
                         ///< slips by itself where a path begins loaded; NaN: none
     size_t last_n;      ///< n of the last joint
 } lac_rg_result;
+
+/// One interface of the ensemble.
+typedef struct lac_rg_interface {
+    int64_t seed;            ///< INT64_MIN where it depends on none
+    double pressure;         ///< mean over the nominal area, as given or as found [Pa]
+    double contact_fraction; ///< [1]
+    double dimension;        ///< D_box [1]; NaN where it was not counted
+    double dyadic;           ///< dimension of the grid's own blocks [1], lac_dyadic
+} lac_rg_interface;
 
 /// An ensemble under study: joints are added one after the other.
 typedef struct lac_rg_study lac_rg_study;

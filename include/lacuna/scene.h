@@ -40,6 +40,7 @@ typedef struct lac_scene_contact {
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;
+    lac_dyadic blocks;         ///< of the grid itself
     lac_scene_fractal fractal; ///< filled by lac_scene_contact_measure
     lac_domain *domain;
 } lac_scene_contact;

@@ -22,11 +22,11 @@ typedef struct lac_scene_rg {
     const lac_rg_result *result[LAC_MOST_BETAS]; ///< [betas]
     lac_grid grid;
     size_t seeds;
-    double strength;         ///< Q_nom over the nominal area, mean over the seeds [Pa]
-    double contact_fraction; ///< mean over the seeds [1]
-    double dimension;        ///< D_box, mean over the seeds [1]; NaN where it was not counted
-    lac_domain *domain;      ///< of the last seed
-    lac_scene_rg_now now;    ///< of lac_scene_rg_cells
+    lac_rg_interface *interface; ///< [seeds]
+    lac_rg_interface mean;       ///< of these
+    double strength;             ///< Q_nom over the nominal area, mean over the seeds [Pa]
+    lac_domain *domain;          ///< of the last seed
+    lac_scene_rg_now now;        ///< of lac_scene_rg_cells
 } lac_scene_rg;
 
 /// Asked before each seed and told how many are done.

@@ -66,6 +66,7 @@ typedef struct lac_contact_view {
     const double *pressure;              ///< [ny * nx] [Pa]
     const lac_contact_report *report;    ///< NULL: not solved
     const lac_box_count *boxes;          ///< NULL: not counted
+    const lac_dyadic *blocks;            ///< NULL: not counted
     const lac_cluster_summary *clusters; ///< NULL: not looked for
     const lac_scaling *scaling;          ///< NULL: not measured
     size_t sizes;                        ///< specimens of the size effect

@@ -24,6 +24,7 @@ typedef struct lac_rg_view {
     size_t betas;
     const double *beta;                 ///< [betas] a mean where cells differ
     const lac_rg_result *const *result; ///< [betas]
+    const lac_rg_interface *interface;  ///< [joints of the results]
     double strength;                    ///< Q_nom over the nominal area [Pa]
     const lac_rg_origin *origin;        ///< NULL: of a case
 } lac_rg_view;

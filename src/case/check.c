@@ -122,21 +122,24 @@ static void check_back_slip(lac_reader *reader, const lac_case *c)
     }
 }
 
-// An approach takes the place of a normal stress: the load follows from pressing the surface.
-static void check_approach(lac_reader *reader, const lac_case *c)
+// An approach or a dimension takes the place of a normal stress: the load follows from pressing the
+// surface.
+static void check_statics(lac_reader *reader, const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.about;
-    if (normal == NULL || normal->approach == NULL) {
+    if (normal == NULL || (normal->approach == NULL && normal->dimension == NULL)) {
         return;
     }
+    const char *key = normal->approach != NULL ? "load.normal.approach" : "load.normal.dimension";
     if (lac_needs_run(reader)) {
-        lac_blame_key(reader, "load.normal.approach",
+        lac_blame_key(reader, key,
                       "is for statics (lacuna contact); a run needs a load: pressure, depth or "
                       "slope");
     } else if (!lac_present(reader, "interface.surface")) {
-        lac_blame_key(reader, "load.normal.approach",
+        lac_blame_key(reader, key,
                       "needs interface.surface: only heights tell the load that follows");
-    } else if (c->interface.boundary == LAC_PERIODIC && !(normal->approach(c->normal.params) > 0)) {
+    } else if (normal->approach != NULL && c->interface.boundary == LAC_PERIODIC &&
+               !(normal->approach(c->normal.params) > 0)) {
         lac_blame_key(reader, "load.normal.approach",
                       "must be > 0 m between periodic faces: without a gap any load would do");
     }
@@ -253,7 +256,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
-    check_approach(reader, c);
+    check_statics(reader, c);
     check_load(reader, c);
     check_back_slip(reader, c);
     if (c->history.count > 0 && lac_clean(reader, "load")) {

@@ -96,8 +96,9 @@ void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
 // What is pressed and sheared.
 static void check_joint(lac_reader *reader, const lac_case *c)
 {
-    if (lac_present(reader, "load.normal.approach")) {
-        lac_blame_key(reader, "load.normal.approach",
+    bool near = lac_present(reader, "load.normal.approach");
+    if (near || lac_present(reader, "load.normal.dimension")) {
+        lac_blame_key(reader, near ? "load.normal.approach" : "load.normal.dimension",
                       "is no load, from which load.history could start: pressure, depth or slope");
     }
     if (!lac_present(reader, "interface.surface") && !lac_present(reader, "interface.domain")) {

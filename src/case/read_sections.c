@@ -32,13 +32,14 @@ static bool section_lacks(const lac_reader *reader, const char *key)
 
 bool lac_needs_run(const lac_reader *reader)
 {
-    // What names a case as static: an approach for a load, or a history or a cascade and no time to
-    // run through.
+    // What names a case as static: an approach or a dimension for a load, or a history or a
+    // cascade and no time to run through.
     bool timeless = lac_node_child(reader->root, "time") == NULL;
     bool statics = lac_node_at(reader->root, "load.history") != NULL ||
                    lac_node_child(reader->root, "rg") != NULL;
-    bool is_static =
-        lac_node_at(reader->root, "load.normal.approach") != NULL || (timeless && statics);
+    bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL ||
+                     lac_node_at(reader->root, "load.normal.dimension") != NULL ||
+                     (timeless && statics);
     return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
 }
 

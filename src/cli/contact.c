@@ -86,6 +86,7 @@ static lac_status write_file(contact_job *job, lac_error *err)
                                    .pressure = contact->pressure,
                                    .report = contact->solved ? &contact->report : NULL,
                                    .boxes = contact->counted ? &contact->boxes : NULL,
+                                   .blocks = &contact->blocks,
                                    .clusters = f->clustered ? &f->clusters : NULL,
                                    .scaling = f->scaled ? &f->scaling : NULL,
                                    .sizes = f->sizes,

@@ -63,6 +63,9 @@ void cli_measures_print(const lac_scene_contact *contact)
     } else if (lac_grid_cells(grid) > 1) {
         cli_row("D_box", "none: the grid or the contact is too small to count boxes");
     }
+    if (isfinite(contact->blocks.dimension)) {
+        cli_row("D of all blocks", "%.4f", contact->blocks.dimension);
+    }
 }
 
 void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
@@ -83,5 +86,6 @@ void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
     cli_json_number(json, "d_box", counted ? boxes->dimension : NAN);
     cli_json_number(json, "d_box_error", counted ? boxes->error : NAN);
     cli_json_number(json, "d_box_regression_error", counted ? boxes->regression_error : NAN);
+    cli_json_number(json, "d_blocks", contact->blocks.dimension);
     cli_json_boolean(json, "d_box_weak", counted && (boxes->few_cells || boxes->dense));
 }

@@ -61,6 +61,7 @@ static lac_status write_file(const rg_job *job, lac_error *err)
                               .betas = rg->betas,
                               .beta = rg->beta,
                               .result = rg->result,
+                              .interface = rg->interface,
                               .strength = rg->strength,
                               .origin = job->stored ? &origin : NULL};
     lac_provenance provenance =

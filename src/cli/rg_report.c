@@ -122,9 +122,13 @@ void cli_rg_print(const lac_case *c, const lac_scene_rg *rg, bool verbose)
     cli_row("rule, field", "%s, %s", cli_rg_rule(c), cli_rg_field(c));
     cli_row("interfaces", "%zu of %zu x %zu cells, the blocks at %zu places of each", rg->seeds,
             rg->grid.nx, rg->grid.ny, rg->result[0]->places);
-    cli_row("contact", "%.3g %% of the area", 100 * rg->contact_fraction);
-    if (isfinite(rg->dimension)) {
-        cli_row("D_box", "%.3f", rg->dimension);
+    cli_row_quantity("nominal pressure", rg->mean.pressure, "Pa");
+    cli_row("contact", "%.3g %% of the area", 100 * rg->mean.contact_fraction);
+    if (isfinite(rg->mean.dimension)) {
+        cli_row("D_box", "%.3f", rg->mean.dimension);
+    }
+    if (isfinite(rg->mean.dyadic)) {
+        cli_row("D of all blocks", "%.4f", rg->mean.dyadic);
     }
     cli_row_quantity("f p", rg->strength, "Pa");
     for (size_t k = 0; k < rg->betas; k++) {
@@ -201,6 +205,26 @@ static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *
     write_law(json, "cluster_length", &r->cluster_law);
     write_law(json, "block_length", &r->block_law);
     write_levels(json, r, rg);
+    cli_json_open(json, "q_crit_of_interfaces", '[');
+    for (size_t i = 0; i < r->joints; i++) {
+        cli_json_number(json, NULL, r->of_joint[i]);
+    }
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
+static void write_interface(cli_json *json, const lac_rg_interface *one)
+{
+    cli_json_open(json, NULL, '{');
+    if (one->seed != INT64_MIN) {
+        cli_json_integer(json, "seed", one->seed);
+    } else {
+        cli_json_null(json, "seed");
+    }
+    cli_json_number(json, "mean_pressure_Pa", one->pressure);
+    cli_json_number(json, "contact_fraction", one->contact_fraction);
+    cli_json_number(json, "d_box", one->dimension);
+    cli_json_number(json, "d_blocks", one->dyadic);
     cli_json_close(json, '}');
 }
 
@@ -214,9 +238,16 @@ void cli_rg_json(cli_json *json, const lac_case *c, const lac_scene_rg *rg)
     cli_json_number(json, "critical_fraction", r->fixed_point.value);
     cli_json_integer(json, "interfaces", (int64_t)rg->seeds);
     cli_json_integer(json, "places", (int64_t)r->places);
-    cli_json_number(json, "contact_fraction", rg->contact_fraction);
-    cli_json_number(json, "d_box", rg->dimension);
+    cli_json_number(json, "mean_pressure_Pa", rg->mean.pressure);
+    cli_json_number(json, "contact_fraction", rg->mean.contact_fraction);
+    cli_json_number(json, "d_box", rg->mean.dimension);
+    cli_json_number(json, "d_blocks", rg->mean.dyadic);
     cli_json_number(json, "q_nom_Pa", rg->strength);
+    cli_json_open(json, "ensemble", '[');
+    for (size_t i = 0; i < rg->seeds; i++) {
+        write_interface(json, &rg->interface[i]);
+    }
+    cli_json_close(json, ']');
     cli_json_open(json, "results", '[');
     for (size_t k = 0; k < rg->betas; k++) {
         write_result(json, c, rg, k);

@@ -11,7 +11,7 @@
 #define LAC_STEEPEST 1.57
 
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
-    lac_normal_approach;
+    lac_normal_approach, lac_normal_dimension;
 extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring,
     lac_shear_back_slip;
 extern const lac_load_kind lac_pore_constant;

@@ -4,10 +4,8 @@
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 static const lac_normal_load *const normal[] = {
-    &lac_normal_pressure,
-    &lac_normal_depth,
-    &lac_normal_slope,
-    &lac_normal_approach,
+    &lac_normal_pressure, &lac_normal_depth,     &lac_normal_slope,
+    &lac_normal_approach, &lac_normal_dimension,
 };
 
 static const lac_load_kind *const shear[] = {

@@ -74,6 +74,7 @@ static void free_result(lac_rg_result *result)
 {
     if (result != NULL) {
         free(result->fraction);
+        free(result->of_joint);
         free(result->cell_load);
         free(result->own_level);
         free(result->size);
@@ -239,10 +240,10 @@ static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, la
 {
     const size_t places = study->def.places;
     double *of_place = malloc(places * sizeof *of_place);
-    double *of_joint = malloc(study->joints * sizeof *of_joint);
-    if (of_place == NULL || of_joint == NULL) {
+    free(r->of_joint);
+    r->of_joint = malloc(study->joints * sizeof *r->of_joint);
+    if (of_place == NULL || r->of_joint == NULL) {
         free(of_place);
-        free(of_joint);
         return lac_fail_memory(err);
     }
     r->place_sd = 0.0;
@@ -251,17 +252,16 @@ static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, la
         for (size_t i = 0; i < places; i++) {
             of_place[i] = study->of_joint[j][i].critical;
         }
-        spread(places, of_place, &of_joint[j], &sd);
+        spread(places, of_place, &r->of_joint[j], &sd);
         r->place_sd += sd / (double)study->joints;
     }
-    spread(study->joints, of_joint, &r->critical, &r->critical_sd);
+    spread(study->joints, r->of_joint, &r->critical, &r->critical_sd);
     r->critical_error = r->critical_sd / sqrt((double)study->joints);
     if (study->joints == 1) {
         r->critical_sd = r->place_sd;
         r->critical_error = r->place_sd / sqrt((double)places);
     }
     free(of_place);
-    free(of_joint);
     return LAC_OK;
 }
 

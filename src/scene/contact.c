@@ -47,12 +47,15 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
     def.mean_pressure = out->mean_pressure;
     def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;
-    status = lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
+    status = normal->dimension != NULL
+                 ? lac_dimension_solve(&def, normal->dimension(c->normal.params), out->pressure,
+                                       out->gap, &out->report, err)
+                 : lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
     if (status == LAC_OK && out->report.n_cells == 0) {
         status = fail_apart(&def, err);
     }
     out->solved = status == LAC_OK;
-    if (normal->approach != NULL) {
+    if (normal->approach != NULL || normal->dimension != NULL) {
         out->mean_pressure = out->report.mean_pressure;
     }
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
@@ -145,6 +148,7 @@ static size_t shorter_side(const lac_grid *grid)
 
 lac_status lac_scene_contact_count(lac_scene_contact *out, lac_error *err)
 {
+    out->blocks = lac_dyadic_count(out->domain);
     // Three box sides at least; a smaller grid has no dimension to speak of.
     if (shorter_side(&out->grid) < 64 || out->domain->n <= 1) {
         return LAC_OK;

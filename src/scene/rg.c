@@ -164,12 +164,39 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
     for (size_t i = 0; i < domain->n; i++) {
         total += j->strength[i];
     }
-    double cells = (double)lac_grid_cells(&domain->grid);
-    out->strength += total / cells;
-    out->contact_fraction += (double)domain->n / cells;
-    out->dimension += j->contact.counted ? j->contact.boxes.dimension : NAN;
+    out->strength += total / (double)lac_grid_cells(&domain->grid) / (double)out->seeds;
 out:
     return status;
+}
+
+// The seed of the interface at hand, else that of its first spread; INT64_MIN where it has none.
+static int64_t seed_now(const lac_case *c)
+{
+    const int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    const lac_spread_list *spreads = &c->interface_spread;
+    if (seed != NULL) {
+        return *seed;
+    }
+    return spreads->count > 0 ? (int64_t)spreads->item[0].seed : INT64_MIN;
+}
+
+void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
+{
+    const double cells = (double)lac_grid_cells(&contact->grid);
+    const double n = (double)out->seeds;
+    lac_rg_interface *one = &out->interface[i];
+    *one = (lac_rg_interface){
+        .seed = seed,
+        .pressure = contact->mean_pressure,
+        .contact_fraction = (double)contact->domain->n / cells,
+        .dimension = contact->counted ? contact->boxes.dimension : NAN,
+        .dyadic = contact->blocks.dimension,
+    };
+    out->mean.seed = INT64_MIN;
+    out->mean.pressure += one->pressure / n;
+    out->mean.contact_fraction += one->contact_fraction / n;
+    out->mean.dimension += one->dimension / n;
+    out->mean.dyadic += one->dyadic / n;
 }
 
 lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
@@ -179,6 +206,9 @@ lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *e
     def.rule = (lac_rg_rule)c->rg.rule;
     def.places = (size_t)c->rg.shifts;
     def.loads = (size_t)c->rg.loads;
+    out->interface = calloc(out->seeds, sizeof *out->interface);
+    status = out->interface != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
     out->betas = c->rg.betas > 0 ? c->rg.betas : 1;
     for (size_t k = 0; k < out->betas; k++) {
         out->beta[k] = c->rg.betas > 0 ? c->rg.beta[k] : 0.0;
@@ -213,6 +243,7 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_sc
         }
         LAC_TRY(make_joint(c, &j, err));
         LAC_TRY(lac_scene_rg_add(c, &j, out, err));
+        lac_scene_rg_note(&j.contact, seed_now(c), i, out);
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
@@ -258,12 +289,8 @@ static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, 
 
 lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
-    const double n = (double)out->seeds;
     lac_status status = LAC_OK;
-    out->strength /= n;
-    out->contact_fraction /= n;
-    out->dimension /= n;
-    out->beta[0] /= c->rg.betas == 0 ? n : 1.0;
+    out->beta[0] /= c->rg.betas == 0 ? (double)out->seeds : 1.0;
     for (size_t k = 0; k < out->betas; k++) {
         LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
     }
@@ -298,5 +325,6 @@ void lac_scene_rg_clear(lac_scene_rg *rg)
         lac_rg_study_free(rg->study[k]);
     }
     lac_domain_free(rg->domain);
+    free(rg->interface);
     *rg = (lac_scene_rg){0};
 }

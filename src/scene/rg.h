@@ -23,6 +23,9 @@ lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *e
 lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *joint, lac_scene_rg *out,
                             lac_error *err);
 
+// Adds what interface i of the ensemble is like to the list and to the mean.
+void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out);
+
 // Means over the joints, and the results of all studies.
 lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err);
 

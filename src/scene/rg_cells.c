@@ -52,6 +52,16 @@ static lac_status copy_domain(const lac_domain *from, double share, lac_domain *
     return LAC_OK;
 }
 
+// Normal force over the nominal area.
+static double mean_pressure(const lac_domain *domain)
+{
+    double total = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        total += domain->pressure[i];
+    }
+    return total / (double)lac_grid_cells(&domain->grid);
+}
+
 // How loaded the joint is, and its weakest cell.
 static void look(const lac_scene_joint *j, const double *shear, double share, lac_scene_rg_now *now)
 {
@@ -91,6 +101,8 @@ lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_
     LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &j.path, err));
     LAC_TRY(lac_scene_rg_begin(c, out, err));
     LAC_TRY(lac_scene_rg_add(c, &j, out, err));
+    j.contact.mean_pressure = mean_pressure(j.contact.domain);
+    lac_scene_rg_note(&j.contact, INT64_MIN, 0, out);
     LAC_TRY(lac_scene_rg_end(c, out, err));
     look(&j, cells->shear, share, &out->now);
     out->domain = j.contact.domain;

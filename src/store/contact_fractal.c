@@ -281,6 +281,9 @@ lac_status lac_nc_fractal(const lac_nc *file, const lac_contact_view *contact, l
     if (contact->boxes != NULL) {
         LAC_TRY(put_boxes(file, contact->boxes, err));
     }
+    if (contact->blocks != NULL && isfinite(contact->blocks->dimension)) {
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "d_blocks", contact->blocks->dimension, err));
+    }
     if (contact->clusters != NULL && contact->clusters->octaves > 0) {
         LAC_TRY(put_clusters(file, contact->clusters, err));
     }

@@ -8,7 +8,7 @@
 
 #include "store/nc.h"
 
-enum { BETA, LOAD, LEVEL, CELL, DIMENSIONS };
+enum { BETA, LOAD, LEVEL, CELL, INTERFACE, DIMENSIONS };
 
 typedef struct writer {
     const lac_nc *file;
@@ -69,6 +69,29 @@ ARRAY(fill_slipping, slipping, LEVEL)
 ARRAY(fill_cell_load, cell_load, CELL)
 ARRAY(fill_begin, begin, LEVEL)
 ARRAY(fill_own_level, own_level, CELL)
+ARRAY(fill_of_joint, of_joint, INTERFACE)
+
+#define LISTED(name, field)                                                          \
+    static void name(const writer *w, const lac_rg_result *r, size_t k, double *out) \
+    {                                                                                \
+        (void)r, (void)k;                                                            \
+        for (size_t i = 0; i < w->length[INTERFACE]; i++) {                          \
+            copy(1, &w->view->interface[i].field, &out[i]);                          \
+        }                                                                            \
+    }
+LISTED(fill_mean_pressure, pressure)
+LISTED(fill_contact_fraction, contact_fraction)
+LISTED(fill_dimension, dimension)
+LISTED(fill_dyadic, dyadic)
+
+static void fill_seed(const writer *w, const lac_rg_result *r, size_t k, double *out)
+{
+    (void)r, (void)k;
+    for (size_t i = 0; i < w->length[INTERFACE]; i++) {
+        int64_t seed = w->view->interface[i].seed;
+        out[i] = seed != INT64_MIN ? (double)seed : NC_FILL_DOUBLE;
+    }
+}
 
 static void fill_fraction(const writer *w, const lac_rg_result *r, size_t k, double *out)
 {
@@ -250,6 +273,42 @@ static const variable variables[] = {
       .coordinates = "beta x y"},
      {BETA, CELL, -1},
      fill_cell_load},
+    {{.name = "interface_seed",
+      .long_name = "seed of each interface of the ensemble",
+      .fill = true},
+     {INTERFACE, -1},
+     fill_seed},
+    {{.name = "mean_pressure",
+      .unit = "Pa",
+      .long_name = "normal force over the nominal area",
+      .comment = "as given, or as the dimension asks for",
+      .coordinates = "interface_seed"},
+     {INTERFACE, -1},
+     fill_mean_pressure},
+    {{.name = "contact_fraction",
+      .long_name = "part of the cells in contact",
+      .coordinates = "interface_seed"},
+     {INTERFACE, -1},
+     fill_contact_fraction},
+    {{.name = "d_box",
+      .long_name = "box-counting dimension",
+      .comment = "from random origins, sides of two cells to an eighth of the grid",
+      .fill = true,
+      .coordinates = "interface_seed"},
+     {INTERFACE, -1},
+     fill_dimension},
+    {{.name = "d_blocks",
+      .long_name = "dimension of the grid's own blocks of all levels",
+      .fill = true,
+      .coordinates = "interface_seed"},
+     {INTERFACE, -1},
+     fill_dyadic},
+    {{.name = "q_crit_of_interface",
+      .long_name = "critical shear force over f P of each interface",
+      .comment = "mean over the places of the blocks",
+      .coordinates = "beta interface_seed"},
+     {BETA, INTERFACE, -1},
+     fill_of_joint},
 };
 
 // Only where the cells come from a file.
@@ -321,7 +380,7 @@ out:
 
 static lac_status put_all(writer *w, lac_error *err)
 {
-    static const char *const names[DIMENSIONS] = {"beta", "load", "level", "cell"};
+    static const char *const names[DIMENSIONS] = {"beta", "load", "level", "cell", "interface"};
     lac_status status = LAC_OK;
     for (int i = 0; i < DIMENSIONS; i++) {
         LAC_TRY(lac_nc_dim(w->file, names[i], w->length[i], &w->dim[i], err));
@@ -347,12 +406,14 @@ lac_status lac_store_rg(const char *path, bool force, const lac_provenance *prov
 {
     const lac_rg_result *first = view->result[0];
     lac_nc file = {0};
-    writer w = {.file = &file,
-                .view = view,
-                .first = first,
-                .length = {view->betas, first->loads, first->levels + 1, view->domain->n}};
+    writer w = {
+        .file = &file,
+        .view = view,
+        .first = first,
+        .length = {view->betas, first->loads, first->levels + 1, view->domain->n, first->joints}};
     size_t inner = w.length[LOAD] * w.length[LEVEL];
     inner = inner > w.length[CELL] ? inner : w.length[CELL];
+    inner = inner > w.length[INTERFACE] ? inner : w.length[INTERFACE];
     lac_status status;
     w.row = malloc(view->betas * inner * sizeof *w.row);
     status = w.row != NULL ? LAC_OK : lac_fail_memory(err);

@@ -77,6 +77,17 @@ def critical(rule, beta, strength):
     return (low + high) / 2
 
 
+def dyadic(occupied):
+    """Slope of log2 N on the level, over all levels, of a square grid."""
+    counts = []
+    while True:
+        counts.append(occupied.sum())
+        if occupied.size == 1:
+            return -numpy.polyfit(range(len(counts)), numpy.log2(counts), 1)[0]
+        n = len(occupied) // 2
+        occupied = occupied.reshape(n, 2, n, 2).any(axis=(1, 3))
+
+
 class Cascade(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -248,6 +259,99 @@ class Cascade(unittest.TestCase):
                 low, high = (low, x) if right else (x, high)
             total += 1 - low
         self.assertAlmostEqual(done["beta"], total / len(pressure), delta=1e-9)
+
+    def test_load_by_dimension(self):
+        done = self.rg("load.normal={dimension: 1.5}", "rg.seeds=3", "rg.field=equal", places=1)
+        self.assertEqual([one["seed"] for one in done["ensemble"]], [1, 2, 3])
+        for one in done["ensemble"]:
+            self.assertAlmostEqual(one["d_blocks"], 1.5, delta=2e-3)
+        with self.file() as data:
+            # of the last interface, from its cells alone
+            occupied = numpy.zeros((64, 64), bool)
+            x, y = ((data[name][:] * 64).astype(int) for name in ("x", "y"))
+            occupied[y, x] = True
+            self.assertAlmostEqual(dyadic(occupied), done["ensemble"][2]["d_blocks"], delta=1e-12)
+            for name, key in (("mean_pressure", "mean_pressure_Pa"), ("d_blocks", "d_blocks"),
+                              ("contact_fraction", "contact_fraction"),
+                              ("interface_seed", "seed")):
+                self.assertEqual([one[key] for one in done["ensemble"]], list(data[name][:]))
+            for k, result in enumerate(done["results"]):
+                each = result["q_crit_of_interfaces"]
+                self.assertEqual(each, list(data["q_crit_of_interface"][k]))
+                self.assertAlmostEqual(sum(each) / 3, result["q_crit_over_q_nom"], delta=1e-12)
+            # P = mean pressure times the area
+            self.assertAlmostEqual(data["pressure"][:].sum() / 64 ** 2 / data["mean_pressure"][2],
+                                   1, delta=1e-9)
+        load = done["ensemble"][2]["mean_pressure_Pa"]
+        same = self.rg(f"load.normal={{pressure: {load!r} Pa}}", "rg.field=equal", places=1,
+                       *["interface.surface.self-affine.seed=3"])
+        self.assertAlmostEqual(same["d_blocks"], done["ensemble"][2]["d_blocks"], delta=1e-9)
+        self.assertAlmostEqual(same["q_crit_over_q_nom"],
+                               done["results"][0]["q_crit_of_interfaces"][2], delta=1e-6)
+        done = self.call("--set", "load.normal={dimension: 1.5}", "--set", "interface.levels=6",
+                         "--set", "rg.field=equal", "--set", "rg.shifts=1", "-o", "out.nc",
+                         "--force")
+        self.assertRegex(done.stdout, "D of all blocks +1.[45]")
+        self.assertRegex(done.stdout, "nominal pressure +[0-9.]+ MPa")
+
+    def test_dimensions_that_no_load_gives(self):
+        for value, words in (("2", 'load.normal.dimension: "2" must be <= 1.9999'),
+                             ("0", 'load.normal.dimension: "0" must be > 0'),
+                             ("-1", 'load.normal.dimension: "-1" must be > 0'),
+                             ("nan", "load.normal.dimension"), ("1e400", "load.normal.dimension"),
+                             ("0.1", "no load gives a dimension of 0.1: it jumps from 0 (1 cells)")):
+            done = self.call("--set", f"load.normal={{dimension: {value}}}", "-o", "none.nc",
+                             "--set", "interface.levels=5", status=2)
+            self.assertIn(words, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def tool(self, name, *words, status=0):
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", name), *words,
+                               "--program", PROGRAM], text=True, capture_output=True,
+                              cwd=self.folder, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def test_table(self):
+        done = self.tool("rg_table.py", "--levels", "6", "--seeds", "2", "--dimensions", "1.55",
+                         "--grids", "5", "6", "--parts", "table,grids,map", "--json", "table.json",
+                         "--set", "rg.loads=20")
+        rows = [[cell.strip() for cell in line.split("|")[1:-1]]
+                for line in done.stdout.splitlines() if line.startswith("|")]
+        with open(os.path.join(self.folder, "table.json"), encoding="utf-8") as file:
+            runs = json.load(file)
+        for rule in ("fix", "cons", "lump"):
+            run, = (one for one in runs if one["settings"].get("rg.rule") == rule
+                    and one["settings"]["interface.levels"] == 6
+                    and "rg.field" not in one["settings"])
+            for result in run["results"]:
+                a, b = result["q_crit_of_interfaces"]
+                row, = (cells for cells in rows
+                        if cells[:2] == [rule.upper(), f"{result['beta']:g}"])
+                # two values: their mean, and half of what lies between them
+                self.assertEqual(row[2], f"{(a + b) / 2:.3f} ± {abs(a - b) / 2:.3f}")
+                if rule == "cons":
+                    self.assertTrue(result["beta"] <= min(a, b) <= result["beta"] + 0.03)
+        self.assertIn("32²", done.stdout)
+        done = self.tool("rg_table.py", "--parts", "tables", status=2)
+        self.assertIn("must be of table, variants", done.stderr)
+        done = self.tool("rg_table.py", "--set", "rg.rule=fx", "--levels", "5", "--seeds", "2",
+                         "--parts", "variants", status=1)
+        self.assertIn("must be one of: fix, cons, lump", done.stderr)
+
+    def test_pictures(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        self.tool("rg_rules.py", "-o", "rules.png")
+        self.tool("figure3.py", "-o", "figure3.png", "--seeds", "2", "--levels", "5", "--set",
+                  "interface.levels=6", "--set", "rg.loads=20")
+        for name in ("rules.png", "figure3.png"):
+            path = os.path.join(self.folder, name)
+            with open(path, "rb") as file:
+                self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+            self.assertGreater(os.path.getsize(path), 30000)
 
     def test_wrong_requests(self):
         wrong = {

@@ -182,6 +182,39 @@ static void an_approach_is_static(void **state)
     assert_null(read_for(text, LAC_FOR_RUN, first, sizeof first));
 }
 
+// Likewise a dimension.
+static void a_dimension_is_static(void **state)
+{
+    (void)state;
+    const char *const text =
+        "lacuna: 1\n"
+        "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n"
+        "material: {shear_modulus: 1e9}\n"
+        "load: {normal: {dimension: 1.55}}\n";
+    char first[500];
+    const lac_case_purpose purposes[] = {LAC_FOR_CONTACT, LAC_FOR_CHECK};
+    for (size_t i = 0; i < 2; i++) {
+        lac_case *c = read_for(text, purposes[i], first, sizeof first);
+        assert_string_equal(first, "");
+        const lac_normal_load *normal = (const void *)c->normal.about;
+        assert_true(normal->dimension(c->normal.params) == 1.55);
+        assert_true(isnan(normal->pressure(c->normal.params, 2700)));
+        lac_case_free(c);
+    }
+    assert_null(read_for(text, LAC_FOR_RUN, first, sizeof first));
+    refused("lacuna: 1\n"
+            "interface: {size: 1, levels: 3, domain: {full: {}}}\n"
+            "load: {normal: {dimension: 1.55}}\n",
+            LAC_FOR_CONTACT,
+            "x.yaml:3: load.normal.dimension: \"1.55\" needs interface.surface: only heights tell "
+            "the load that follows");
+    refused(JOINT "load: {normal: {dimension: 1.5}, history: {friction: 0.5, steps: [{ratio_x: "
+                  "0.3}]}}\n",
+            LAC_FOR_CONTACT,
+            "x.yaml:4: load.normal.dimension: \"1.5\" is no load, from which load.history could "
+            "start: pressure, depth or slope");
+}
+
 // Read for statics, such a case makes no scene to run.
 static void a_static_case_makes_no_scene(void **state)
 {
@@ -225,6 +258,7 @@ int main(void)
         cmocka_unit_test(each_part_of_a_run_may_be_absent_alone),
         cmocka_unit_test(what_is_there_must_be_right),
         cmocka_unit_test(an_approach_is_static),
+        cmocka_unit_test(a_dimension_is_static),
         cmocka_unit_test(a_static_case_makes_no_scene),
         cmocka_unit_test(interfaces_are_grids),
         cmocka_unit_test(text_of_a_static_case_reads_back),

@@ -245,6 +245,7 @@ static lac_status whole_cascade(const char *path, lac_error *err)
                               .betas = rg.betas,
                               .beta = rg.beta,
                               .result = rg.result,
+                              .interface = rg.interface,
                               .strength = rg.strength};
     LAC_TRY(lac_store_rg(path, true, &provenance, &view, err));
 out:
@@ -277,6 +278,30 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
 out:
     lac_scene_rg_clear(&rg);
     lac_stored_cells_clear(&cells);
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static const char dense[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 2, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {dimension: 1.5}}\n";
+
+// Case to contact, at the load that gives it a dimension.
+static lac_status whole_dimension(const char *path, lac_error *err)
+{
+    (void)path;
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
+    LAC_TRY(lac_case_read_text("case.yaml", dense, sizeof dense - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, false, &contact, err));
+out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
     lac_case_report_clear(&report);
@@ -345,6 +370,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_cascade, false);
     every_allocation_fails(whole_stored_cascade, false);
     every_allocation_fails(whole_elastic, false);
+    every_allocation_fails(whole_dimension, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -356,6 +382,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_cascade, true);
     every_allocation_fails(whole_stored_cascade, true);
     every_allocation_fails(whole_elastic, true);
+    every_allocation_fails(whole_dimension, true);
 }
 
 int main(void)

@@ -32,7 +32,7 @@ MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local
                   "highest_y", "critical_fraction", "critical_fraction_error", "map_slope",
                   "map_slope_error", "map_intercept", "exponent", "exponent_error",
                   "cluster_exponent", "strength", "slip_load", "criticality",
-                  "correlation_length",
+                  "correlation_length", "interface_seed", "d_box", "d_blocks",
                   "critical_fraction_low", "critical_fraction_high", "run_critical_fraction",
                   "run_critical_fraction_low", "run_critical_fraction_high", "run_lambda",
                   "run_lambda_low", "run_lambda_high"}
