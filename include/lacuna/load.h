@@ -8,13 +8,14 @@
 
 /// The load on the interface at one time, all shear and pore-pressure loads summed.
 typedef struct lac_load_state {
-    double ratio, ratio_rate;   ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
-    double stress, stress_rate; ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
-    double spring_stiffness;    ///< of the mean slip, over the nominal area [Pa/m]
-    double spring_stress;       ///< sum of stiffness * travel of the far ends, and of other loads
-                                ///< that put the same stress on every cell [Pa]
-    double spring_rate;         ///< its rate [Pa/s]
-    double pore, pore_rate;     ///< pore pressure [Pa], [Pa/s]
+    double ratio, ratio_rate;    ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
+    double stress, stress_rate;  ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
+    double spring_stiffness;     ///< of the mean slip, over the nominal area [Pa/m]
+    double spring_stress;        ///< sum of stiffness * travel of the far ends, and of other loads
+                                 ///< that put the same stress on every cell [Pa]
+    double spring_rate;          ///< its rate [Pa/s]
+    double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
+    double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]
 } lac_load_state;
 
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
@@ -50,7 +51,8 @@ typedef struct lac_load_clock {
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
     lac_descriptor about;
-    bool fixes_shear; ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    bool needs_anchor; ///< acts through a transfer that holds uniform slip
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
     /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
     lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,

@@ -10,10 +10,12 @@ typedef struct lac_transfer_scene {
     const lac_hierarchy *hierarchy;
     double shear_modulus; ///< G [Pa]; NaN where the case names no material
     double poisson;       ///< nu [1]
+    bool line;            ///< a row of cells is a line in plane strain, not a strip as wide
 } lac_transfer_scene;
 
-/// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite,
-/// zero for uniform slip.
+/// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite. Zero
+/// for uniform slip, unless rock that stays behind holds the mean slip (`elastic` with a thickness
+/// or creeping surroundings).
 typedef struct lac_transfer_kind {
     lac_descriptor about;
     lac_status (*create)(const void *params, const lac_transfer_scene *scene, void **state,
@@ -22,14 +24,15 @@ typedef struct lac_transfer_kind {
     size_t (*work)(const void *state); ///< doubles of scratch that apply and solve need
     /// force = K slip; [n] each [m] -> [Pa]
     void (*apply)(const void *state, const double *slip, double *force, double *work);
-    /// (D + K + k_mean P_m) x = y; x may be y; false where it is not positive definite
+    /// (D + K + k_mean P_m) x = y; x may be y; false where it is not positive definite, or an
+    /// iteration does not end
     bool (*solve)(const void *state, double k_mean, const double *diagonal, const double *y,
                   double *x, double *work);
     /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
     double (*stiffness)(const void *state, size_t level);
 } lac_transfer_kind;
 
-/// A transfer kind made for one domain. Immutable.
+/// A transfer kind made for one domain. Immutable but for scratch of its own: one thread at a time.
 typedef struct lac_transfer {
     const lac_transfer_kind *kind;
     void *state;
@@ -43,6 +46,15 @@ typedef struct lac_transfer_hierarchy {
     double ratio;  ///< k_{l+1}/k_l [1]
     int64_t seed;  ///< of the calibration's random probes
 } lac_transfer_hierarchy;
+
+/// Parameters of `elastic`.
+typedef struct lac_transfer_elastic {
+    int mode;                ///< 0: in-plane, 1: antiplane
+    int outside;             ///< beyond a free border 0: free of traction, 1: creeping
+    double thickness;        ///< of the rock on either side [m]; NaN: half-spaces
+    double tolerance;        ///< of the stress, relative [1]
+    double newton_tolerance; ///< of solve, relative [1]
+} lac_transfer_elastic;
 
 /// The index-th kind in the registry, NULL past the end.
 const lac_transfer_kind *lac_transfer_kind_at(size_t index);

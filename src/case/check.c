@@ -45,12 +45,8 @@ static void check_material(lac_reader *reader, const lac_case *c)
     }
 }
 
-static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
+static void check_hierarchy(lac_reader *reader, const lac_case *c, bool material_read)
 {
-    const lac_descriptor *about = c->transfer.about;
-    if (about == NULL || strcmp(about->name, "hierarchy") != 0) {
-        return;
-    }
     const lac_transfer_hierarchy *hierarchy = c->transfer.params;
     bool elastic = hierarchy->stiffness >= 0;
     bool given = !isnan(hierarchy->k0);
@@ -67,6 +63,62 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed by transfer.hierarchy.stiffness: elastic; must be a "
                       "pressure such as \"20 GPa\"");
+    }
+}
+
+static bool holds_mean_slip(const lac_case *c)
+{
+    if (c->transfer.about == NULL || strcmp(c->transfer.about->name, "elastic") != 0) {
+        return false;
+    }
+    const lac_transfer_elastic *elastic = c->transfer.params;
+    return !isnan(elastic->thickness) || elastic->outside != 0;
+}
+
+static void check_elastic(lac_reader *reader, const lac_case *c, bool material_read)
+{
+    const lac_transfer_elastic *elastic = c->transfer.params;
+    bool periodic = c->interface.boundary == LAC_PERIODIC;
+    if (material_read && !lac_present(reader, "material.shear_modulus")) {
+        lac_blame_key(reader, "material.shear_modulus",
+                      "is missing: needed by transfer.elastic; must be a pressure such as "
+                      "\"20 GPa\"");
+    }
+    if (!isnan(elastic->thickness) && !periodic) {
+        lac_blame_key(reader, "transfer.elastic.thickness", "needs interface.boundary: periodic");
+    }
+    bool full = c->domain.about == NULL || strcmp(c->domain.about->name, "full") == 0;
+    if (elastic->outside != 0 && (periodic || c->surface.about != NULL || !full)) {
+        lac_blame_key(reader, "transfer.elastic.outside",
+                      "needs interface.boundary: free and interface.domain: {full: {}}");
+    }
+}
+
+static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
+{
+    const lac_descriptor *about = c->transfer.about;
+    if (about == NULL || !lac_clean(reader, "transfer")) {
+        return;
+    }
+    if (strcmp(about->name, "hierarchy") == 0) {
+        check_hierarchy(reader, c, material_read);
+    } else if (strcmp(about->name, "elastic") == 0) {
+        check_elastic(reader, c, material_read);
+    }
+}
+
+static void check_back_slip(lac_reader *reader, const lac_case *c)
+{
+    for (size_t i = 0; i < c->shear.count && lac_clean(reader, "load"); i++) {
+        char key[100];
+        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        if (kind->needs_anchor && !holds_mean_slip(c)) {
+            (void)snprintf(key, sizeof key, "load.shear.%zu", i);
+            lac_blame_key(reader, key,
+                          "%s acts through a transfer that holds the mean slip: elastic with a "
+                          "thickness, or with outside: creeping",
+                          kind->about.name);
+        }
     }
 }
 
@@ -201,6 +253,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_transfer(reader, c, material_read);
     check_statics(reader, c);
     check_load(reader, c);
+    check_back_slip(reader, c);
     if (c->history.count > 0 && lac_clean(reader, "load")) {
         lac_check_history(reader, c, normal_stress(reader, c));
     }

@@ -59,11 +59,12 @@ static void check_line(lac_reader *reader, const lac_interface_def *def)
         lac_blame_key(reader, "interface.width",
                       "must be absent on a line, whose forces are for each metre of width");
     }
-    if (def->boundary == LAC_FREE) {
+    bool pressed = lac_present(reader, "interface.surface") || lac_present(reader, "load.history");
+    if (def->boundary == LAC_FREE && pressed) {
         lac_blame_key(
             reader, "interface.boundary",
-            "must be periodic on a line; a strip that ends is a plane with cells_y: 1 and "
-            "a width");
+            "must be periodic on a line that is pressed or has a static history; a strip that "
+            "ends is a plane with cells_y: 1 and a width");
     }
 }
 

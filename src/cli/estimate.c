@@ -27,6 +27,10 @@ static const struct {
     double bytes, step_seconds;
 } history_costs[] = {[LAC_PERIODIC] = {190, 2.5e-6}, [LAC_FREE] = {460, 11e-6}};
 
+// Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
+// make it an iteration; four times that where transforms are of twice the sides.
+static const double filter_seconds = 0.1e-6, iteration_seconds = 0.6e-6;
+
 // Grids beyond the cache take longer a cell: twice as long at 4096 x 4096, found so.
 static double slowdown(double grid_cells) { return fmax(1, pow(grid_cells / 1e6, 0.25)); }
 
@@ -108,6 +112,24 @@ static bool elastic_hierarchy(const lac_case *c)
     return hierarchy && params->stiffness >= 0;
 }
 
+static bool elastic_transfer(const lac_case *c)
+{
+    return c->transfer.about != NULL && strcmp(c->transfer.about->name, "elastic") == 0;
+}
+
+// What the elastic transfer adds to a step.
+static double elastic_seconds(const lac_case *c, const cli_estimate *e)
+{
+    if (!elastic_transfer(c)) {
+        return 0;
+    }
+    const lac_transfer_elastic *params = c->transfer.params;
+    bool alone = c->interface.boundary == LAC_FREE;
+    bool filter = e->contact_cells == e->grid_cells && (!alone || params->outside != 0);
+    return (filter ? filter_seconds : iteration_seconds) * (alone ? 4 : 1) * e->grid_cells *
+           slowdown(e->grid_cells);
+}
+
 // `contact` follows the history of a static case.
 static bool follows_history(const lac_case *c, const cli_estimate *e)
 {
@@ -141,7 +163,7 @@ static double contact_seconds(const lac_case *c, const cli_estimate *e)
 
 static double calibration_seconds(const lac_case *c, const lac_grid *grid, const cli_estimate *e)
 {
-    if (!e->integrated || !elastic_hierarchy(c)) {
+    if (!e->integrated || !(elastic_hierarchy(c) || elastic_transfer(c))) {
         return 0;
     }
     double levels = ceil(log2((double)(grid->nx > grid->ny ? grid->nx : grid->ny)));
@@ -151,11 +173,12 @@ static double calibration_seconds(const lac_case *c, const lac_grid *grid, const
 
 static double finest_stiffness(const lac_case *c, const lac_grid *grid)
 {
-    if (c->transfer.about == NULL || strcmp(c->transfer.about->name, "hierarchy") != 0) {
-        return 0;
-    }
     const lac_transfer_hierarchy *params = c->transfer.params;
-    return isnan(params->k0) ? c->material.shear_modulus / grid->dx : params->k0;
+    if (elastic_transfer(c) || elastic_hierarchy(c)) {
+        return c->material.shear_modulus / grid->dx;
+    }
+    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
+    return hierarchy ? params->k0 : 0;
 }
 
 // A cell whose neighbours hold it less than k_crit = p (b - a)/dc fails on its own.
@@ -194,7 +217,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
     e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
-                  cell_step_seconds * cells * e->steps;
+                  (cell_step_seconds * cells + elastic_seconds(c, e)) * e->steps;
     return status;
 }
 

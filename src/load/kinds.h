@@ -15,7 +15,7 @@
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
     lac_normal_approach, lac_normal_dimension;
 extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring,
-    lac_shear_step, lac_shear_sine, lac_shear_shaking, lac_shear_series;
+    lac_shear_step, lac_shear_sine, lac_shear_shaking, lac_shear_series, lac_shear_back_slip;
 extern const lac_load_kind lac_pore_constant, lac_pore_ramp, lac_pore_step, lac_pore_sine,
     lac_pore_series, lac_pore_reservoir, lac_pore_rain;
 

@@ -9,8 +9,8 @@ static const lac_normal_load *const normal[] = {
 };
 
 static const lac_load_kind *const shear[] = {
-    &lac_shear_ratio, &lac_shear_slope, &lac_shear_ramp,    &lac_shear_spring,
-    &lac_shear_step,  &lac_shear_sine,  &lac_shear_shaking, &lac_shear_series,
+    &lac_shear_ratio, &lac_shear_slope,   &lac_shear_ramp,   &lac_shear_spring,    &lac_shear_step,
+    &lac_shear_sine,  &lac_shear_shaking, &lac_shear_series, &lac_shear_back_slip,
 };
 
 static const lac_load_kind *const pore[] = {

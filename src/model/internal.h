@@ -21,6 +21,7 @@ struct lac_problem {
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
     double *traction0;              // [n] q_i at t = 0 [Pa]
+    double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
 };
 
@@ -34,6 +35,8 @@ typedef struct lac_drive {
     double spring;           // traction of each cell from the far ends' travel [Pa]
     double spring_rate;      // [Pa/s]
     double spring_stiffness; // traction lost per metre of mean slip [Pa/m]
+    double back;             // slip of the rock around, since the start [m]
+    double back_rate;        // [m/s]
     double share;            // effective over total normal pressure: p_i -> p_i share
     double share_rate;       // [1/s]
 } lac_drive;
@@ -94,6 +97,17 @@ const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id);
 
 extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction,
     lac_formulation_slip;
+
+// Finds out what the transfer does to uniform slip.
+lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
+
+// force = K (x - back): what a slip, or a rate, takes off each cell where the rock around has gone
+// `back` itself. @param work  of the transfer
+void lac_problem_couple(const lac_problem *problem, double back, const double *x, double *force,
+                        double *work);
+
+// Sum over the cells of K (slip - back): what the rock around holds [Pa].
+double lac_problem_held(const lac_problem *problem, double back, const double *slip);
 
 // v = exp(u) of every cell, and its sum in a fixed order.
 double lac_problem_exp_sum(size_t n, const double *u, double *v);

@@ -34,7 +34,7 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 {
     double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
-    problem->transfer.kind->apply(problem->transfer.state, slip, traction, scratch);
+    lac_problem_couple(problem, drive->back, slip, traction, scratch);
     for (size_t i = 0; i < problem->n; i++) {
         double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
         traction[i] = q - traction[i];
@@ -91,6 +91,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
     double total =
         problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * spring;
+    total -= lac_problem_held(problem, drive.back, slip);
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;

@@ -121,6 +121,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(check_initial(def, err));
     LAC_TRY(check_solvable(problem, err));
     LAC_TRY(allocate(problem, def, err));
+    LAC_TRY(lac_problem_anchor(problem, err));
     lac_drive drive;
     if (!lac_problem_drive(problem, 0.0, &drive)) {
         status = lac_fail(err, LAC_EINPUT,
@@ -145,6 +146,7 @@ void lac_problem_free(lac_problem *problem)
         return;
     }
     free(problem->traction0);
+    free(problem->anchor);
     free(problem->log_rate0);
     free(problem->log_state0);
     free(problem);
@@ -181,6 +183,8 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
     drive->spring = problem->spring_share * (now.spring_stress - start->spring_stress);
     drive->spring_rate = problem->spring_share * now.spring_rate;
     drive->spring_stiffness = problem->spring_share * now.spring_stiffness;
+    drive->back = now.back_slip - start->back_slip;
+    drive->back_rate = now.back_rate;
     drive->share = 1.0 - now.pore / mean;
     drive->share_rate = -now.pore_rate / mean;
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);

@@ -71,7 +71,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
                        double *ydot, const lac_workspace *ws)
 {
     lac_motion motion = move(problem, drive, y, ws, true);
-    problem->transfer.kind->apply(problem->transfer.state, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
     rate_field field = {.motion = &motion,
                         .w = y + problem->n,
                         .kv = ws->kv,
@@ -166,7 +166,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
     lac_motion motion = move(problem, drive, y, ws, true);
-    transfer->kind->apply(transfer->state, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
     solve_field field = {.motion = &motion, .w = y + n, .ws = ws, .b = b, .gamma = gamma};
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
 

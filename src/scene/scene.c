@@ -141,7 +141,8 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
     lac_transfer_scene from = {.domain = scene->contact.domain,
                                .hierarchy = scene->hierarchy,
                                .shear_modulus = c->material.shear_modulus,
-                               .poisson = c->material.poisson};
+                               .poisson = c->material.poisson,
+                               .line = c->interface.shape == LAC_LINE};
     status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
     if (status != LAC_OK) {
         (void)lac_fail_within(err, status, "transfer");

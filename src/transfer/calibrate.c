@@ -134,7 +134,11 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
     lac_compliance *c = NULL;
     double *vectors = NULL;
     LAC_TRY(check_material(scene, err));
-    LAC_TRY(lac_compliance_create(scene->domain, scene->shear_modulus, scene->poisson, &c, err));
+    lac_rock rock = {.shear_modulus = scene->shear_modulus,
+                     .poisson = scene->poisson,
+                     .thickness = INFINITY,
+                     .line = scene->line};
+    LAC_TRY(lac_compliance_create(scene->domain, &rock, &c, err));
     vectors = malloc(2 * lac_hierarchy_cells(h) * sizeof *vectors);
     if (vectors == NULL) {
         status = lac_fail_memory(err);

@@ -5,6 +5,7 @@
 #include "lacuna/transfer.h"
 
 extern const lac_transfer_kind lac_hierarchy_kind;
+extern const lac_transfer_kind lac_elastic_kind;
 extern const lac_transfer_kind lac_none_kind;
 
 #endif

@@ -3,6 +3,7 @@
 
 static const lac_transfer_kind *const registry[] = {
     &lac_hierarchy_kind,
+    &lac_elastic_kind,
     &lac_none_kind,
 };
 

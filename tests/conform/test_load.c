@@ -120,7 +120,7 @@ static void ready_clear(ready *r)
 }
 
 // The values of a load and their rates.
-enum { QUANTITIES = 4 };
+enum { QUANTITIES = 5 };
 
 typedef struct sample {
     double value[QUANTITIES], rate[QUANTITIES];
@@ -128,8 +128,8 @@ typedef struct sample {
 
 static sample sample_of(const lac_load_state *s)
 {
-    return (sample){{s->ratio, s->stress, s->spring_stress, s->pore},
-                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->pore_rate}};
+    return (sample){{s->ratio, s->stress, s->spring_stress, s->back_slip, s->pore},
+                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->back_rate, s->pore_rate}};
 }
 
 static sample sample_at(const lac_load *load, double t)
@@ -146,7 +146,7 @@ static double break_after(const lac_load *load, double t)
 
 static double total(const double x[QUANTITIES])
 {
-    return x[0] + 0.7 * x[1] + 0.3 * x[2] + 0.9 * x[3];
+    return x[0] + 0.7 * x[1] + 0.3 * x[2] + 0.9 * x[3] + 0.6 * x[4];
 }
 
 static double total_rate(double t, void *load)

@@ -12,18 +12,29 @@
 #include "lacuna/transfer.h"
 #include "support/trees.h"
 
-enum { TREES = 60, MAX_CELLS = 400 };
+enum { TREES = 60, MAX_CELLS = 400, SMALL = 60 };
+
+// How a kind is tried. Iterated ones take long: few and small domains, and a tolerance of theirs.
+typedef struct trial {
+    const char *kind;
+    lac_transfer_hierarchy hierarchy;
+    lac_transfer_elastic elastic;
+    bool large;    // cheap enough to make on a million cells
+    bool iterated; // else its matrix is that of its level stiffnesses
+    bool anchored; // uniform slip costs something
+} trial;
+
+#define TIGHT .tolerance = 1e-14, .newton_tolerance = 1e-14
 
 // What a kind is tried with, beside its defaults. Kinds that are not listed run with those.
-static const struct {
-    const char *kind;
-    lac_transfer_hierarchy params;
-    bool large; // cheap enough to make on a million cells
-} variants[] = {
-    {"hierarchy", {.stiffness = -1, .k0 = 3, .ratio = NAN}, true},
-    {"hierarchy", {.stiffness = -1, .k0 = 0.2, .ratio = 1.7}, false},
-    {"hierarchy", {.stiffness = -1, .k0 = 2, .ratio = 0}, false},
-    {"hierarchy", {.stiffness = 0, .k0 = NAN, .ratio = NAN, .seed = 1}, false},
+static const trial trials[] = {
+    {"hierarchy", .hierarchy = {.stiffness = -1, .k0 = 3, .ratio = NAN}, .large = true},
+    {"hierarchy", .hierarchy = {.stiffness = -1, .k0 = 0.2, .ratio = 1.7}},
+    {"hierarchy", .hierarchy = {.stiffness = -1, .k0 = 2, .ratio = 0}},
+    {"hierarchy", .hierarchy = {.stiffness = 0, .k0 = NAN, .ratio = NAN, .seed = 1}},
+    {"elastic", .elastic = {.thickness = NAN, TIGHT}, .iterated = true},
+    {"elastic", .elastic = {.mode = 1, .thickness = NAN, TIGHT}, .iterated = true},
+    {"elastic", .elastic = {.thickness = 3, TIGHT}, .iterated = true, .anchored = true},
 };
 
 typedef struct scene {
@@ -31,13 +42,14 @@ typedef struct scene {
     lac_hierarchy *h;
     lac_transfer transfer;
     size_t n;
+    double slack; // of results, relative
     double *d, *x, *y, *z, *work;
 } scene;
 
 static scene scene_of(const lac_slot *slot, lac_domain *domain, uint64_t seed)
 {
-    scene s = {.domain = domain, .h = hierarchy_of(domain), .n = domain->n};
-    lac_transfer_scene made_from = {domain, s.h, 2.0, 0.25};
+    scene s = {.domain = domain, .h = hierarchy_of(domain), .n = domain->n, .slack = 1e-14};
+    lac_transfer_scene made_from = {domain, s.h, 2.0, 0.25, false};
     lac_error err = {""};
     if (lac_transfer_create(slot, &made_from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
@@ -106,7 +118,7 @@ static void is_linear(scene *s, uint64_t seed)
     apply(s, sum, s->x);
     double scale = fmax(largest(s->n, s->x), 1e-12);
     for (size_t i = 0; i < s->n; i++) {
-        assert_true(fabs(s->x[i] - s->z[i]) <= 1e-13 * scale);
+        assert_true(fabs(s->x[i] - s->z[i]) <= 10 * s->slack * scale);
     }
     free(sum);
 }
@@ -121,12 +133,12 @@ static void uniform_slip_costs_nothing(scene *s)
     for (size_t l = 0; l < lac_hierarchy_levels(s->h); l++) {
         k += stiffness(s, l);
     }
-    assert_true(largest(s->n, s->z) <= 1e-15 * k);
+    assert_true(largest(s->n, s->z) <= 0.1 * s->slack * k);
 }
 
-// The operator's columns, into dense; symmetric, positive semidefinite, and the matrix that its
-// level stiffnesses define.
-static void is_its_dense_matrix(scene *s, long double *dense, long double *reference)
+// The operator's columns, into dense; symmetric, positive semidefinite, and, where `levels`, the
+// matrix that its level stiffnesses define.
+static void is_its_dense_matrix(scene *s, bool levels, long double *dense, long double *reference)
 {
     size_t n = s->n;
     double scale = 0;
@@ -148,13 +160,14 @@ static void is_its_dense_matrix(scene *s, long double *dense, long double *refer
     dense_hierarchy(s->domain, lac_hierarchy_levels(s->h), k, reference);
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j < n; j++) {
-            assert_true(fabsl(dense[i * n + j] - dense[j * n + i]) <= 1e-14 * scale);
-            assert_true(fabsl(dense[i * n + j] - reference[i * n + j]) <= 1e-12 * scale);
+            assert_true(fabsl(dense[i * n + j] - dense[j * n + i]) <= s->slack * scale);
+            long double off = fabsl(dense[i * n + j] - reference[i * n + j]);
+            assert_true(!levels || off <= 1e-12 * scale);
         }
     }
     memcpy(reference, dense, n * n * sizeof *dense);
     for (size_t i = 0; i < n; i++) {
-        reference[i * n + i] += 1e-12 * scale + 1e-300;
+        reference[i * n + i] += 100 * s->slack * scale + 1e-300;
     }
     assert_true(dense_positive(n, reference));
 }
@@ -179,7 +192,7 @@ static void solve_is_that_of_its_matrix(scene *s, double k_mean, const long doub
         s->z[i] = (double)x[i];
     }
     assert_true(solve(s, k_mean, s->y, s->x));
-    assert_true(relative_error(n, s->x, s->z) < 1e-12);
+    assert_true(relative_error(n, s->x, s->z) < 100 * s->slack);
     memcpy(s->z, s->y, n * sizeof *s->z);
     assert_true(solve(s, k_mean, s->z, s->z));
     assert_memory_equal(s->x, s->z, n * sizeof *s->x);
@@ -202,7 +215,7 @@ static void forces_balance(scene *s, double k_mean)
             force += ((long double)s->d[i] + scale * k_mean) * s->x[i] - s->y[i];
             size += fabs(s->y[i]);
         }
-        assert_true(fabsl(force) <= 1e-14L * size);
+        assert_true(fabsl(force) <= s->slack * size);
         free(s->d);
         s->d = kept;
     }
@@ -239,21 +252,28 @@ static void bad_diagonals_are_refused(scene *s)
     assert_false(solve(s, -1e12, s->y, s->x));
 }
 
-static void run_kit(const lac_slot *slot)
+static void run_kit(const lac_slot *slot, const trial *how)
 {
-    long double *dense = calloc((size_t)MAX_CELLS * MAX_CELLS, sizeof *dense);
-    long double *scratch = calloc((size_t)MAX_CELLS * MAX_CELLS, sizeof *scratch);
+    size_t most = how->iterated ? SMALL : MAX_CELLS;
+    long double *dense = calloc(most * most, sizeof *dense);
+    long double *scratch = calloc(most * most, sizeof *scratch);
     assert_true(dense != NULL && scratch != NULL);
-    for (uint64_t seed = 0; seed < TREES; seed++) {
+    for (uint64_t seed = 0; seed < (how->iterated ? TREES / 6 : TREES); seed++) {
         // Every fourth tree at full size, the others small: elimination is O(n^3).
-        scene s = scene_of(slot, random_domain(seed, seed % 4 == 0 ? MAX_CELLS : 60), seed);
+        scene s = scene_of(slot, random_domain(seed, seed % 4 == 0 ? most : SMALL), seed);
+        s.slack = how->iterated ? 1e-11 : s.slack;
         is_linear(&s, seed);
-        uniform_slip_costs_nothing(&s);
-        is_its_dense_matrix(&s, dense, scratch);
+        if (!how->anchored) {
+            uniform_slip_costs_nothing(&s);
+        }
+        is_its_dense_matrix(&s, !how->iterated, dense, scratch);
         solve_is_that_of_its_matrix(&s, 0, dense, scratch);
         solve_is_that_of_its_matrix(&s, 4, dense, scratch);
-        forces_balance(&s, seed % 2 == 0 ? 0 : 0.4);
-        solve_inverts_apply(&s, 0.4, 1e-12);
+        if (!how->anchored) {
+            s.slack = 1e-14;
+            forces_balance(&s, seed % 2 == 0 ? 0 : 0.4);
+        }
+        solve_inverts_apply(&s, 0.4, how->iterated ? 1e-9 : 1e-12);
         bad_diagonals_are_refused(&s);
         scene_free(&s);
     }
@@ -294,13 +314,14 @@ static void every_kind_passes_the_kit(void **state)
         const lac_descriptor *about = &lac_transfer_kind_at(i)->about;
         bool listed = false;
         describes_itself(about);
-        for (size_t v = 0; v < sizeof variants / sizeof *variants; v++) {
-            if (strcmp(variants[v].kind, about->name) == 0) {
-                lac_transfer_hierarchy params = variants[v].params;
-                lac_slot slot = {about, &params};
+        for (size_t v = 0; v < sizeof trials / sizeof *trials; v++) {
+            if (strcmp(trials[v].kind, about->name) == 0) {
+                trial how = trials[v];
+                void *params = how.iterated ? (void *)&how.elastic : (void *)&how.hierarchy;
+                lac_slot slot = {about, params};
                 listed = true;
-                run_kit(&slot);
-                if (variants[v].large) {
+                run_kit(&slot, &how);
+                if (how.large) {
                     run_large(&slot);
                 }
             }
@@ -308,7 +329,7 @@ static void every_kind_passes_the_kit(void **state)
         if (!listed) {
             lac_slot slot;
             assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
-            run_kit(&slot);
+            run_kit(&slot, &(trial){0});
             run_large(&slot);
             lac_slot_clear(&slot);
         }
@@ -356,7 +377,7 @@ static void refuse(lac_transfer_hierarchy params, double shear_modulus, double p
 {
     lac_domain *domain = domain_of(4, 4, NULL);
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_transfer_scene made_from = {domain, h, shear_modulus, poisson};
+    lac_transfer_scene made_from = {domain, h, shear_modulus, poisson, false};
     lac_slot slot = {&lac_transfer_kind_at(0)->about, &params};
     lac_transfer transfer;
     lac_error err = {""};

@@ -388,6 +388,34 @@ out:
     return status;
 }
 
+static const char loaded[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 3, shape: line, boundary: free, domain: {full: {}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {pressure: 1e6}, shear: [{back-slip: 1e-9}]}\n"
+    "friction: {aging: {a: 0.01, b: 0.015, dc: 1e-3}}\n"
+    "initial: {slip_rate: 1e-9, state: 1e5}\n"
+    "transfer: {elastic: {outside: creeping}}\n"
+    "time: {end: 10}\n";
+
+// Case to the start of a run, through the elastic transfer.
+static lac_status whole_elastic(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_case_report report = {0};
+    const lac_case_request how = {.purpose = LAC_FOR_RUN};
+    (void)path;
+    LAC_TRY(lac_case_read_text("case.yaml", loaded, sizeof loaded - 1, &how, &c, &report, err));
+    LAC_TRY(lac_scene_create(c, &scene, err));
+out:
+    lac_scene_free(scene);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
 static void every_allocation_fails(lac_status (*whole)(const char *path, lac_error *err),
                                    bool for_good)
 {
@@ -422,6 +450,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_cascade, false);
     every_allocation_fails(whole_formulations, false);
     every_allocation_fails(whole_stored_cascade, false);
+    every_allocation_fails(whole_elastic, false);
     every_allocation_fails(whole_dimension, false);
     every_allocation_fails(whole_loads, false);
 }
@@ -435,6 +464,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_cascade, true);
     every_allocation_fails(whole_formulations, true);
     every_allocation_fails(whole_stored_cascade, true);
+    every_allocation_fails(whole_elastic, true);
     every_allocation_fails(whole_dimension, true);
     every_allocation_fails(whole_loads, true);
 }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "load/kinds.h"
+
+typedef struct back_slip_params {
+    double rate; // V_pl of the rock that stays behind [m/s]
+} back_slip_params;
+
+// tau = -K (slip - V t): the transfer's part is the model's
+static void add(const lac_load *load, double t, lac_load_state *sum)
+{
+    const back_slip_params *plate = load->params;
+    sum->back_slip += plate->rate * t;
+    sum->back_rate += plate->rate;
+}
+
+static const lac_param params[] = {
+    {.key = "rate",
+     .unit = "m/s",
+     .fallback = NAN,
+     .min = -INFINITY,
+     .max = INFINITY,
+     .offset = offsetof(back_slip_params, rate),
+     .doc = "slip rate of what surrounds the interface, the plate rate; 0 holds it"},
+};
+
+const lac_load_kind lac_shear_back_slip = {
+    .about = {.name = "back-slip",
+              .summary =
+                  "the rock around the interface slips at a constant rate: the transfer acts "
+                  "on the slip that lags behind",
+              .reference = "Savage (1983) J. Geophys. Res. 88, 4984, doi 10.1029/JB088iB06p04984",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(back_slip_params)},
+    .needs_anchor = true,
+    .add = add,
+};

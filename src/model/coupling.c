@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <stdlib.h>
+
+#include "model/internal.h"
+
+lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *ones = malloc(n * sizeof *ones);
+    double *work = malloc((transfer->kind->work(transfer->state) + 1) * sizeof *work);
+    problem->anchor = malloc(n * sizeof *problem->anchor);
+    lac_status status = LAC_OK;
+    if (ones == NULL || work == NULL || problem->anchor == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    for (size_t i = 0; i < n; i++) {
+        ones[i] = 1.0;
+    }
+    transfer->kind->apply(transfer->state, ones, problem->anchor, work);
+    for (size_t i = 0; i < n; i++) {
+        if (problem->anchor[i] != 0.0) {
+            goto out;
+        }
+    }
+    free(problem->anchor);
+    problem->anchor = NULL;
+out:
+    free(ones);
+    free(work);
+    return status;
+}
+
+void lac_problem_couple(const lac_problem *problem, double back, const double *x, double *force,
+                        double *work)
+{
+    problem->transfer.kind->apply(problem->transfer.state, x, force, work);
+    if (problem->anchor == NULL || back == 0.0) {
+        return;
+    }
+    for (size_t i = 0; i < problem->n; i++) {
+        force[i] -= back * problem->anchor[i];
+    }
+}
+
+double lac_problem_held(const lac_problem *problem, double back, const double *slip)
+{
+    if (problem->anchor == NULL) {
+        return 0.0;
+    }
+    double total = 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        total += problem->anchor[i] * (slip[i] - back);
+    }
+    return total;
+}

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/hierarchy.h"
+#include "transfer/calibrate.h"
+#include "transfer/elastic_solve.h"
+#include "transfer/kinds.h"
+
+enum { IN_PLANE, ANTIPLANE };
+enum { UNLOADED, CREEPING };
+
+static const char *const modes[] = {"in-plane", "antiplane", NULL};
+static const char *const surroundings[] = {"unloaded", "creeping", NULL};
+
+static const lac_param params[] = {
+    {.key = "mode",
+     .unit = "1",
+     .fallback = IN_PLANE,
+     .offset = offsetof(lac_transfer_elastic, mode),
+     .type = LAC_CHOICE,
+     .choices = modes,
+     .doc = "in-plane: slip along x in rock with Poisson's ratio; antiplane: the scalar problem, "
+            "no Poisson's ratio; on a line, slip across it"},
+    {.key = "outside",
+     .unit = "1",
+     .fallback = UNLOADED,
+     .offset = offsetof(lac_transfer_elastic, outside),
+     .type = LAC_CHOICE,
+     .choices = surroundings,
+     .doc =
+         "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the rate of "
+         "load.shear.back-slip (none: held), on full contact only"},
+    {.key = "thickness",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .offset = offsetof(lac_transfer_elastic, thickness),
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .doc = "of the rock on either side, its far face rigid: gives the mean slip the stiffness "
+            "G/(2 thickness); half-spaces if absent; periodic interfaces only"},
+    {.key = "tolerance",
+     .unit = "1",
+     .fallback = 1e-9,
+     .min = 1e-14,
+     .max = 1e-2,
+     .offset = offsetof(lac_transfer_elastic, tolerance),
+     .doc = "relative, of the stress where gaps make it an iteration; tighter than solver.rtol"},
+    {.key = "newton_tolerance",
+     .unit = "1",
+     .fallback = 1e-3,
+     .min = 1e-14,
+     .max = 0.1,
+     .offset = offsetof(lac_transfer_elastic, newton_tolerance),
+     .doc = "relative, of the linear solve in each Newton iteration of bdf"},
+};
+
+static const char *fault(const void *given)
+{
+    const lac_transfer_elastic *p = given;
+    bool both = p->outside == CREEPING && !isnan(p->thickness);
+    return both ? "outside: creeping needs a free border, thickness a periodic one: not both"
+                : NULL;
+}
+
+// Whether every cell of the grid touches.
+static bool is_full(const lac_domain *domain) { return domain->n == lac_grid_cells(&domain->grid); }
+
+static lac_status check(const lac_transfer_elastic *p, const lac_transfer_scene *scene,
+                        lac_error *err)
+{
+    double g = scene->shear_modulus, nu = scene->poisson;
+    bool periodic = scene->domain->grid.periodic;
+    if (!(g > 0 && isfinite(g)) || !(nu > -1 && nu <= 0.5)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "needs a material with a shear modulus > 0 Pa and a Poisson ratio in "
+                        "(-1, 0.5], not %g Pa and %g",
+                        g, nu);
+    }
+    if (!isnan(p->thickness) && !(p->thickness > 0 && periodic)) {
+        return lac_fail(err, LAC_EINPUT, "thickness %g m: must be > 0, on a periodic interface",
+                        p->thickness);
+    }
+    if (p->outside == CREEPING && periodic) {
+        return lac_fail(err, LAC_EINPUT, "outside: creeping needs interface.boundary: free");
+    }
+    if (p->outside == CREEPING && !is_full(scene->domain)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "outside: creeping needs full contact, not %zu of %zu cells",
+                        scene->domain->n, lac_grid_cells(&scene->domain->grid));
+    }
+    return LAC_OK;
+}
+
+static void destroy(void *state)
+{
+    lac_elastic *e = state;
+    if (e != NULL) {
+        lac_compliance_free(e->rock);
+        free(e->k);
+        free(e->last);
+        free(e);
+    }
+}
+
+// The preconditioner's stiffness of every level. It need not know what holds the mean slip.
+static lac_status calibrate(const lac_transfer_scene *scene, double poisson, lac_elastic *e,
+                            lac_error *err)
+{
+    lac_transfer_scene from = *scene;
+    size_t levels = lac_hierarchy_levels(scene->hierarchy);
+    lac_calibration *found = calloc(levels + 1, sizeof *found);
+    e->k = calloc(levels + 1, sizeof *e->k);
+    if (found == NULL || e->k == NULL) {
+        free(found);
+        return lac_fail_memory(err);
+    }
+    from.poisson = poisson;
+    lac_status status = lac_calibrate_elastic(&from, 1, found, err);
+    for (size_t l = 0; l < levels; l++) {
+        e->k[l] = found[l].stiffness;
+    }
+    free(found);
+    return status;
+}
+
+// NaN stands for no slip yet; it is also its own stress.
+static lac_status make_last(lac_elastic *e, lac_error *err)
+{
+    e->last = malloc(2 * e->n * sizeof *e->last);
+    if (e->last == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < 2 * e->n; i++) {
+        e->last[i] = NAN;
+    }
+    return LAC_OK;
+}
+
+// Stiffness of the mean slip: the mean traction under unit slip, or as little as a unit mean
+// traction asks for.
+static lac_status find_anchor(lac_elastic *e, lac_error *err)
+{
+    double *x = malloc(e->n * sizeof *x), mean = 0;
+    if (x == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < e->n; i++) {
+        x[i] = 1;
+    }
+    if (e->direct) {
+        lac_compliance_traction(e->rock, x, x);
+    } else {
+        lac_compliance_slip(e->rock, x, x);
+    }
+    for (size_t i = 0; i < e->n; i++) {
+        mean += x[i] / (double)e->n;
+    }
+    free(x);
+    e->anchor = e->direct ? mean : 1 / mean;
+    return LAC_OK;
+}
+
+static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
+                         lac_error *err)
+{
+    const lac_transfer_elastic *p = given;
+    lac_status status = LAC_OK;
+    lac_elastic *e = NULL;
+    LAC_TRY(check(p, scene, err));
+    e = calloc(1, sizeof *e);
+    if (e == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_rock rock = {.shear_modulus = scene->shear_modulus,
+                     .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
+                     .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
+                     .antiplane = p->mode == ANTIPLANE,
+                     .line = scene->line,
+                     .creeping = p->outside == CREEPING};
+    e->n = scene->domain->n;
+    e->h = scene->hierarchy;
+    e->direct = is_full(scene->domain) && (scene->domain->grid.periodic || rock.creeping);
+    e->floating = isinf(rock.thickness) && !rock.creeping;
+    e->tolerance = p->tolerance;
+    e->newton_tolerance = p->newton_tolerance;
+    LAC_TRY(lac_compliance_create(scene->domain, &rock, &e->rock, err));
+    LAC_TRY(calibrate(scene, rock.poisson, e, err));
+    if (!e->floating) {
+        LAC_TRY(find_anchor(e, err));
+    }
+    if (!e->direct) {
+        LAC_TRY(make_last(e, err));
+    }
+    *state = e;
+    e = NULL;
+out:
+    destroy(e);
+    return status;
+}
+
+static size_t work(const void *state) { return lac_elastic_work(state); }
+
+// A Newton iteration asks again for what the rates it starts from have asked. The stress is a
+// function of the slip alone, so what is remembered is what would be computed.
+static void apply(const void *state, const double *slip, double *force, double *scratch)
+{
+    const lac_elastic *e = state;
+    size_t bytes = e->n * sizeof *slip;
+    if (e->direct) {
+        (void)lac_elastic_apply(e, slip, force, scratch);
+        return;
+    }
+    if (memcmp(e->last, slip, bytes) != 0) {
+        (void)lac_elastic_apply(e, slip, force, scratch);
+        memcpy(e->last, slip, bytes);
+        memcpy(e->last + e->n, force, bytes);
+        return;
+    }
+    memcpy(force, e->last + e->n, bytes);
+}
+
+static bool solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                  double *x, double *scratch)
+{
+    return lac_elastic_solve(state, k_mean, diagonal, y, x, scratch) >= 0;
+}
+
+// Of the hierarchy that is nearest.
+static double stiffness(const void *state, size_t level)
+{
+    const lac_elastic *e = state;
+    return level < lac_hierarchy_levels(e->h) ? e->k[level] : 0;
+}
+
+const lac_transfer_kind lac_elastic_kind = {
+    .about = {.name = "elastic",
+              .summary = "two elastic half-spaces or slabs, gaps slipping freely",
+              .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
+                           "docs/theory/transfer.md",
+              .params = params,
+              .param_count = sizeof params / sizeof *params,
+              .params_size = sizeof(lac_transfer_elastic),
+              .fault = fault},
+    .create = create,
+    .free = destroy,
+    .work = work,
+    .apply = apply,
+    .solve = solve,
+    .stiffness = stiffness,
+};

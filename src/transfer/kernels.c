@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "transfer/kernels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+// What a slab adds to the stiffness of a half-space under a wave with q = |k| H. Beyond q = 30 the
+// factors are 1 to the last bit, and cosh need not be computed.
+static const double deep = 30;
+
+static double slab_antiplane(double q) { return q > deep ? 1 : 1 / tanh(q); }
+
+// In plane strain, the far face rigid and the near one free to open: equation 10a.
+static double slab_in_plane(double nu, double q)
+{
+    if (q > deep) {
+        return 1;
+    }
+    double c = 3 - 4 * nu;
+    double rest = 2 * q * q + 5 + nu * (8 * nu - 12);
+    return (c * cosh(2 * q) + rest) / (c * sinh(2 * q) + 2 * q);
+}
+
+double lac_wave_stiffness(const lac_rock *rock, double kx, double ky)
+{
+    double k = hypot(kx, ky);
+    if (!(k > 0)) {
+        return rock->shear_modulus / (2 * rock->thickness);
+    }
+    double q = k * rock->thickness, nu = rock->poisson;
+    if (rock->antiplane) {
+        return rock->shear_modulus / 2 * k * slab_antiplane(q);
+    }
+    double across = ky * (ky / k), along = kx * (kx / k) / (1 - nu);
+    return rock->shear_modulus / 2 * (across * slab_antiplane(q) + along * slab_in_plane(nu, q));
+}
+
+static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
+                       double *stiffness, double *compliance)
+{
+    double cells = (double)fft->nx * (double)fft->ny;
+    for (size_t j = 0; j < fft->ny; j++) {
+        double ky = 2 * pi * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
+        for (size_t i = 0; i < fft->nkx; i++) {
+            double kx = 2 * pi * (double)i / ((double)fft->nx * grid->dx);
+            double s = lac_wave_stiffness(rock, kx, ky);
+            stiffness[i * fft->ny + j] = s / cells;
+            compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
+        }
+    }
+}
+
+// sqrt(q) atan(sqrt(q) s), which goes on smoothly to q < 0
+static double arc(double q, double s)
+{
+    double root = sqrt(fabs(q));
+    return q < 0 ? -root * atanh(root * s) : root * atan(root * s);
+}
+
+// A double primitive of what a point does, at the corner (x, y) of a cell, neither 0.
+typedef double corner_function(double nu, double x, double y);
+
+// Slip under traction: the integral of r/(x^2 + y^2/(1 - nu)) from the origin to a corner;
+// docs/theory/transfer.md, equation 12b.
+static double slip_to_corner(double nu, double x, double y)
+{
+    double ax = fabs(x), ay = fabs(y), r = hypot(x, y);
+    double sum = (1 - nu) * ax * (asinh(ay / ax) + arc(nu / (1 - nu), ay / r)) +
+                 ay * (asinh(ax / ay) + arc(-nu, ax / r));
+    return (x < 0) == (y < 0) ? sum : -sum;
+}
+
+// Traction under slip, equation 12d.
+static double traction_to_corner(double nu, double x, double y)
+{
+    return (x / y + y / (x * (1 - nu))) / (4 * hypot(x, y));
+}
+
+// The same on a line, equations 12c and 12d; constants of the slip are free.
+static double line_slip(double nu, double x) { return -2 * (1 - nu) * x * log(fabs(x)); }
+
+static double line_traction(double nu, double x) { return 1 / (2 * (1 - nu) * x); }
+
+static void corners(corner_function *f, double nu, size_t n, double dx, double y, double *corner)
+{
+    for (size_t i = 0; i < n; i++) {
+        corner[i] = f(nu, ((double)i - 0.5) * dx, y);
+    }
+}
+
+// What a cell does at every distance, the grid in the corner of the transform; distances beyond
+// half the transform are negative ones. @param low  [2 (nx/2 + 2)] scratch
+static void fill_plane(lac_fft *fft, const lac_grid *grid, corner_function *f, double nu,
+                       double scale, double *low)
+{
+    size_t mx = fft->nx, my = fft->ny, n = mx / 2 + 2;
+    double *high = low + n;
+    corners(f, nu, n, grid->dx, -0.5 * grid->dy, low);
+    for (size_t j = 0; j <= my / 2; j++) {
+        double *row = fft->real + j * mx;
+        corners(f, nu, n, grid->dx, ((double)j + 0.5) * grid->dy, high);
+        for (size_t i = 0; i <= mx / 2; i++) {
+            row[i] = ((high[i + 1] - high[i]) - (low[i + 1] - low[i])) * scale;
+            row[(mx - i) % mx] = row[i];
+        }
+        memmove(fft->real + (my - j) % my * mx, row, mx * sizeof *row);
+        memcpy(low, high, n * sizeof *low);
+    }
+}
+
+static void fill_line(lac_fft *fft, double dx, double (*f)(double, double), double nu, double scale)
+{
+    size_t mx = fft->nx;
+    for (size_t i = 0; i <= mx / 2; i++) {
+        double at = (double)i;
+        fft->real[i] = (f(nu, (at + 0.5) * dx) - f(nu, (at - 0.5) * dx)) * scale;
+        fft->real[(mx - i) % mx] = fft->real[i];
+    }
+}
+
+static void transform(lac_fft *fft, double *table)
+{
+    lac_fft_forward(fft);
+    double cells = (double)fft->nx * (double)fft->ny;
+    for (size_t i = 0; i < fft->nkx; i++) {
+        for (size_t j = 0; j < fft->ny; j++) {
+            table[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
+        }
+    }
+}
+
+// Free boundaries: an interface that is alone.
+static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
+                             double *stiffness, double *compliance, lac_error *err)
+{
+    double g = rock->shear_modulus, nu = rock->poisson;
+    double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
+    if (low == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (rock->line) {
+        // Lengths in cells: the logarithm of a unit would only add a constant.
+        fill_line(fft, 1, line_slip, nu, grid->dx / (pi * g));
+    } else {
+        fill_plane(fft, grid, slip_to_corner, nu, 1 / (pi * g), low);
+    }
+    transform(fft, compliance);
+    if (rock->creeping && rock->line) {
+        fill_line(fft, grid->dx, line_traction, nu, g / pi);
+        transform(fft, stiffness);
+    } else if (rock->creeping) {
+        fill_plane(fft, grid, traction_to_corner, nu, g / pi, low);
+        transform(fft, stiffness);
+    }
+    free(low);
+    return LAC_OK;
+}
+
+lac_status lac_kernels_fill(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
+                            double *stiffness, double *compliance, lac_error *err)
+{
+    fill_waves(fft, grid, rock, stiffness, compliance);
+    return grid->periodic ? LAC_OK : fill_alone(fft, grid, rock, stiffness, compliance, err);
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TRANSFER_KRYLOV_H
+#define LACUNA_TRANSFER_KRYLOV_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// A symmetric positive definite system and what is near its inverse, for conjugate gradients.
+typedef struct lac_krylov {
+    size_t n;
+    void *self; ///< of the two functions
+    void (*multiply)(void *self, const double *x, double *y);
+    /// z = M r. Gives back how large the error is that r stands for, squared: r . z, or another
+    /// measure of it; NaN where there is no M.
+    double (*precondition)(void *self, const double *r, double *z);
+} lac_krylov;
+
+enum { LAC_KRYLOV_WORK = 3 }; ///< vectors of scratch
+
+/// Adds to x what makes the residual small, by preconditioned conjugate gradients.
+/// @param x     [n] a start, to which r belongs
+/// @param r     [n] residual of x; destroyed
+/// @param size  of the error that counts as 1, as precondition measures it; NaN: that of r
+/// @param tolerance  relative to the root of size
+/// @param most  iterations
+/// @param work  [3 n]
+/// @return iterations, at least 0; -1 where the system is not positive definite, a number is not
+///         finite, or the iterations do not suffice
+int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, double tolerance,
+                     int most, double *work);
+
+/// Sum of the products, in a fixed order.
+double lac_krylov_dot(size_t n, const double *x, const double *y);
+
+#endif
