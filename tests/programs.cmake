@@ -35,6 +35,13 @@ add_test(NAME case.test_loads
 set_tests_properties(case.test_loads PROPERTIES LABELS case TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
+# Numbers of extreme size, through the program.
+add_test(NAME case.test_extremes
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_extremes.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_extremes PROPERTIES LABELS "case;extreme" TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
 # Histories of load, and the commands of the tutorials with what they print.
 add_test(NAME case.test_history
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_history.py

@@ -148,7 +148,8 @@ double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w
                              double pressure, double eta);
 
 /// Bounds of the ln|v| that lac_friction_rates gives: a traction that would take it beyond is
-/// met by the bound, so that no trial step of an integrator has to fail.
+/// met by the bound, so that no trial step of an integrator has to fail; a run that comes to the
+/// upper one ends with an error.
 #define LAC_SLOWEST (-600.0)
 #define LAC_FASTEST 40.0
 

@@ -76,7 +76,9 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
 /// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
-/// cell where that is less. An unknown counts no finer than a double resolves it.
+/// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
+/// times finer, for ln v is b/a times as far off. An unknown counts no finer than a double resolves
+/// it.
 /// @param weight  [2n]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
@@ -137,7 +139,8 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 /// The first time after t at which a load jumps or bends; INFINITY if none.
 double lac_problem_next_break(const lac_problem *problem, double t);
 
-/// A thousandth of the fastest cell's own time scale, that of its state or of dc/v [s].
+/// A thousandth of the fastest cell's own time scale: that of its state, which counts b/(10 a)
+/// times where b > 10 a (with damping less), or of dc/v [s].
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
 
 /// Whether the effective normal pressure is positive at time t.

@@ -122,7 +122,8 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 /// @param sink    gets the records, the first at t = 0; NULL drops them
 /// @param result  filled as far as the run came, whatever the status
 /// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
-///         step, order and worst cell; what the sink returns; LAC_ENOMEM
+///         step, order and worst cell, or where a slip rate leaves the numbers; what the sink
+///         returns; LAC_ENOMEM
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
 

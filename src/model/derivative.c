@@ -22,12 +22,26 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
            problem->kind->newton(problem, &drive, y, gamma, b, &ws);
 }
 
+// What ln theta is worth in ln v under constant traction is b/a. Up to this it passes for one, so
+// that ordinary friction needs no care.
+#define MOST_WORTH 10.0
+
+// Error of ln theta that counts as rtol where v is solved for.
+static double state_scale(const lac_problem *problem, size_t cell)
+{
+    double a = problem->friction->column[LAC_A][cell];
+    double b = problem->friction->column[LAC_B][cell];
+    bool counts = problem->kind->either_sign && a > 0.0 && b > MOST_WORTH * a;
+    return counts ? MOST_WORTH * a / b : 1.0;
+}
+
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight)
 {
     for (size_t i = 0; i < problem->n; i++) {
         double error = rtol * problem->kind->scale(problem, i);
         weight[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[i]));
-        weight[problem->n + i] = 1.0 / rtol;
+        double state = rtol * state_scale(problem, i);
+        weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
     }
 }
 
@@ -54,8 +68,11 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
         size_t length =
             lac_block_friction(problem, &drive, &motion, y + problem->n, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
+            double p = problem->pressure[first + i] * drive.share;
             double slip = s.speed[i] * problem->friction->inv_dc[first + i];
-            fastest = fmax(fastest, fmax(fabs(s.g[i]), slip));
+            double held = p * s.f_u[i] + problem->damping * s.speed[i];
+            double worth = p * s.f_w[i] / fmax(MOST_WORTH * held, DBL_MIN);
+            fastest = fmax(fastest, fmax(fabs(s.g[i]) * fmin(fmax(worth, 1.0), 1e12), slip));
         }
     }
     return 1e-3 / fastest;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/check.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,6 +20,30 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
                     cell, t,
                     log_rate ? "cannot be followed with ln v as unknown"
                              : "is beyond the plain form of friction, which is infinite at rest");
+}
+
+// The largest slip rate that a formulation tells from others [m/s].
+static double fastest(const lac_problem *problem)
+{
+    bool solved = lac_problem_formulation(problem) != LAC_FORMULATION_RATE;
+    return solved ? exp(LAC_FASTEST) * (1.0 - 1e-9) : DBL_MAX;
+}
+
+lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
+                           lac_error *err)
+{
+    double most = fastest(problem);
+    if (max <= most) {
+        return LAC_OK;
+    }
+    size_t cell = 0;
+    while (cell + 1 < lac_problem_cells(problem) && fabs(v[cell]) <= most) {
+        cell++;
+    }
+    return lac_fail(err, LAC_ENUMERIC,
+                    "the slip rate of cell %zu leaves the numbers at t = %.17g s: beyond %.3g m/s; "
+                    "nothing but friction holds it back there (no radiation damping?)",
+                    cell, t, most);
 }
 
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
@@ -49,6 +74,10 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, c
     double mean;
     double max;
     lac_problem_speed(problem, 0.0, y, &mean, &max, work);
+    lac_status status = lac_check_rates(problem, max, 0.0, work, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     if (mean >= def->failure_rate) {
         return lac_fail(err, LAC_EINPUT,
                         "the mean slip rate at the start, %g m/s, is not below that of failure, "

@@ -11,6 +11,10 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err);
 lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
                            double *work, lac_error *err);
 
+// The largest slip rate must be a number that the formulation can hold. @param v  [n] of all cells
+lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
+                           lac_error *err);
+
 // Slip that stops or turns back at time t must be one that the formulation can follow.
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err);

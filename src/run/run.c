@@ -221,6 +221,19 @@ static void measure_speed(run *r)
                       &r->max_rate, engine->work);
 }
 
+// Beyond numbers no result is one. The rates are not kept: they are measured again where they are.
+static lac_status check_rates(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double t = lac_engine_time(engine);
+    lac_status status = lac_check_rates(r->problem, r->max_rate, t, engine->work, err);
+    if (status != LAC_OK) {
+        measure_speed(r);
+        status = lac_check_rates(r->problem, r->max_rate, t, engine->work, err);
+    }
+    return status;
+}
+
 // A first step that suits the problem.
 static double own_step(lac_engine *engine)
 {
@@ -300,6 +313,7 @@ static lac_status step(run *r, lac_error *err)
     if (!r->done && engine->t >= lac_engine_inner(engine, r->next_break)) {
         LAC_TRY(cross_break(r, err));
     }
+    LAC_TRY(check_rates(r, err));
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
     LAC_TRY(output_step(r, err));
 out:

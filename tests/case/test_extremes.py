@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cases of extreme numbers through the program: no NaN or infinity in a file, exit statuses, the
+time of failure against a closed form (m = 2: x + ln(1 - x)), one line where a run cannot go on.
+
+usage: test_extremes.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy
+
+PROGRAM, SOURCE = "", ""
+
+BLOCK = """lacuna: 1
+load: {{normal: {{pressure: "{pressure} Pa"}}{shear}}}
+friction: {{aging: {{f0: 0.6, a: {a}, b: {b}, dc: "{dc} m", v0: "1 um/s", form: {form}}}}}
+initial: {{slip_rate: "{v} m/s", state: {state}}}
+{more}
+time: {{end: "{end} s", failure: {{mean_slip_rate: "{failure} m/s"}}}}
+solver: {{rtol: {rtol}, max_steps: {steps}, formulation: {formulation}, method: {method}}}
+output: {{file: out.nc, fields: [slip, slip_rate, state, traction], fields_every: "{every} s"}}
+"""
+PLAIN = {"pressure": 1e6, "shear": "", "a": 0.01, "b": 0.02, "dc": 1e-3, "form": "plain", "v": 1e-9,
+         "state": "{ratio_to_steady: 0.5}", "more": "", "end": 1e13, "failure": 1, "rtol": 1e-8,
+         "steps": 20000, "formulation": "rate", "method": "bdf", "every": 1e12}
+
+
+class Extremes(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def run_case(self, **changes):
+        case = os.path.join(self.folder, "case.yaml")
+        self.output = os.path.join(self.folder, "out.nc")
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(BLOCK.format(**{**PLAIN, **changes}))
+        return subprocess.run(
+            [PROGRAM, "run", case, "-o", self.output, "--force", "--json", "--no-progress"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=120)
+
+    def scan(self):
+        """What the file says of its run; every number in it must be finite or missing."""
+        with netCDF4.Dataset(self.output) as file:
+            for name, variable in file.variables.items():
+                if variable.dtype.kind == "f":
+                    values = numpy.ma.compressed(numpy.ma.array(variable[:]))
+                    self.assertTrue(numpy.isfinite(values).all(), name)
+            return file.status
+
+    def completes(self, **changes):
+        done = self.run_case(**changes)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.scan(), "complete")
+        return json.loads(done.stdout)
+
+    def breaks(self, what, **changes):
+        """One line that says what and when, exit 1, a file that says `failed`."""
+        done = self.run_case(**changes)
+        self.assertEqual(done.returncode, 1, done.stderr + done.stdout)
+        lines = done.stderr.strip().splitlines()
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertRegex(lines[0], what)
+        self.assertRegex(lines[0], r"t = [-+0-9.e]+ s")
+        self.assertEqual(self.scan(), "failed")
+
+    def fails_in_time(self, v, dc, failure, **changes):
+        done = self.completes(v=v, dc=dc, failure=failure, **changes)
+        self.assertTrue(done["failed"])
+        # m = 2, x = 1/2: v theta/dc = 1/x, v x^2 = v*; T = -x - ln(1 - x) between the two x
+        x = 0.5 * math.sqrt(v / failure)
+        steady = 4 * dc / v
+        exact = steady * ((math.log1p(-x) + x) - (math.log(0.5) + 0.5))
+        self.assertLess(abs(done["failure_time_s"] / exact - 1), 2e-6)
+
+    def test_rates_from_1e_minus_30(self):
+        for formulation in "rate", "traction", "slip":
+            self.fails_in_time(1e-30, 1e-17, 1e3, end=1e15, every=1e12, formulation=formulation)
+
+    def test_slip_of_a_nanometre_and_of_a_metre(self):
+        for dc in 1e-9, 1:
+            self.fails_in_time(1e-9, dc, 1, end=1e10, every=1e9)
+
+    def test_a_millisecond_and_a_million_years(self):
+        self.fails_in_time(1, 1e-3, 1e3, end=1, every=1e-4)
+        self.fails_in_time(3e-17, 1e-3, 1, end=1e15, every=1e13)
+
+    def test_pressures(self):
+        for pressure in 1e-3, 1e9:
+            self.fails_in_time(1e-9, 1e-3, 1, pressure=pressure, end=1e8, every=1e6)
+
+    def test_tolerances(self):
+        for rtol in 1e-2, 1e-13:
+            done = self.completes(rtol=rtol, every=1e5)
+            exact = 4e6 * (math.log(2) - 0.5)
+            self.assertLess(abs(done["failure_time_s"] / exact - 1), 0.1 if rtol > 1e-3 else 1e-8)
+
+    def test_full_contact_tied_hard(self):
+        more = ('interface: {size: "1 m", levels: 5, domain: {full: {}}}\n'
+                'transfer: {hierarchy: {k0: "1e16 Pa/m"}}')
+        self.fails_in_time(1e-9, 1e-3, 1, more=more, every=1e5)
+
+    def test_a_step_of_ten_strengths(self):
+        more = 'material: {shear_modulus: "30 GPa", shear_speed: "3 km/s"}'
+        shear = ', shear: [{step: {value: "6 MPa", at: "1 s"}}]'
+        for formulation in "rate", "traction", "slip":
+            done = self.completes(more=more, shear=shear, every=1, formulation=formulation)
+            self.assertTrue(done["failed"])
+            self.assertEqual(done["failure_time_s"], 1.0)
+
+    def test_a_step_beyond_numbers(self):
+        shear = ', shear: [{step: {value: "600 MPa", at: "1 s"}}]'
+        for formulation in "rate", "traction", "slip":
+            self.breaks("slip rate of cell 0 leaves the numbers", shear=shear, every=1,
+                        formulation=formulation)
+
+    def test_too_few_steps(self):
+        self.breaks("10 steps were not enough", steps=10)
+
+    def test_no_direct_effect_and_no_damping(self):
+        done = self.run_case(a=0, v=1e-9, state='"1e6 s"')
+        self.assertIn(done.returncode, (1, 2), done.stderr)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        if os.path.exists(self.output):
+            self.assertEqual(self.scan(), "failed")
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1:3]
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:])
