@@ -160,6 +160,20 @@ class Cascade(unittest.TestCase):
             final = [(loads[0] <= load + 1e-9).sum() for load in data["load"][:]]
             self.assertTrue(all(a <= f + 1e-6 for a, f in zip(alone, final)))
 
+    def test_strength_of_blocks_does_not_hang_on_the_loads(self):
+        for rule in ("fix", "cons", "lump"):
+            few, many = (self.rg(f"rg.rule={rule}", "rg.beta=0.7", f"rg.loads={loads}",
+                                 "rg.contacts=60") for loads in (60, 1500))
+            with self.file() as data:
+                cells = 0.6 * float(numpy.mean(data["pressure"][:]))
+            strength, true = ([row["strength_Pa"] for row in done["results"][0]["levels"]]
+                              for done in (few, many))
+            self.assertAlmostEqual(strength[0] / cells, 1, delta=1e-9)
+            self.assertAlmostEqual(strength[-1] / few["q_nom_Pa"], few["q_crit_over_q_nom"],
+                                   delta=1e-9)
+            for value, expected in zip(strength, true):
+                self.assertAlmostEqual(value / expected, 1, delta=0.012)
+
     def test_ensembles_and_threads(self):
         one = self.rg("rg.seeds=3", "rg.field=equal")
         two = self.rg("rg.seeds=3", "rg.field=equal", "rg.loads=60")
