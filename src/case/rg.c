@@ -32,7 +32,7 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
          "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
          "stress on all (uniform), as a ramp with share: equal puts it on"},
     {.key = "beta",
-     .doc = "strength left after slip, as a number, a list, or from-friction",
+     .doc = "strength left after slip, as a number, a list, or from-friction; 0.7 if absent",
      .unit = "1",
      .type = LAC_TEXT,
      .flags = LAC_OPTIONAL,

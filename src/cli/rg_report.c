@@ -31,6 +31,17 @@ static const char *with_error(double value, double error, char *text, size_t siz
     return text;
 }
 
+// An estimate with its 95 % interval.
+static const char *with_interval(const lac_rg_estimate *e, char *text, size_t size)
+{
+    if (isfinite(e->value) && isfinite(e->low) && isfinite(e->high)) {
+        (void)snprintf(text, size, "%.4f +/- %.4f (%.4f to %.4f)", e->value, e->error, e->low,
+                       e->high);
+        return text;
+    }
+    return with_error(e->value, e->error, text, size);
+}
+
 static void print_law(const char *label, const lac_rg_power *law)
 {
     if (law->holds) {
@@ -96,19 +107,22 @@ static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool v
     printf("\n");
     cli_row("beta", from_law ? "%.4f (from the friction law, mean)" : "%.4g", rg->beta[k]);
     (void)with_error(r->critical, r->critical_error, text, sizeof text);
-    if (r->joints > 1) {
+    if (r->joints > 1 && r->places > 1) {
         cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces, %.4f among places)", text,
                 r->critical_sd, r->place_sd);
-    } else {
+    } else if (r->joints > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces)", text, r->critical_sd);
+    } else if (r->places > 1) {
         cli_row("Q_crit/Q_nom", "%s (sd %.4f among places)", text, r->place_sd);
+    } else {
+        cli_row("Q_crit/Q_nom", "%s", text);
     }
     if (rg->now.loaded) {
         print_now(r, &rg->now);
     }
-    cli_row("fixed point C", "%s",
-            with_error(r->fixed_point.value, r->fixed_point.error, text, sizeof text));
-    cli_row("lambda", "%s", with_error(r->lambda.value, r->lambda.error, text, sizeof text));
-    cli_row("nu", "%s", with_error(r->nu.value, r->nu.error, text, sizeof text));
+    cli_row("fixed point C", "%s", with_interval(&r->fixed_point, text, sizeof text));
+    cli_row("lambda", "%s", with_interval(&r->lambda, text, sizeof text));
+    cli_row("nu", "%s", with_interval(&r->nu, text, sizeof text));
     print_law("xi of clusters", &r->cluster_law);
     print_law("xi of blocks", &r->block_law);
     if (verbose) {

@@ -144,11 +144,20 @@ class Cascade(unittest.TestCase):
         with self.file() as data:
             self.assertEqual(data.rule, "fix")
             self.assertEqual(data.status, "complete")
+            found = 0
             for k, result in enumerate(done["results"]):
                 self.assertAlmostEqual(float(data["q_crit_over_q_nom"][k]),
                                        result["q_crit_over_q_nom"])
+                for name, key in (("critical_fraction", "critical_fraction"), ("map_slope", "lambda"),
+                                  ("exponent", "exponent")):
+                    ends = [data[f"{name}_{end}"][k] for end in ("low", "high")]
+                    ends = [None if numpy.ma.is_masked(end) else float(end) for end in ends]
+                    self.assertEqual(ends, result[f"{key}_interval95"])
+                    self.assertTrue(ends[0] is None or ends[0] <= float(data[name][k]) <= ends[1])
+                    found += ends[0] is not None
                 for level, row in enumerate(result["levels"]):
                     self.assertAlmostEqual(float(data["strength"][k, level]), row["strength_Pa"])
+            self.assertGreater(found, 3)
             fraction = data["slip_fraction"][:]
             self.assertEqual(fraction.shape, (3, 20, 7))
             self.assertTrue(numpy.all(numpy.diff(fraction, axis=1) >= -1e-12))
@@ -173,6 +182,18 @@ class Cascade(unittest.TestCase):
                                    delta=1e-9)
             for value, expected in zip(strength, true):
                 self.assertAlmostEqual(value / expected, 1, delta=0.012)
+
+    def test_one_place_tells_no_error(self):
+        result, = self.rg("rg.field=equal", "rg.beta=0.7", places=1)["results"]
+        for key in ("q_crit_error", "q_crit_sd", "q_crit_sd_of_places"):
+            self.assertIsNone(result[key])
+            with self.file() as data:
+                self.assertTrue(numpy.ma.is_masked(data[key][0]))
+        result, = self.rg("rg.field=equal", "rg.beta=0.7", "rg.seeds=2", places=1)["results"]
+        self.assertGreater(result["q_crit_error"], 0)
+        self.assertIsNone(result["q_crit_sd_of_places"])
+        words = ("--set", "rg.shifts=1", "--set", "interface.levels=5", "--set", "rg.field=equal")
+        self.assertNotIn("nan", self.call(*words, "--force", "-o", "out.nc").stdout)
 
     def test_ensembles_and_threads(self):
         one = self.rg("rg.seeds=3", "rg.field=equal")
@@ -349,6 +370,13 @@ class Cascade(unittest.TestCase):
         self.assertIn("32²", done.stdout)
         done = self.tool("rg_table.py", "--parts", "tables", status=2)
         self.assertIn("must be of table, variants", done.stderr)
+        with open(os.path.join(self.folder, "netCDF4.py"), "w", encoding="utf-8") as file:
+            file.write("raise ModuleNotFoundError('no such module', name='netCDF4')\n")
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/rg_table.py")], text=True,
+                              env={**os.environ, "PYTHONPATH": self.folder}, capture_output=True,
+                              timeout=20, check=False)
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("the part map needs netCDF4", done.stderr)
         done = self.tool("rg_table.py", "--set", "rg.rule=fx", "--levels", "5", "--seeds", "2",
                          "--parts", "variants", status=1)
         self.assertIn("must be one of: fix, cons, lump", done.stderr)
