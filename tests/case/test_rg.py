@@ -164,6 +164,12 @@ class Cascade(unittest.TestCase):
             self.assertTrue(numpy.allclose(fraction[:, -1], 1))
             loads = data["slip_load"][:]
             self.assertTrue(numpy.all(loads > 0) and numpy.all(loads <= 1))
+            for k, result in enumerate(done["results"]):
+                first = result["first_to_slip"]
+                self.assertAlmostEqual(first["q_over_q_nom"], loads[k].min(), delta=1e-12)
+                at = numpy.flatnonzero((numpy.abs(data["x"][:] - first["x_m"]) < 1e-9)
+                                       & (numpy.abs(data["y"][:] - first["y_m"]) < 1e-9))
+                self.assertEqual(loads[k][at[0]], loads[k].min())
             # what slips alone at a load has slipped at it in the end
             alone = fraction[0, :, 0] * data.dimensions["cell"].size
             final = [(loads[0] <= load + 1e-9).sum() for load in data["load"][:]]
