@@ -260,6 +260,27 @@ class Analysis(unittest.TestCase):
                     - data["time_local"][at])
             self.assertAlmostEqual(done["critical_lead_time_s"], lead, delta=1e-9 * lead)
 
+    def test_field_of_the_cascade(self):
+        with open(os.path.join(SOURCE, "cases/rg/creep-to-failure.yaml"), encoding="utf-8") as file:
+            text = file.read()
+        for rg in ("{beta: 0.5}", "{beta: 0.4, path: solve, contacts: 12, shifts: 2}",
+                   "{field: uniform, rule: lump, beta: 0.5}"):
+            sets = ("interface.levels=5", "rg=" + rg)
+            done = self.run_case(text, *sets, "analysis={rg: {slipping_rate: 1 mm/s}}")
+            static = self.call("rg", "case.yaml", "--json", "--force", "-o", "rg.nc",
+                               *(word for one in sets for word in ("--set", one)))
+            static = json.loads(static.stdout)
+            field = static["field"]
+            self.assertIn(f"field {field}, ", done["critical_fraction_source"])
+            low, high = static["results"][0]["critical_fraction_interval95"]
+            self.assertEqual(done["critical_fraction"], static["critical_fraction"])
+            self.assertEqual(done["critical_fraction_low"], low)
+            self.assertEqual(done["critical_fraction_high"], high)
+            self.assertEqual(self.run_case(text, *sets, f"analysis.rg.field={field}",
+                                           f"analysis.rg.rule={static['rule']}",
+                                           f"analysis.rg.beta={static['beta']}")
+                             ["critical_fraction_source"], done["critical_fraction_source"])
+
     def test_map_of_the_run(self):
         done = self.run_case(LACUNAR, "interface.levels=7", "output.fields=[]",
                              "transfer.hierarchy.k0=2e13")
