@@ -353,6 +353,22 @@ class Cascade(unittest.TestCase):
                 self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
             self.assertGreater(os.path.getsize(path), 30000)
 
+    def test_pictures_that_cannot_be(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        away = os.path.join(self.folder, "none", "x.png")
+        done = self.tool("rg_rules.py", "-o", away, status=1)
+        self.assertEqual(done.stderr, f"rg_rules: {away}: No such file or directory\n")
+        for words in (("--jobs", "0"), ("--seeds", "1")):
+            done = self.tool("figure3.py", "-o", "x.png", *words, status=2)
+            self.assertIn("--seeds must be at least 2 and --jobs 1", done.stderr)
+        done = self.tool("figure3.py", "-o", "x.png", "--seeds", "2", "--levels", "4", "--set",
+                         "interface.levels=5", "--set", "rg.loads=20", status=1)
+        self.assertEqual(done.stderr, "figure3: 32 x 32 cells: as many both ways, a multiple of 64, "
+                         "are needed to show a part of them\n")
+
     def test_wrong_requests(self):
         wrong = {
             "rg.beta=1.2": 'rg.beta: "1.2" must be >= 0 and <= 1',
