@@ -369,6 +369,14 @@ class Cascade(unittest.TestCase):
         self.assertEqual(done.stderr, "figure3: 32 x 32 cells: as many both ways, a multiple of 64, "
                          "are needed to show a part of them\n")
 
+    def test_beta_of_a_law_that_varies(self):
+        law = ("--set", "friction={aging: {a: 0.01, b: 0.015, dc: 1 mm}}", "--set",
+               "material.shear_speed=2 km/s", "--set", "interface.levels=4", "--set",
+               "rg.beta=from-friction", "--force", "-o", "out.nc")
+        self.assertNotIn("nominal", self.call(*law).stderr)
+        done = self.call(*law, "--set", "friction.spread={b: {lognormal: {sigma: 0.5}}}")
+        self.assertIn("friction.spread.b has no effect on it", done.stderr)
+
     def test_wrong_requests(self):
         wrong = {
             "rg.beta=1.2": 'rg.beta: "1.2" must be >= 0 and <= 1',
