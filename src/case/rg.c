@@ -163,12 +163,26 @@ static void check_interface(lac_reader *reader, const lac_case *c)
     }
 }
 
+void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
+{
+    for (size_t i = 0; i < c->friction_spread.count; i++) {
+        const char *varies = c->friction_spread.item[i].key;
+        if (strcmp(varies, "b") == 0 || strcmp(varies, "v0") == 0) {
+            lac_warn(reader, key,
+                     "takes the nominal %s for every cell; friction.spread.%s has no "
+                     "effect on it",
+                     varies, varies);
+        }
+    }
+}
+
 static void check_law(lac_reader *reader, const lac_case *c)
 {
     const lac_material_def *m = &c->material;
     if (c->rg.betas > 0) {
         return;
     }
+    lac_warn_nominal_beta(reader, c, "rg.beta");
     if (!lac_present(reader, "friction")) {
         lac_blame_key(reader, "rg.beta", "needs a friction law");
     }

@@ -401,6 +401,30 @@ class Cascade(unittest.TestCase):
                 self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
             self.assertGreater(os.path.getsize(path), 30000)
 
+    def test_pictures_that_cannot_be(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        away = os.path.join(self.folder, "none", "x.png")
+        done = self.tool("rg_rules.py", "-o", away, status=1)
+        self.assertEqual(done.stderr, f"rg_rules: {away}: No such file or directory\n")
+        for words in (("--jobs", "0"), ("--seeds", "1")):
+            done = self.tool("figure3.py", "-o", "x.png", *words, status=2)
+            self.assertIn("--seeds must be at least 2 and --jobs 1", done.stderr)
+        done = self.tool("figure3.py", "-o", "x.png", "--seeds", "2", "--levels", "4", "--set",
+                         "interface.levels=5", "--set", "rg.loads=20", status=1)
+        self.assertEqual(done.stderr, "figure3: 32 x 32 cells: as many both ways, a multiple of 64, "
+                         "are needed to show a part of them\n")
+
+    def test_beta_of_a_law_that_varies(self):
+        law = ("--set", "friction={aging: {a: 0.01, b: 0.015, dc: 1 mm}}", "--set",
+               "material.shear_speed=2 km/s", "--set", "interface.levels=4", "--set",
+               "rg.beta=from-friction", "--force", "-o", "out.nc")
+        self.assertNotIn("nominal", self.call(*law).stderr)
+        done = self.call(*law, "--set", "friction.spread={b: {lognormal: {sigma: 0.5}}}")
+        self.assertIn("friction.spread.b has no effect on it", done.stderr)
+
     def test_wrong_requests(self):
         wrong = {
             "rg.beta=1.2": 'rg.beta: "1.2" must be >= 0 and <= 1',
