@@ -132,7 +132,7 @@ static void a_periodic_line_has_the_events_of_other_codes(void **state)
     (void)state;
     fault f;
     fault_events seen;
-    fault_b1(&f);
+    fault_b1(LAC_FORMULATION_RATE, &f);
     lac_run_result result = fault_run(&f, LAC_BDF, 9e9, 1e-6, &seen);
     assert_int_equal(seen.count, 2);
     for (size_t i = 0; i < 2; i++) {
