@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The elastic transfer against the hierarchy on the same contact, as a table in markdown.
 
-    tools/fidelity.py [CASE] [--contact X ...] [--dc LENGTH ...] [--failure RATE] [--seeds N] [--set KEY=VALUE]
+    tools/fidelity.py [CASE] [--contact X ...] [--dc LENGTH ...] [--failure RATE] [--seeds N]
+                      [--ramp RATE] [--set KEY=VALUE]
 
 Calls `lacuna run --json` on the case (cases/transfer/elastic.yaml) with either transfer, at contact
 fractions of 1, 0.8 and 0.2 (cascades of the dimension that gives them on the case's levels) and
@@ -10,6 +11,9 @@ values of dc, which set how strongly the cells hold each other. Columns: contact
 failure; their difference, and the largest among contacts of the seeds 1 to N; the same where cells
 do not feel each other (none); steps; CPU time of both and their ratio. All but the differences are
 means over the seeds.
+
+--ramp: the joint, at first as good as still (1e-13 m/s), is pulled ever harder at that rate until it
+fails, and the columns of the time of failure hold Q_crit/P instead, the force that it fails at.
 """
 
 import argparse
@@ -65,17 +69,17 @@ def row(options, folder, fraction, length):
     def mean(name, key):
         return statistics.mean(found[key] for found in runs[name])
 
+    key, unit = ("apparent_friction", 1) if options.ramp else ("failure_time_s", 86400)
+
     def differences(name):
-        pairs = zip(runs[name], runs["elastic"])
-        return [a["failure_time_s"] / b["failure_time_s"] - 1 for a, b in pairs]
+        return [a[key] / b[key] - 1 for a, b in zip(runs[name], runs["elastic"])]
 
     off = differences("hierarchy")
     cpu = [mean(name, "cpu_time_s") for name in ("elastic", "hierarchy")]
     cells = [f"{fraction:g}", length, f"{mean('elastic', 'n_cells'):.0f}",
-             f"{mean('elastic', 'failure_time_s') / 86400:.4g}",
-             f"{mean('hierarchy', 'failure_time_s') / 86400:.4g}",
-             f"{100 * statistics.mean(off):+.2f}", f"{100 * max(map(abs, off)):.2f}",
-             f"{100 * statistics.mean(differences('none')):+.0f}",
+             f"{mean('elastic', key) / unit:.4g}", f"{mean('hierarchy', key) / unit:.4g}",
+             f"{100 * statistics.mean(off):+.3g}", f"{100 * max(map(abs, off)):.2g}",
+             f"{100 * statistics.mean(differences('none')):+.2g}",
              f"{mean('elastic', 'steps'):.0f}", f"{mean('hierarchy', 'steps'):.0f}",
              f"{cpu[0]:.2f}", f"{cpu[1]:.3f}", f"{cpu[0] / cpu[1]:.0f}"]
     print("| " + " | ".join(cells) + " |", flush=True)
@@ -93,13 +97,19 @@ def main():
     parser.add_argument("--failure", default="0.1 mm/s", metavar="RATE",
                         help="mean slip rate that is failure (0.1 mm/s, one cell running away)")
     parser.add_argument("--seeds", type=int, default=5, metavar="N")
+    parser.add_argument("--ramp", metavar="RATE",
+                        help='of the shear stress, such as "10 kPa/day": find Q_crit')
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--lacuna", default=os.path.join(ROOT, "build/lacuna"),
                         help="the program (build/lacuna)")
     options = parser.parse_args()
     options.set += [f"interface.levels={options.levels}",
                     f"time.failure.mean_slip_rate={options.failure}"]
-    titles = ["contact", "dc", "cells", "elastic, day", "hierarchy, day", "off, %", "at most, %",
+    if options.ramp:
+        options.set += [f"load.shear=[{{ramp: {{rate: {options.ramp}}}}}]",
+                        "initial.slip_rate=1e-13 m/s"]
+    what = "Q_crit/P" if options.ramp else "day"
+    titles = ["contact", "dc", "cells", f"elastic, {what}", f"hierarchy, {what}", "off, %", "at most, %",
               "none off, %", "steps", "steps, hierarchy", "CPU s", "CPU s, hierarchy", "ratio"]
     print("| " + " | ".join(titles) + " |")
     print("|" + " --- |" * len(titles))

@@ -110,8 +110,8 @@ lac_status lac_friction_check(const lac_friction *friction, lac_error *err);
 /// At fixed w, f rises with u without end where a > 0 and there is no v1; with v1 it still rises,
 /// but f_u falls to a v1/v and f stays below its value at v >> v1: no rate carries more than that
 /// without damping, and f is not convex in u. f rises with w where b > 0.
-/// @param values  [n] arrays; overwritten
-/// @param slopes  [n] arrays; overwritten; NULL where not wanted
+/// @param values  [n] arrays; overwritten; f NULL: g alone, no strength is worked out
+/// @param slopes  [n] arrays; overwritten; NULL where not wanted, as it must be where f is
 /// @return nothing; cannot fail, but the results may be infinite where u or w are
 void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cells *cells,
                            const lac_friction_values *values, const lac_friction_slopes *slopes);
@@ -169,7 +169,7 @@ typedef struct lac_friction_balance {
 /// @param u  [n] ln|v|; on entry where to begin, 0: nowhere in particular. The result depends on
 ///           it by rounding only
 /// @param v  [n] [m/s]; overwritten; never 0
-/// @cost  two or three evaluations of the strength from a close start; allocates nothing
+/// @cost  two evaluations of the strength from a close start; allocates nothing
 void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *balance,
                         double *u, double *v);
 

@@ -255,7 +255,9 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
                            const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
     assert(cells->n <= LAC_FRICTION_BLOCK && cells->first + cells->n <= friction->n);
-    lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, values, slopes);
+    if (values->f != NULL) {
+        lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, values, slopes);
+    }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);
     if (friction->response != NULL && cells->normal_rate != 0) {

@@ -108,12 +108,22 @@ double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
 {
     double check = 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        lac_block s;
-        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
+        double speed[LAC_FRICTION_BLOCK];
+        size_t length = lac_block_length(problem->n, first);
         for (size_t i = 0; i < length; i++) {
-            wdot[first + i] = s.g[i];
-            check += s.g[i] * 0.0;
+            speed[i] = fabs(motion->v[first + i]);
         }
+        lac_friction_cells cells = {.first = first,
+                                    .n = length,
+                                    .u = motion->u + first,
+                                    .w = w + first,
+                                    .v = speed,
+                                    .normal_rate = drive->share_rate / drive->share};
+        lac_friction_evaluate(problem->friction, &cells, &(lac_friction_values){.g = wdot + first},
+                              NULL);
+    }
+    for (size_t i = 0; i < problem->n; i++) {
+        check += wdot[i] * 0.0;
     }
     return check;
 }

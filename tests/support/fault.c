@@ -87,7 +87,8 @@ void fault_create(const fault_def *def, fault *f)
                                .loads = f->loads,
                                .damping = g / (2 * shear_speed),
                                .log_rate = u,
-                               .log_state = w};
+                               .log_state = w,
+                               .formulation = def->formulation};
     must(lac_problem_create(&problem, &t->problem, &err), &err);
     free(a);
     free(u);
@@ -157,7 +158,7 @@ static void start_fault(fault_def *def, size_t n, fault *f)
     free(w);
 }
 
-void fault_b1(fault *f)
+void fault_b1(lac_formulation formulation, fault *f)
 {
     enum { CELLS = 1024 };
     const double dx = 64;
@@ -176,11 +177,12 @@ void fault_b1(fault *f)
                      .b = 0.015,
                      .dc = 0.016,
                      .a = a,
-                     .newton_tolerance = 1e-3};
+                     .newton_tolerance = 1e-3,
+                     .formulation = formulation};
     start_fault(&def, CELLS, f);
 }
 
-void fault_c1(fault *f)
+void fault_c1(lac_formulation formulation, fault *f)
 {
     enum { SIDE = 128 };
     const double dx = 100;
@@ -197,7 +199,8 @@ void fault_c1(fault *f)
                      .b = 0.015,
                      .dc = 0.010,
                      .a = a,
-                     .newton_tolerance = 1e-3};
+                     .newton_tolerance = 1e-3,
+                     .formulation = formulation};
     start_fault(&def, (size_t)SIDE * SIDE, f);
     free(a);
 }

@@ -16,6 +16,7 @@ typedef struct fault_def {
     const double *log_rate;  ///< [n]
     const double *log_state; ///< [n]
     double newton_tolerance;
+    lac_formulation formulation; ///< AUTO: rate
 } fault_def;
 
 /// A tree's parts with another domain and transfer, and the plate's load.
@@ -44,8 +45,8 @@ lac_run_result fault_run(const fault *f, lac_method method, double end, double r
 
 /// B1, a periodic line of 1024 cells in slabs, and C1, 128 x 128 cells in the full space: problems
 /// of other earthquake-cycle codes.
-void fault_b1(fault *f);
-void fault_c1(fault *f);
+void fault_b1(lac_formulation formulation, fault *f);
+void fault_c1(lac_formulation formulation, fault *f);
 
 /// Their events [s], to all digits that several codes agree on.
 extern const double fault_b1_events[4], fault_c1_events[3];

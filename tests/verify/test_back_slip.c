@@ -126,32 +126,12 @@ static void plates_draw_towards_their_own_rate(void **state)
     fault_free(&f);
 }
 
-// B1: the problem of other earthquake-cycle codes that is cheapest to compute.
-static void a_periodic_line_has_the_events_of_other_codes(void **state)
-{
-    (void)state;
-    fault f;
-    fault_events seen;
-    fault_b1(&f);
-    lac_run_result result = fault_run(&f, LAC_BDF, 9e9, 1e-6, &seen);
-    assert_int_equal(seen.count, 2);
-    for (size_t i = 0; i < 2; i++) {
-        double off = seen.time[i] / fault_b1_events[i] - 1;
-        print_message("event %zu at %.12g s, off by %.1e, peak %.4f m/s; %lld steps\n", i,
-                      seen.time[i], off, seen.peak[i], (long long)result.steps);
-        assert_true(fabs(off) < 1e-6);
-    }
-    assert_true(fabs(seen.peak[0] - 1.4001) < 1e-3 && fabs(seen.peak[1] - 1.01025) < 1e-3);
-    fault_free(&f);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slabs_load_uniform_slip_as_a_spring_does),
         cmocka_unit_test(creeping_surroundings_load_a_patch),
         cmocka_unit_test(plates_draw_towards_their_own_rate),
-        cmocka_unit_test(a_periodic_line_has_the_events_of_other_codes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
