@@ -7,14 +7,14 @@
 
 /// An event on its way.
 typedef struct lac_open_event {
-    double origin, local;       ///< of its start: origin + local [s]
-    uint32_t first;             ///< cell that moved first; of a vacant place: the next vacant one
-    double slip;                ///< sum over the motions that have ended [m]
-    double max_rate;            ///< [m/s]
-    size_t moving;              ///< cells that move now
-    uint32_t *cells;            ///< [count] that have moved; some may stand there twice
+    double origin, local; ///< of its start: origin + local [s]
+    uint32_t first;       ///< cell that moved first; of a vacant place: the next vacant one
+    double slip;          ///< sum over the motions that have ended [m]
+    double max_rate;      ///< [m/s]
+    size_t moving;        ///< cells that move now
+    uint32_t *cells;      ///< [count] that have moved; some may stand there twice
     size_t count, room;
-    bool open, before;          ///< before: cells of it moved when the run began
+    bool open, before; ///< before: cells of it moved when the run began
 } lac_open_event;
 
 /// A cell that begins or ceases to move within a step.
@@ -32,17 +32,17 @@ typedef struct lac_catalogue {
     double modulus;      ///< G [Pa]; NaN: none
     uint32_t *neighbour; ///< [8 n]
     bool begun;
-    double origin, local;      ///< of the last step [s]
-    double *rate, *slip;       ///< [n] then, |v| [m/s] and slip [m]
-    double *slip_at_rise;      ///< [n] of cells that move [m]
-    uint8_t *moves;            ///< [n]
-    uint32_t *event;           ///< [n] place of the open event it belongs to; UINT32_MAX: none
-    uint32_t *active, *place;  ///< [n] cells that move; where each of them stands there
-    size_t actives;            ///< of them
-    lac_open_event *open;      ///< [places]
+    double origin, local;     ///< of the last step [s]
+    double *rate, *slip;      ///< [n] then, |v| [m/s] and slip [m]
+    double *slip_at_rise;     ///< [n] of cells that move [m]
+    uint8_t *moves;           ///< [n]
+    uint32_t *event;          ///< [n] place of the open event it belongs to; UINT32_MAX: none
+    uint32_t *active, *place; ///< [n] cells that move; where each of them stands there
+    size_t actives;           ///< of them
+    lac_open_event *open;     ///< [places]
     size_t places;
-    uint32_t vacant; ///< first vacant place; UINT32_MAX: none
-    int64_t events, cut; ///< put out; of them cut by the ends of the run
+    uint32_t vacant;                             ///< first vacant place; UINT32_MAX: none
+    int64_t events, cut;                         ///< put out; of them cut by the ends of the run
     double largest_slip, largest_size, slip_sum; ///< of one event [m], [m]; of all [m]
     lac_motion_change *change;                   ///< [n] scratch
     uint32_t *cell_mark, *x_mark, *y_mark;       ///< [n], [nx], [ny] scratch

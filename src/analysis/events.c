@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The indicator `events`: a catalogue of micro-slips, followed at every step; docs/theory/events.md.
+// The indicator `events`: a catalogue of micro-slips, followed at every step;
+// docs/theory/events.md.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,8 +81,8 @@ static void set_line(events *e, lac_analysis_line *line)
     char size[64];
     (void)lac_units_format(e->slip_rate, "m/s", rate, sizeof rate);
     line->label = "events";
-    int used = snprintf(line->text, LAC_ANALYSIS_TEXT, "%lld from %s on", (long long)c->events,
-                        rate);
+    int used =
+        snprintf(line->text, LAC_ANALYSIS_TEXT, "%lld from %s on", (long long)c->events, rate);
     if (c->events > 0 && used > 0) {
         (void)snprintf(line->text + used, LAC_ANALYSIS_TEXT - (size_t)used,
                        ", the longest %s; %lld cut by the ends of the run",

@@ -67,10 +67,8 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
 
 lac_sink cli_history_sink(cli_history *history)
 {
-    return (lac_sink){.context = history,
-                      .record = on_record,
-                      .snapshot = on_snapshot,
-                      .event = on_event};
+    return (lac_sink){
+        .context = history, .record = on_record, .snapshot = on_snapshot, .event = on_event};
 }
 
 lac_history cli_history_view(const cli_history *history)

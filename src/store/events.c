@@ -111,10 +111,9 @@ lac_status lac_store_define_events(lac_store *s, lac_error *err)
     }
     int cut = s->event_ids[LAC_EVENT_COLUMNS - 1];
     LAC_TRY(lac_nc_text(&s->file, cut, "flag_meanings", "whole begun_before unended both", err));
-    LAC_TRY(lac_nc_check(
-        s->file.path,
-        nc_put_att_longlong(s->file.id, cut, "flag_values", NC_INT64, 4, values), err, "define",
-        "event_cut"));
+    LAC_TRY(lac_nc_check(s->file.path,
+                         nc_put_att_longlong(s->file.id, cut, "flag_values", NC_INT64, 4, values),
+                         err, "define", "event_cut"));
 out:
     return status;
 }
@@ -173,8 +172,7 @@ out:
 lac_status lac_store_put_event(void *context, const lac_event *event, lac_error *err)
 {
     lac_store *s = context;
-    lac_status status =
-        s->events_buffered == s->capacity ? lac_store_write_events(s, err) : LAC_OK;
+    lac_status status = s->events_buffered == s->capacity ? lac_store_write_events(s, err) : LAC_OK;
     if (status == LAC_OK) {
         s->events[s->events_buffered++] = *event;
         status = lac_store_count(s, err);

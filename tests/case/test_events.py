@@ -219,7 +219,7 @@ class Events(unittest.TestCase):
         self.assertEqual(result["events"], 5)
         with self.file() as data:
             error = np.abs(data["event_time"][:] / published - 1)
-            self.assertLess(error.max(), 1e-9)
+            self.assertLess(error.max(), 5e-11)
             self.assertTrue(np.all(data["event_cells"][:] == 1))
             self.assertAlmostEqual(data["event_max_slip_rate"][-1], 0.227808, delta=1e-4)
         self.check_cf()

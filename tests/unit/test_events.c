@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The catalogue of events against motions whose starts, ends, slips and meetings are known in closed
-// form: rates exponential in time between steps, drawn on a small grid.
+// The catalogue of events against motions whose starts, ends, slips and meetings are known in
+// closed form: rates exponential in time between steps, drawn on a small grid.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -77,8 +77,8 @@ static size_t cell_at(const film *f, size_t x, size_t y)
     return i;
 }
 
-// One step of 1 s: the rates of the cells drawn with a letter go to those of '+' (1 m/s), '-' (slow)
-// or stay ('.'), all exponentially.
+// One step of 1 s: the rates of the cells drawn with a letter go to those of '+' (1 m/s), '-'
+// (slow) or stay ('.'), all exponentially.
 static void advance(film *f, const char *picture)
 {
     const double before[2] = {slow, 1.0};
