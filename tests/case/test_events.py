@@ -255,7 +255,7 @@ class Events(unittest.TestCase):
             for _ in range(600):
                 time.sleep(0.05)
                 size = size or (os.path.exists(path) and os.path.getsize(path))
-                if size and os.path.getsize(path) > size + 200000:
+                if size and os.path.getsize(path) > size + 500000:
                     break
             run.send_signal(how)
             return run.wait()
