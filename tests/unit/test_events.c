@@ -77,15 +77,17 @@ static size_t cell_at(const film *f, size_t x, size_t y)
     return i;
 }
 
-// One step of 1 s: the rates of the cells drawn with a letter go to those of '+' (1 m/s), '-'
-// (slow) or stay ('.'), all exponentially.
+// One step of 1 s: the rates of the cells drawn go to 1 m/s where '+', slow where '-', between the
+// limits where '~', and stay where '.'; all exponentially.
 static void advance(film *f, const char *picture)
 {
-    const double before[2] = {slow, 1.0};
     for (size_t k = 0; picture[k] != '\0'; k++) {
         size_t i = cell_at(f, k % f->domain->grid.nx, k / f->domain->grid.nx);
         double was = f->v[i];
-        double is = picture[k] == '+' ? before[1] : picture[k] == '-' ? before[0] : was;
+        double is = was;
+        is = picture[k] == '+' ? 1.0 : is;
+        is = picture[k] == '-' ? slow : is;
+        is = picture[k] == '~' ? 0.7 * rise : is;
         f->slip[i] += is == was ? is : (is - was) / log(is / was);
         f->v[i] = is;
     }
@@ -187,13 +189,34 @@ static void test_same_cell_twice(void **state)
     film_open(&f, 5, 1, false);
     advance(&f, "++++.");
     advance(&f, ".---.");
-    advance(&f, "..+.."); // apart from the first, which goes on
+    advance(&f, "..++."); // apart from the first, which goes on
+    advance(&f, "...-.");
     advance(&f, ".+...");
     advance(&f, "-----");
+    double all = 0.0;
+    for (size_t i = 0; i < 5; i++) {
+        all += f.slip[i];
+    }
     film_close(&f);
+    assert_true(f.event[0].potency > 0.999 * all && f.event[0].potency < all);
     assert_int_equal(f.count, 1);
     assert_int_equal(f.event[0].cells, 4);
     assert_true(f.event[0].size == 2.0);
+}
+
+// Between its limits a cell goes on as it did.
+static void test_hold(void **state)
+{
+    (void)state;
+    film f;
+    film_open(&f, 2, 1, false);
+    advance(&f, "+~");
+    advance(&f, "~.");
+    advance(&f, "+.");
+    advance(&f, "--");
+    film_close(&f);
+    assert_int_equal(f.count, 1);
+    assert_int_equal(f.event[0].cells, 1);
 }
 
 // Corners touch; so do opposite edges where the interface is periodic.
@@ -260,6 +283,18 @@ static void test_cut_by_the_run(void **state)
     assert_int_equal(f.event[0].cut, LAC_EVENT_BEGUN_BEFORE);
     assert_int_equal(f.event[1].cut, LAC_EVENT_UNENDED);
     assert_true(f.event[1].duration == 1.5 && isnan(f.event[1].moment));
+    // one event of two, one of which began before
+    film_open(&f, 3, 1, false);
+    lac_catalogue_clear(&f.catalogue);
+    assert_int_equal(lac_catalogue_create(f.domain, rise, fall, NAN, &f.catalogue, NULL), LAC_OK);
+    f.v[0] = 1.0;
+    show(&f, 0.0);
+    advance(&f, "..+");
+    advance(&f, ".+.");
+    film_close(&f);
+    assert_int_equal(f.count, 1);
+    assert_int_equal(f.event[0].cut, LAC_EVENT_BEGUN_BEFORE | LAC_EVENT_UNENDED);
+    assert_true(f.event[0].time_local == 0.0 && f.event[0].cells == 3);
 }
 
 int main(void)
@@ -268,7 +303,7 @@ int main(void)
         cmocka_unit_test(test_closed_form),       cmocka_unit_test(test_two_at_once),
         cmocka_unit_test(test_merging),           cmocka_unit_test(test_same_cell_twice),
         cmocka_unit_test(test_corners_and_edges), cmocka_unit_test(test_jump),
-        cmocka_unit_test(test_cut_by_the_run),
+        cmocka_unit_test(test_cut_by_the_run),    cmocka_unit_test(test_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
