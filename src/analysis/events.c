@@ -123,7 +123,7 @@ const lac_indicator_kind lac_indicator_events = {
     .about = {.name = "events",
               .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
                          "their end, with moment, size and origin",
-              .reference = "Aki (1966), doi 10.15083/0000033586, for the moment",
+              .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(lac_analysis_events)},
