@@ -155,3 +155,10 @@ add_test(NAME case.test_analysis
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_analysis PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
+
+# The catalogue of events, found again from the cells' own fields at every step.
+add_test(NAME case.test_events
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_events.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_events PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})

@@ -33,12 +33,19 @@ typedef struct lac_analysis_rg {
     int64_t shifts, loads;
 } lac_analysis_rg;
 
+/// Parameters of the indicator `events`.
+typedef struct lac_analysis_events {
+    double slip_rate; ///< at which a cell begins to move [m/s]
+    double hold;      ///< part of it below which the cell ceases [1]
+} lac_analysis_events;
+
 /// What the indicators of a run are made for. All must outlive them.
 typedef struct lac_analysis_scene {
     const lac_domain *domain;
     const lac_hierarchy *hierarchy;
     const lac_friction *friction;
     lac_critical_fraction critical; ///< for `rg`
+    double shear_modulus;           ///< for the moment of `events` [Pa]; NaN: none
 } lac_analysis_scene;
 
 /// One thing that an indicator says when the run is over.
@@ -73,12 +80,17 @@ typedef struct lac_indicator_kind {
     lac_status (*create)(const lac_analysis_scene *scene, const void *params, lac_indicator *self,
                          lac_error *err);
     void (*free)(lac_indicator *self);
-    /// Looks at a record, the first at t = 0.
+    /// Looks at a step; the events that end go to `next`. NULL: steps do not matter, and events
+    /// never come.
+    lac_status (*step)(lac_indicator *self, const lac_step *step, const lac_sink *next,
+                       lac_error *err);
+    /// Looks at a record, the first at t = 0; NULL: records do not matter.
     /// @param values  of the quantities over time, in their order, those over levels level by
     ///                level; overwritten
     void (*observe)(lac_indicator *self, const lac_record *record, double *values);
-    /// When the run is over: results, lines and the last values over nothing.
-    lac_status (*finish)(lac_indicator *self, const lac_run_result *result, lac_error *err);
+    /// When the run is over: results, lines, the last values over nothing, the last events.
+    lac_status (*finish)(lac_indicator *self, const lac_run_result *result, const lac_sink *next,
+                         lac_error *err);
 } lac_indicator_kind;
 
 /// The index-th kind in the registry, NULL past the end.
@@ -95,9 +107,13 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, co
 /// Frees an analysis; NULL is fine.
 void lac_analysis_free(lac_analysis *analysis);
 
-/// A sink that has the indicators look at each record and passes it on with their values.
-/// @param next  where records and snapshots go then
+/// A sink that has the indicators look at each record and passes it on with their values; it asks
+/// for steps only where an indicator does.
+/// @param next  where records, snapshots and events go then
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next);
+
+/// Whether an indicator keeps a catalogue of events; not where `analysis` is NULL.
+bool lac_analysis_has_events(const lac_analysis *analysis);
 
 /// All quantities of all indicators.
 /// @param once  values of those over nothing, in their order; NaN: not known
@@ -105,8 +121,9 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next);
 size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra,
                            const double **once);
 
-/// Lets the indicators sum up when the run is over, however it ended.
-/// @return LAC_OK; LAC_ENOMEM
+/// Lets the indicators sum up when the run is over, however it ended. The last events go to the
+/// sink's `next`.
+/// @return LAC_OK; LAC_ENOMEM; what the sink returns
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result,
                                lac_error *err);
 

@@ -56,11 +56,41 @@ typedef struct lac_snapshot {
     const double *traction;  ///< [n] [Pa]
 } lac_snapshot;
 
-/// Where a run's results go.
+/// The state after a step of the integrator; the arrays hold until the sink returns.
+typedef struct lac_step {
+    double time_origin, time_local; ///< t = origin + local since the start [s]
+    double step;                    ///< its length [s]; 0 at the start and beyond a jump of loads
+    double max_rate;                ///< largest |v| of a cell [m/s]
+    size_t n;
+    const double *slip_rate; ///< [n] [m/s]
+    const double *slip;      ///< [n] since the start [m]
+} lac_step;
+
+/// Which ends of an event lie outside the run.
+enum { LAC_EVENT_BEGUN_BEFORE = 1, LAC_EVENT_UNENDED = 2 };
+
+/// A micro-slip that has ended: docs/theory/events.md.
+typedef struct lac_event {
+    double time_origin, time_local; ///< of its start: origin + local [s]
+    double duration;                ///< [s]
+    int64_t cells;                  ///< different cells that moved
+    double potency;                 ///< sum of area times slip [m3]
+    double moment;                  ///< G times the potency [N m]; NaN where there is no G
+    double size;                    ///< longest side [m]
+    double x, y;                    ///< centre of the first cell that moved [m]
+    double max_rate;                ///< of any of its cells at the end of a step [m/s]
+    int64_t cut;                    ///< LAC_EVENT_*; 0: whole
+} lac_event;
+
+/// Where a run's results go. Members may be NULL.
 typedef struct lac_sink {
     void *context;
     lac_status (*record)(void *context, const lac_record *record, lac_error *err);
     lac_status (*snapshot)(void *context, const lac_snapshot *snapshot, lac_error *err);
+    /// After every step, also at the start and on both sides of a jump of loads.
+    lac_status (*step)(void *context, const lac_step *step, lac_error *err);
+    /// As an event ends; from an analysis that keeps a catalogue.
+    lac_status (*event)(void *context, const lac_event *event, lac_error *err);
 } lac_sink;
 
 /// How far a run has come.

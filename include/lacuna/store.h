@@ -33,6 +33,7 @@ typedef struct lac_store_def {
     int64_t sync_every;  ///< records between syncs
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
+    bool events;            ///< a catalogue of events comes along
 } lac_store_def;
 
 /// A netCDF-4 file being written; docs/format.md.

@@ -95,7 +95,9 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     lac_record line = *record;
     for (size_t i = 0; i < a->n; i++) {
         lac_indicator *indicator = &a->indicator[i];
-        indicator->kind->observe(indicator, record, a->values + a->first[i]);
+        if (indicator->kind->observe != NULL) {
+            indicator->kind->observe(indicator, record, a->values + a->first[i]);
+        }
     }
     line.extra = a->values;
     return a->next.record != NULL ? a->next.record(a->next.context, &line, err) : LAC_OK;
@@ -107,10 +109,36 @@ static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_e
     return a->next.snapshot != NULL ? a->next.snapshot(a->next.context, snapshot, err) : LAC_OK;
 }
 
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
+{
+    lac_analysis *a = context;
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < a->n; i++) {
+        lac_indicator *indicator = &a->indicator[i];
+        if (indicator->kind->step != NULL) {
+            LAC_TRY(indicator->kind->step(indicator, step, &a->next, err));
+        }
+    }
+out:
+    return status;
+}
+
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
     analysis->next = *next;
-    return (lac_sink){.context = analysis, .record = on_record, .snapshot = on_snapshot};
+    return (lac_sink){.context = analysis,
+                      .record = on_record,
+                      .snapshot = on_snapshot,
+                      .step = lac_analysis_has_events(analysis) ? on_step : NULL};
+}
+
+bool lac_analysis_has_events(const lac_analysis *analysis)
+{
+    bool has = false;
+    for (size_t i = 0; analysis != NULL && i < analysis->n; i++) {
+        has |= analysis->indicator[i].kind->step != NULL;
+    }
+    return has;
 }
 
 size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra,
@@ -134,7 +162,8 @@ lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *res
 {
     lac_status status = LAC_OK;
     for (size_t i = 0; i < analysis->n; i++) {
-        LAC_TRY(analysis->indicator[i].kind->finish(&analysis->indicator[i], result, err));
+        lac_indicator *indicator = &analysis->indicator[i];
+        LAC_TRY(indicator->kind->finish(indicator, result, &analysis->next, err));
     }
 out:
     return status;

@@ -4,6 +4,6 @@
 
 #include "lacuna/analysis.h"
 
-extern const lac_indicator_kind lac_indicator_rg;
+extern const lac_indicator_kind lac_indicator_rg, lac_indicator_events;
 
 #endif

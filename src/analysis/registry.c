@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/kinds.h"
 
-static const lac_indicator_kind *const kinds[] = {&lac_indicator_rg};
+static const lac_indicator_kind *const kinds[] = {&lac_indicator_rg, &lac_indicator_events};
 
 const lac_indicator_kind *lac_indicator_kind_at(size_t index)
 {

@@ -309,8 +309,10 @@ static void set_lines(rg *r, double lead)
                    lac_units_format(r->longest, "m", text, sizeof text));
 }
 
-static lac_status finish(lac_indicator *self, const lac_run_result *result, lac_error *err)
+static lac_status finish(lac_indicator *self, const lac_run_result *result, const lac_sink *next,
+                         lac_error *err)
 {
+    (void)next;
     rg *r = self->state;
     lac_rg_fit fit;
     lac_status status = lac_run_map_fit(&r->map, &fit, err);

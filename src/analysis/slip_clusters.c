@@ -8,59 +8,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEIGHBOURS = 8, AHEAD = 4 };
+#include "analysis/neighbours.h"
+
+enum { NEIGHBOURS = LAC_NEIGHBOURS, AHEAD = 4 };
 enum { SHARE = 8, MOST_CREDIT = 2 }; // of all cells: joined anew a record, saved up at most
-
-// The first four are ahead: with them each pair of neighbours comes up once.
-static const int32_t step_x[NEIGHBOURS] = {1, -1, 0, 1, -1, 1, 0, -1};
-static const int32_t step_y[NEIGHBOURS] = {0, 1, 1, 1, 0, -1, -1, -1};
-
-// Where a step along one axis leads; n where it leaves the grid.
-static size_t moved(size_t i, int32_t by, size_t n, bool periodic)
-{
-    if (by < 0 && i == 0) {
-        return periodic ? n - 1 : n;
-    }
-    size_t there = i + (size_t)(ptrdiff_t)by;
-    return there == n && periodic ? 0 : there;
-}
-
-static void find_neighbours(const lac_domain *domain, const uint32_t *at, uint32_t *neighbour)
-{
-    const lac_grid *grid = &domain->grid;
-    for (size_t i = 0; i < domain->n; i++) {
-        for (size_t k = 0; k < NEIGHBOURS; k++) {
-            size_t x = moved(domain->index[i] % grid->nx, step_x[k], grid->nx, grid->periodic);
-            size_t y = moved(domain->index[i] / grid->nx, step_y[k], grid->ny, grid->periodic);
-            bool inside = x < grid->nx && y < grid->ny;
-            neighbour[NEIGHBOURS * i + k] = inside ? at[y * grid->nx + x] : UINT32_MAX;
-        }
-    }
-}
 
 lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters *out,
                                     lac_error *err)
 {
     const size_t n = domain->n;
-    const size_t cells = lac_grid_cells(&domain->grid);
     *out = (lac_slip_clusters){.grid = domain->grid, .n = n, .credit = MOST_CREDIT * n};
-    uint32_t *at = malloc(cells * sizeof *at);
-    out->neighbour = malloc(NEIGHBOURS * n * sizeof *out->neighbour);
+    out->neighbour = lac_neighbours_find(domain);
     out->node = malloc(n * sizeof *out->node);
     out->box = malloc(n * sizeof *out->box);
     out->in = calloc(n, sizeof *out->in);
-    if (at == NULL || out->neighbour == NULL || out->node == NULL || out->box == NULL ||
-        out->in == NULL) {
-        free(at);
+    if (out->neighbour == NULL || out->node == NULL || out->box == NULL || out->in == NULL) {
         lac_slip_clusters_clear(out);
         return lac_fail_memory(err);
     }
-    memset(at, 0xff, cells * sizeof *at);
-    for (size_t i = 0; i < n; i++) {
-        at[domain->index[i]] = (uint32_t)i;
-    }
-    find_neighbours(domain, at, out->neighbour);
-    free(at);
     return LAC_OK;
 }
 
@@ -132,8 +97,8 @@ static void join(lac_slip_clusters *c, uint32_t i, uint32_t j, size_t k)
         return;
     }
     // Where the second root lies from the first.
-    int32_t x = xi + step_x[k] - xj;
-    int32_t y = yi + step_y[k] - yj;
+    int32_t x = xi + lac_neighbour_x[k] - xj;
+    int32_t y = yi + lac_neighbour_y[k] - yj;
     bool swap = c->box[a].size < c->box[b].size;
     merge(c, swap ? a : b, swap ? b : a, swap ? -x : x, swap ? -y : y);
 }

@@ -59,9 +59,16 @@ static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_e
     return h->next.snapshot != NULL ? h->next.snapshot(h->next.context, snapshot, err) : LAC_OK;
 }
 
+static lac_status on_event(void *context, const lac_event *event, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.event != NULL ? h->next.event(h->next.context, event, err) : LAC_OK;
+}
+
 lac_sink cli_history_sink(cli_history *history)
 {
-    return (lac_sink){.context = history, .record = on_record, .snapshot = on_snapshot};
+    return (lac_sink){
+        .context = history, .record = on_record, .snapshot = on_snapshot, .event = on_event};
 }
 
 lac_history cli_history_view(const cli_history *history)

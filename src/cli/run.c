@@ -115,6 +115,7 @@ static lac_status open_store(run_job *job, lac_error *err)
         .fields = c->fields,
         .compression = c->compression,
         .sync_every = RECORDS_BETWEEN_SYNCS,
+        .events = lac_analysis_has_events(job->analysis),
     };
     const double *once = NULL;
     if (job->analysis != NULL) {

@@ -152,7 +152,9 @@ static void write_results(cli_json *json, const cli_outcome *outcome)
     const lac_run_result *result = &outcome->result;
     cli_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
     cli_json_number(json, "mean_slip_m", result->mean_slip);
-    cli_json_null(json, "events");
+    if (!lac_analysis_has_events(outcome->analysis)) {
+        cli_json_null(json, "events"); // else the catalogue says how many
+    }
     cli_json_number(json, "balance_residual", result->balance_residual);
     cli_json_text(json, "formulation", formulation(outcome));
     cli_json_number(json, "initial_apparent_friction",

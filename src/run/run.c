@@ -9,6 +9,7 @@
 #include "run/check.h"
 #include "run/engine.h"
 #include "run/events.h"
+#include "run/watch.h"
 
 // When something was last put out.
 typedef struct instant {
@@ -306,12 +307,14 @@ static lac_status step(run *r, lac_error *err)
     LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                engine->work, err));
     LAC_TRY(look_for_end(r, mean_before, err));
+    LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
     }
     // What is put out at a break is what holds from then on.
     if (!r->done && engine->t >= lac_engine_inner(engine, r->next_break)) {
         LAC_TRY(cross_break(r, err));
+        LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
     }
     LAC_TRY(check_rates(r, err));
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
@@ -430,6 +433,7 @@ static lac_status begin(run *r, lac_error *err)
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
+    LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
     LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
         LAC_TRY(snapshot(r, 0.0, engine->y, engine->slip, err));

@@ -70,7 +70,8 @@ lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch 
     const lac_slot_list *slots = &scene->source->analysis;
     lac_analysis_scene made_for = {.domain = scene->contact.domain,
                                    .hierarchy = scene->hierarchy,
-                                   .friction = scene->friction};
+                                   .friction = scene->friction,
+                                   .shear_modulus = scene->source->material.shear_modulus};
     lac_status status = LAC_OK;
     *out = NULL;
     for (size_t i = 0; i < slots->count; i++) {

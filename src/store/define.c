@@ -241,6 +241,9 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
         LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, err));
     }
     LAC_TRY(lac_store_define_extras(s, err));
+    if (s->events != NULL) {
+        LAC_TRY(lac_store_define_events(s, err));
+    }
 out:
     return status;
 }

@@ -66,6 +66,9 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
         LAC_TRY(lac_fail_memory(err));
     }
     LAC_TRY(lac_store_create_extras(s, def, err));
+    if (def->events) {
+        LAC_TRY(lac_store_create_events(s, err));
+    }
     LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
     LAC_TRY(name_time_unit(s, def, err));
     LAC_TRY(lac_store_define(s, def, err));
@@ -104,7 +107,7 @@ static int put_integers(const lac_store *s, size_t column)
     return nc_put_vara_longlong(s->file.id, s->columns[column], &s->written, &s->buffered, values);
 }
 
-static lac_status reserve(lac_store *s, size_t bytes, lac_error *err)
+lac_status lac_store_reserve(lac_store *s, size_t bytes, lac_error *err)
 {
     s->pending += bytes;
     return lac_nc_reserve(&s->file, s->pending, err);
@@ -116,7 +119,7 @@ static lac_status write_rows(lac_store *s, lac_error *err)
         return LAC_OK;
     }
     size_t bytes = s->buffered * (sizeof *s->rows + s->width * sizeof *s->values);
-    lac_status status = reserve(s, bytes, err);
+    lac_status status = lac_store_reserve(s, bytes, err);
     if (status != LAC_OK) {
         return status;
     }
@@ -137,13 +140,14 @@ static lac_status write_rows(lac_store *s, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status count_unsynced(lac_store *s, lac_error *err)
+lac_status lac_store_count(lac_store *s, lac_error *err)
 {
     s->unsynced++;
     if (s->unsynced < s->sync_every) {
         return LAC_OK;
     }
     lac_status status = write_rows(s, err);
+    status = status == LAC_OK ? lac_store_write_events(s, err) : status;
     return status == LAC_OK ? sync_file(s, err) : status;
 }
 
@@ -192,7 +196,7 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
     if (status == LAC_OK) {
         lac_store_keep_extras(s, record->extra);
         s->rows[s->buffered++] = row;
-        status = count_unsynced(s, err);
+        status = lac_store_count(s, err);
     }
     return status;
 }
@@ -218,7 +222,7 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
         return LAC_OK;
     }
     // Incompressible at worst.
-    LAC_TRY(reserve(s, LAC_FIELDS * s->cells * (sizeof(double) + 1), err));
+    LAC_TRY(lac_store_reserve(s, LAC_FIELDS * s->cells * (sizeof(double) + 1), err));
     errno = 0;
     for (size_t f = 0; f < LAC_FIELDS; f++) {
         if ((s->fields & lac_fields[f].flag) != 0) {
@@ -230,14 +234,17 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
         nc_put_var1_double(s->file.id, s->snapshot_time, &s->snapshots, &snapshot->time), err,
         "write", "snapshot_time"));
     s->snapshots++;
-    LAC_TRY(count_unsynced(s, err));
+    LAC_TRY(lac_store_count(s, err));
 out:
     return status;
 }
 
 lac_sink lac_store_sink(lac_store *store)
 {
-    return (lac_sink){.context = store, .record = put_record, .snapshot = put_snapshot};
+    return (lac_sink){.context = store,
+                      .record = put_record,
+                      .snapshot = put_snapshot,
+                      .event = store->events != NULL ? lac_store_put_event : NULL};
 }
 
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
@@ -246,6 +253,7 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
     assert(store->file.open);
     // The records are on disk before the file says that it is whole.
     lac_status first = write_rows(store, err);
+    first = first == LAC_OK ? lac_store_write_events(store, err) : first;
     if (first == LAC_OK) {
         first = sync_file(store, err);
     }
@@ -263,9 +271,11 @@ void lac_store_free(lac_store *store)
     }
     if (store->file.open && store->file.published) {
         (void)write_rows(store, NULL);
+        (void)lac_store_write_events(store, NULL);
     }
     lac_nc_clear(&store->file);
     free(store->rows);
     lac_store_clear_extras(store);
+    free(store->events);
     free(store);
 }

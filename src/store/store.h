@@ -4,6 +4,8 @@
 
 #include "store/columns.h"
 
+enum { LAC_EVENT_COLUMNS = 10 };
+
 struct lac_store {
     lac_nc file;
     unsigned fields;
@@ -25,7 +27,28 @@ struct lac_store {
     int *extra_ids;         ///< [extras]
     size_t levels, width;   ///< of the hierarchy; values that it adds to a record
     double *values;         ///< [capacity][width] not yet written
+    lac_event *events;      ///< [capacity] not yet written; NULL: no catalogue
+    int event_ids[LAC_EVENT_COLUMNS];
+    size_t events_buffered, events_written;
 };
+
+/// Room for a catalogue of events; `capacity` is set.
+lac_status lac_store_create_events(lac_store *store, lac_error *err);
+
+/// Its dimension and variables.
+lac_status lac_store_define_events(lac_store *store, lac_error *err);
+
+/// Writes the buffered events.
+lac_status lac_store_write_events(lac_store *store, lac_error *err);
+
+/// Counts what was buffered or written; syncs the file when there is enough of it.
+lac_status lac_store_count(lac_store *store, lac_error *err);
+
+/// Disk space for what netCDF is given. @param bytes  uncompressed
+lac_status lac_store_reserve(lac_store *store, size_t bytes, lac_error *err);
+
+/// The sink's `event`. @param context  the store
+lac_status lac_store_put_event(void *context, const lac_event *event, lac_error *err);
 
 /// Room for what an analysis adds; `capacity` is set.
 lac_status lac_store_create_extras(lac_store *store, const lac_store_def *def, lac_error *err);

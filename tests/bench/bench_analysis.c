@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Share of a run's CPU time that the indicator `rg` takes, every step recorded: cells that fail
-// together, and cells that fail one by one and heal; by strength and by rate. The sink counts the
-// time within the run itself, so that other load cancels.
+// Share of a run's CPU time that the indicators take, every step recorded: cells that fail
+// together, and cells that fail one by one and heal; `rg` by strength and by rate, `events`. The
+// sink counts the time within the run itself, so that other load cancels.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "analysis/slip_clusters.h"
 #include "lacuna/analysis.h"
@@ -25,19 +26,38 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
-static void measure(const char *what, int levels, uint64_t seed, double k0, double end,
-                    const lac_analysis_rg *params)
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
+{
+    counter *c = context;
+    double start = cpu_seconds();
+    lac_status status = c->inner.step(c->inner.context, step, err);
+    c->spent += cpu_seconds() - start;
+    return status;
+}
+
+// The kind of indicator of this name, and its parameters.
+static lac_slot slot_of(const char *name, const void *params)
+{
+    size_t i = 0;
+    while (strcmp(lac_indicator_kind_at(i)->about.name, name) != 0) {
+        i++;
+    }
+    return (lac_slot){.about = &lac_indicator_kind_at(i)->about, .params = (void *)params};
+}
+
+static void measure_slot(const char *what, int levels, uint64_t seed, double k0, double end,
+                         lac_slot slot)
 {
     tree_def def = tree_default(levels, seed);
     def.state *= 3.0;
     def.k0 *= k0;
     tree t;
     tree_create(&def, &t);
-    lac_slot slot = {.about = &lac_indicator_kind_at(0)->about, .params = (void *)params};
     lac_analysis_scene scene = {.domain = t.domain,
                                 .hierarchy = t.hierarchy,
                                 .friction = t.friction,
-                                .critical = {.value = 0.5, .beta = 0.7}};
+                                .critical = {.value = 0.5, .beta = 0.7},
+                                .shear_modulus = 3e10};
     lac_analysis *analysis = NULL;
     lac_error err = {""};
     const lac_sink nothing = {0};
@@ -55,7 +75,8 @@ static void measure(const char *what, int levels, uint64_t seed, double k0, doub
         exit(1);
     }
     c.inner = lac_analysis_sink(analysis, &nothing);
-    const lac_sink sink = {.context = &c, .record = on_record};
+    const lac_sink sink = {
+        .context = &c, .record = on_record, .step = c.inner.step != NULL ? on_step : NULL};
     double start = cpu_seconds();
     (void)lac_run(t.problem, &how, &sink, &result, &err); // may end for its steps
     double total = cpu_seconds() - start;
@@ -66,6 +87,19 @@ static void measure(const char *what, int levels, uint64_t seed, double k0, doub
            1e9 * c.spent / ((double)t.domain->n * (double)result.steps), said[0].value);
     lac_analysis_free(analysis);
     tree_clear(&t);
+}
+
+static void measure(const char *what, int levels, uint64_t seed, double k0, double end,
+                    const lac_analysis_rg *params)
+{
+    measure_slot(what, levels, seed, k0, end, slot_of("rg", params));
+}
+
+static void measure_events(const char *what, int levels, uint64_t seed, double k0, double end,
+                           double rate)
+{
+    const lac_analysis_events params = {.slip_rate = rate, .hold = 0.5};
+    measure_slot(what, levels, seed, k0, end, slot_of("events", &params));
 }
 
 // The clusters' worst: all cells slip, and at every record one sticks and another begins.
@@ -115,8 +149,8 @@ int main(void)
         .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 100.0};
     const lac_analysis_rg half = {
         .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 0.85};
-    printf("%-28s %8s %8s %8s %8s %11s %10s %8s\n", "run", "cells", "steps", "CPU s", "rg s",
-           "share", "ns/cell", "slips");
+    printf("%-28s %8s %8s %8s %8s %11s %10s %8s\n", "run", "cells", "steps", "CPU s", "its s",
+           "share", "ns/cell", "result");
     measure("together, strength 0.85", 6, 14, 1.0, NAN, &strength);
     measure("together, strength 0.99", 6, 14, 1.0, NAN, &early);
     measure("together, 100 times", 6, 14, 1.0, NAN, &rate);
@@ -128,6 +162,11 @@ int main(void)
     // Half of the cells slip, and some cease at every step: the clusters are built anew each time.
     measure("half, to and fro", 6, 14, 1e-3, 1e-3, &half);
     measure("half, to and fro", 9, 9, 1e-3, 1e-5, &half);
+    measure_events("events, together", 6, 14, 1.0, NAN, 1e-3);
+    measure_events("events, one by one", 6, 14, 1e-3, 1e-3, 1e-3);
+    measure_events("events, most move, to and fro", 6, 14, 1e-3, 1e-3, 1e-8);
+    measure_events("events, together", 9, 9, 1.0, NAN, 1e-3);
+    measure_events("events, most move, to and fro", 9, 9, 1e-3, 1e-5, 1e-8);
     measure_worst(6, 14);
     measure_worst(9, 9);
     return 0;

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Events are the connected components of {(cell, t): the cell moves at t}, cells being connected
+// while both move and touch. They are built as time goes on: a cell that begins to move joins the
+// events of its moving neighbours, which so become one.
+#include "analysis/catalogue.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analysis/neighbours.h"
+
+static const uint32_t none = UINT32_MAX;
+
+lac_status lac_catalogue_create(const lac_domain *domain, double rise, double fall, double modulus,
+                                lac_catalogue *out, lac_error *err)
+{
+    const size_t n = domain->n;
+    *out = (lac_catalogue){
+        .domain = domain, .rise = rise, .fall = fall, .modulus = modulus, .vacant = none};
+    out->neighbour = lac_neighbours_find(domain);
+    out->rate = calloc(n, sizeof *out->rate);
+    out->slip = calloc(n, sizeof *out->slip);
+    out->slip_at_rise = calloc(n, sizeof *out->slip_at_rise);
+    out->moves = calloc(n, sizeof *out->moves);
+    out->event = malloc(n * sizeof *out->event);
+    out->active = calloc(n, sizeof *out->active);
+    out->place = calloc(n, sizeof *out->place);
+    out->change = malloc(n * sizeof *out->change);
+    out->cell_mark = calloc(n, sizeof *out->cell_mark);
+    out->x_mark = calloc(domain->grid.nx, sizeof *out->x_mark);
+    out->y_mark = calloc(domain->grid.ny, sizeof *out->y_mark);
+    const void *const made[] = {out->neighbour, out->rate,   out->slip,   out->slip_at_rise,
+                                out->moves,     out->event,  out->active, out->place,
+                                out->change,    out->x_mark, out->y_mark, out->cell_mark};
+    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
+        if (made[i] == NULL) {
+            lac_catalogue_clear(out);
+            return lac_fail_memory(err);
+        }
+    }
+    memset(out->event, 0xff, n * sizeof *out->event);
+    return LAC_OK;
+}
+
+void lac_catalogue_clear(lac_catalogue *c)
+{
+    for (size_t i = 0; i < c->places; i++) {
+        free(c->open[i].cells);
+    }
+    free(c->open);
+    free(c->neighbour);
+    free(c->rate);
+    free(c->slip);
+    free(c->slip_at_rise);
+    free(c->moves);
+    free(c->event);
+    free(c->active);
+    free(c->place);
+    free(c->change);
+    free(c->cell_mark);
+    free(c->x_mark);
+    free(c->y_mark);
+    *c = (lac_catalogue){0};
+}
+
+// Room in an event for `more` cells.
+static lac_status make_room(lac_open_event *e, size_t more, lac_error *err)
+{
+    if (e->count + more <= e->room) {
+        return LAC_OK;
+    }
+    size_t room = 2 * e->room > e->count + more ? 2 * e->room : e->count + more + 3;
+    uint32_t *grown = realloc(e->cells, room * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    e->cells = grown;
+    e->room = room;
+    return LAC_OK;
+}
+
+static lac_status add_places(lac_catalogue *c, lac_error *err)
+{
+    size_t places = 2 * c->places + 4;
+    lac_open_event *grown = realloc(c->open, places * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    c->open = grown;
+    for (size_t i = places; i-- > c->places;) {
+        c->open[i] = (lac_open_event){.first = c->vacant};
+        c->vacant = (uint32_t)i;
+    }
+    c->places = places;
+    return LAC_OK;
+}
+
+// Opens an event with its first cell.
+static lac_status open_event(lac_catalogue *c, uint32_t cell, double local, uint32_t *place,
+                             lac_error *err)
+{
+    lac_status status = c->vacant == none ? add_places(c, err) : LAC_OK;
+    if (status != LAC_OK) {
+        return status;
+    }
+    *place = c->vacant;
+    lac_open_event *e = &c->open[*place];
+    c->vacant = e->first;
+    *e = (lac_open_event){.origin = c->origin,
+                          .local = local,
+                          .first = cell,
+                          .cells = e->cells,
+                          .room = e->room,
+                          .open = true};
+    return LAC_OK;
+}
+
+static void vacate(lac_catalogue *c, uint32_t place)
+{
+    c->open[place].open = false;
+    c->open[place].first = c->vacant;
+    c->vacant = place;
+}
+
+static bool older(const lac_open_event *a, const lac_open_event *b)
+{
+    double by = (b->origin - a->origin) + (b->local - a->local);
+    return by != 0.0 ? by > 0.0 : a->first < b->first;
+}
+
+// Makes one event of two, with the start of the older. The one of more cells keeps its place.
+static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_error *err)
+{
+    if (c->open[from].count > c->open[*into].count) {
+        uint32_t other = *into;
+        *into = from;
+        from = other;
+    }
+    lac_open_event *a = &c->open[*into];
+    lac_open_event *b = &c->open[from];
+    lac_status status = make_room(a, b->count, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (older(b, a)) {
+        a->origin = b->origin;
+        a->local = b->local;
+        a->first = b->first;
+    }
+    a->slip += b->slip;
+    a->max_rate = fmax(a->max_rate, b->max_rate);
+    a->moving += b->moving;
+    a->before |= b->before;
+    for (size_t k = 0; k < b->count; k++) {
+        uint32_t cell = b->cells[k];
+        if (c->event[cell] != *into) {
+            a->cells[a->count++] = cell;
+        }
+        if (c->event[cell] == from) {
+            c->event[cell] = *into;
+        }
+    }
+    vacate(c, from);
+    return LAC_OK;
+}
+
+// The one event of a cell's moving neighbours; none where none moves.
+static lac_status join_neighbours(lac_catalogue *c, uint32_t cell, uint32_t *place, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *place = none;
+    for (size_t k = 0; k < LAC_NEIGHBOURS; k++) {
+        uint32_t j = c->neighbour[LAC_NEIGHBOURS * cell + k];
+        if (j == none || !c->moves[j] || c->event[j] == *place) {
+            continue;
+        }
+        if (*place == none) {
+            *place = c->event[j];
+        } else {
+            LAC_TRY(merge(c, place, c->event[j], err));
+        }
+    }
+out:
+    return status;
+}
+
+static lac_status begin_motion(lac_catalogue *c, uint32_t cell, double local, double slip,
+                               lac_error *err)
+{
+    uint32_t place;
+    lac_status status = LAC_OK;
+    LAC_TRY(join_neighbours(c, cell, &place, err));
+    if (place == none) {
+        LAC_TRY(open_event(c, cell, local, &place, err));
+    }
+    lac_open_event *e = &c->open[place];
+    if (c->event[cell] != place) {
+        LAC_TRY(make_room(e, 1, err));
+        e->cells[e->count++] = cell;
+        c->event[cell] = place;
+    }
+    e->moving++;
+    c->moves[cell] = 1;
+    c->slip_at_rise[cell] = slip;
+    c->place[cell] = (uint32_t)c->actives;
+    c->active[c->actives++] = cell;
+out:
+    return status;
+}
+
+static void end_motion(lac_catalogue *c, uint32_t cell, double slip)
+{
+    lac_open_event *e = &c->open[c->event[cell]];
+    e->slip += fabs(slip - c->slip_at_rise[cell]);
+    e->moving--;
+    c->moves[cell] = 0;
+    uint32_t last = c->active[--c->actives];
+    c->active[c->place[cell]] = last;
+    c->place[last] = c->place[cell];
+}
+
+// Counts the different cells of an event and the lines that they occupy: they are connected, so
+// that no line is left out between the first and the last, even round a periodic edge.
+static void survey(lac_catalogue *c, const lac_open_event *e, lac_event *event)
+{
+    const lac_grid *grid = &c->domain->grid;
+    size_t columns = 0;
+    size_t rows = 0;
+    c->mark++;
+    for (size_t k = 0; k < e->count; k++) {
+        uint32_t cell = e->cells[k];
+        size_t x = c->domain->index[cell] % grid->nx;
+        size_t y = c->domain->index[cell] / grid->nx;
+        event->cells += c->cell_mark[cell] != c->mark;
+        columns += c->x_mark[x] != c->mark;
+        rows += c->y_mark[y] != c->mark;
+        c->cell_mark[cell] = c->x_mark[x] = c->y_mark[y] = c->mark;
+    }
+    double along = (double)columns * grid->dx;
+    // The width of a line is no extent.
+    event->size = grid->ny > 1 ? fmax(along, (double)rows * grid->dy) : along;
+}
+
+// Puts out an event none of whose cells move any more, or that the run's end cuts off.
+static lac_status put_out(lac_catalogue *c, uint32_t place, double local, const lac_sink *sink,
+                          lac_error *err)
+{
+    const lac_grid *grid = &c->domain->grid;
+    lac_open_event *e = &c->open[place];
+    double potency = e->slip * lac_grid_cell_area(grid);
+    uint32_t at = c->domain->index[e->first];
+    lac_event event = {.time_origin = e->origin,
+                       .time_local = e->local,
+                       .duration = (c->origin - e->origin) + (local - e->local),
+                       .potency = potency,
+                       .moment = c->modulus * potency,
+                       .x = ((double)(at % grid->nx) + 0.5) * grid->dx,
+                       .y = ((double)(at / grid->nx) + 0.5) * grid->dy,
+                       .max_rate = e->max_rate,
+                       .cut = (e->before ? LAC_EVENT_BEGUN_BEFORE : 0) |
+                              (e->moving > 0 ? LAC_EVENT_UNENDED : 0)};
+    survey(c, e, &event);
+    for (size_t k = 0; k < e->count; k++) {
+        if (c->event[e->cells[k]] == place) {
+            c->event[e->cells[k]] = none;
+        }
+    }
+    c->events++;
+    c->cut += event.cut != 0;
+    c->slip_sum += e->slip;
+    c->largest_slip = fmax(c->largest_slip, e->slip);
+    c->largest_size = fmax(c->largest_size, event.size);
+    vacate(c, place);
+    return sink->event != NULL ? sink->event(sink->context, &event, err) : LAC_OK;
+}
+
+static int by_time(const void *left, const void *right)
+{
+    const lac_motion_change *a = left;
+    const lac_motion_change *b = right;
+    if (a->share != b->share) {
+        return a->share < b->share ? -1 : 1;
+    }
+    if (a->rises != b->rises) {
+        return a->rises ? -1 : 1; // cells that meet at one instant are connected
+    }
+    return a->cell < b->cell ? -1 : a->cell > b->cell;
+}
+
+// Where in the step ln |v|, taken as linear there, comes to a limit.
+static double share_at(double before, double after, double limit)
+{
+    double share = log(limit / before) / log(after / before);
+    return share >= 0.0 && share <= 1.0 ? share : 1.0; // from v = 0: at the very end
+}
+
+// Collects the cells that begin or cease to move, in the order of time.
+static size_t collect(const lac_catalogue *c, const lac_step *step)
+{
+    size_t changes = 0;
+    for (size_t i = 0; i < c->domain->n; i++) {
+        double v = fabs(step->slip_rate[i]);
+        bool now = v >= (c->moves[i] ? c->fall : c->rise);
+        if (now == (bool)c->moves[i]) {
+            continue;
+        }
+        bool whole = !c->begun || step->step == 0.0;
+        double limit = now ? c->rise : c->fall;
+        c->change[changes++] = (lac_motion_change){
+            .share = whole ? 1.0 : share_at(c->rate[i], v, limit),
+            .cell = (uint32_t)i,
+            .rises = now,
+        };
+    }
+    if (changes > 1) {
+        qsort(c->change, changes, sizeof *c->change, by_time);
+    }
+    return changes;
+}
+
+// Slip of a cell where it crosses a limit: v being exponential in time, slip is linear in v.
+static double slip_at(const lac_catalogue *c, const lac_step *step, const lac_motion_change *change)
+{
+    uint32_t i = change->cell;
+    double before = c->rate[i];
+    double after = fabs(step->slip_rate[i]);
+    double limit = change->rises ? c->rise : c->fall;
+    double rest = c->begun && step->step > 0.0 ? (after - limit) / (after - before) : 0.0;
+    return step->slip[i] - rest * (step->slip[i] - c->slip[i]);
+}
+
+static lac_status apply(lac_catalogue *c, const lac_step *step, const lac_motion_change *change,
+                        const lac_sink *sink, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    double local = step->time_local - (1.0 - change->share) * step->step;
+    double slip = slip_at(c, step, change);
+    if (change->rises) {
+        LAC_TRY(begin_motion(c, change->cell, local, slip, err));
+        c->open[c->event[change->cell]].before |= !c->begun;
+    } else {
+        end_motion(c, change->cell, slip);
+        if (c->open[c->event[change->cell]].moving == 0) {
+            LAC_TRY(put_out(c, c->event[change->cell], local, sink, err));
+        }
+    }
+out:
+    return status;
+}
+
+lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
+                              lac_error *err)
+{
+    const size_t n = c->domain->n;
+    lac_status status = LAC_OK;
+    c->origin = step->time_origin;
+    c->local = step->time_local;
+    if (c->actives > 0 || step->max_rate >= c->rise) {
+        size_t changes = collect(c, step);
+        for (size_t k = 0; k < changes; k++) {
+            LAC_TRY(apply(c, step, &c->change[k], sink, err));
+        }
+    }
+    for (size_t k = 0; k < c->actives; k++) {
+        lac_open_event *e = &c->open[c->event[c->active[k]]];
+        e->max_rate = fmax(e->max_rate, fabs(step->slip_rate[c->active[k]]));
+    }
+    for (size_t i = 0; i < n; i++) {
+        c->rate[i] = fabs(step->slip_rate[i]);
+    }
+    memcpy(c->slip, step->slip, n * sizeof *c->slip);
+    c->begun = true;
+out:
+    return status;
+}
+
+lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < c->actives; k++) {
+        uint32_t cell = c->active[k];
+        c->open[c->event[cell]].slip += fabs(c->slip[cell] - c->slip_at_rise[cell]);
+        c->moves[cell] = 0;
+    }
+    c->actives = 0;
+    for (size_t i = 0; i < c->places; i++) {
+        if (c->open[i].open) {
+            LAC_TRY(put_out(c, (uint32_t)i, c->local, sink, err));
+        }
+    }
+out:
+    return status;
+}

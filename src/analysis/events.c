@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The indicator `events`: a catalogue of micro-slips, followed at every step;
+// docs/theory/events.md.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "analysis/catalogue.h"
+#include "analysis/kinds.h"
+#include "base/units.h"
+
+#define FIELD(name) offsetof(lac_analysis_events, name)
+
+static const lac_param params[] = {
+    {.key = "slip_rate",
+     .unit = "m/s",
+     .fallback = 1e-3,
+     .min = 0,
+     .max = 1e4,
+     .flags = LAC_ABOVE_MIN,
+     .offset = FIELD(slip_rate),
+     .doc = "a cell begins to move when it comes to this slip rate, of either sign"},
+    {.key = "hold",
+     .unit = "1",
+     .fallback = 0.5,
+     .min = 0,
+     .max = 1,
+     .flags = LAC_ABOVE_MIN,
+     .offset = FIELD(hold),
+     .doc = "and moves until its slip rate falls below this part of slip_rate"},
+};
+
+enum { RESULTS = 7, LINES = 1 };
+
+typedef struct events {
+    lac_catalogue catalogue;
+    double slip_rate;
+    lac_analysis_result result[RESULTS];
+    lac_analysis_line line[LINES];
+} events;
+
+static void destroy(lac_indicator *self)
+{
+    events *e = self->state;
+    if (e != NULL) {
+        lac_catalogue_clear(&e->catalogue);
+    }
+    free(e);
+    self->state = NULL;
+}
+
+static lac_status create(const lac_analysis_scene *scene, const void *p, lac_indicator *self,
+                         lac_error *err)
+{
+    const lac_analysis_events *def = p;
+    events *e = self->state = calloc(1, sizeof *e);
+    if (e == NULL) {
+        return lac_fail_memory(err);
+    }
+    e->slip_rate = def->slip_rate;
+    lac_status status =
+        lac_catalogue_create(scene->domain, def->slip_rate, def->slip_rate * def->hold,
+                             scene->shear_modulus, &e->catalogue, err);
+    if (status != LAC_OK) {
+        destroy(self);
+    }
+    return status;
+}
+
+static lac_status step(lac_indicator *self, const lac_step *step, const lac_sink *next,
+                       lac_error *err)
+{
+    events *e = self->state;
+    return lac_catalogue_step(&e->catalogue, step, next, err);
+}
+
+static void set_line(events *e, lac_analysis_line *line)
+{
+    const lac_catalogue *c = &e->catalogue;
+    char rate[64];
+    char size[64];
+    (void)lac_units_format(e->slip_rate, "m/s", rate, sizeof rate);
+    line->label = "events";
+    int used =
+        snprintf(line->text, LAC_ANALYSIS_TEXT, "%lld from %s on", (long long)c->events, rate);
+    if (c->events > 0 && used > 0) {
+        (void)snprintf(line->text + used, LAC_ANALYSIS_TEXT - (size_t)used,
+                       ", the longest %s; %lld cut by the ends of the run",
+                       lac_units_format(c->largest_size, "m", size, sizeof size),
+                       (long long)c->cut);
+    }
+}
+
+static lac_status finish(lac_indicator *self, const lac_run_result *result, const lac_sink *next,
+                         lac_error *err)
+{
+    (void)result;
+    events *e = self->state;
+    lac_catalogue *c = &e->catalogue;
+    lac_status status = lac_catalogue_close(c, next, err);
+    const double area = lac_grid_cell_area(&c->domain->grid);
+    const lac_analysis_result rows[] = {
+        {"events", (double)c->events, NULL},
+        {"events_cut", (double)c->cut, NULL},
+        {"event_potency_m3", area * c->slip_sum, NULL},
+        {"event_moment_N_m", c->modulus * area * c->slip_sum, NULL},
+        {"event_potency_max_m3", area * c->largest_slip, NULL},
+        {"event_moment_max_N_m", c->modulus * area * c->largest_slip, NULL},
+        {"event_size_max_m", c->largest_size, NULL},
+    };
+    for (size_t i = 0; i < RESULTS; i++) {
+        e->result[i] = rows[i];
+    }
+    set_line(e, e->line);
+    self->results = RESULTS;
+    self->result = e->result;
+    self->lines = LINES;
+    self->line = e->line;
+    return status;
+}
+
+const lac_indicator_kind lac_indicator_events = {
+    .about = {.name = "events",
+              .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
+                         "their end, with moment, size and origin",
+              .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(lac_analysis_events)},
+    .create = create,
+    .free = destroy,
+    .step = step,
+    .finish = finish,
+};
