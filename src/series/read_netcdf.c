@@ -204,6 +204,7 @@ static lac_status read_all(series_file *file, const lac_series_def *def,
         {def->displacement, def->displacement_unit, "m", &s->displacement},
         {def->velocity, def->velocity_unit, "m/s", &s->velocity},
         {def->value, def->value_unit, def->value_si, &s->value},
+        {def->sigma, def->sigma_unit, "m", &s->sigma},
     };
     lac_status status;
     LAC_TRY(read_time(file, def, units, s, err));

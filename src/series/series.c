@@ -40,6 +40,7 @@ void lac_series_free(lac_series *series)
     free(series->displacement);
     free(series->velocity);
     free(series->value);
+    free(series->sigma);
     free(series->line);
     free(series->attribution);
     free(series);
