@@ -79,6 +79,9 @@ typedef struct lac_indicator_kind {
     void (*observe)(lac_indicator *self, const lac_record *record, double *values);
     /// When the run is over: results, lines and the last values over nothing.
     lac_status (*finish)(lac_indicator *self, const lac_run_result *result, lac_error *err);
+    /// Passes what it has seen so far, to or from a checkpoint: all that observe and finish read
+    /// and observe changes. NULL: a run with it makes no checkpoints.
+    void (*keep)(lac_indicator *self, lac_tape *tape);
 } lac_indicator_kind;
 
 /// The index-th kind in the registry, NULL past the end.

@@ -25,7 +25,22 @@ struct lac_store {
     int *extra_ids;         ///< [extras]
     size_t levels, width;   ///< of the hierarchy; values that it adds to a record
     double *values;         ///< [capacity][width] not yet written
+    char *libraries, *case_text; ///< owned; for the checkpoint
+    bool has_checkpoint;         ///< one of this run is beside the file
 };
+
+/// Makes the store the continuation of the file at its path; what it holds up to the checkpoint is
+/// copied.
+/// @return LAC_OK; LAC_EIO (not a file of Lacuna, damaged, full disk); LAC_ENOMEM
+lac_status lac_store_take_over(lac_store *store, const lac_kept_checkpoint *from, lac_error *err);
+
+/// Writes the checkpoint beside the file, whole or not at all: one that is there stays until then.
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_store_put_checkpoint(const lac_store *store, const lac_checkpoint *checkpoint,
+                                    lac_error *err);
+
+/// Removes what checkpoint there is beside a file.
+void lac_store_remove_checkpoint(const char *path);
 
 /// Room for what an analysis adds; `capacity` is set.
 lac_status lac_store_create_extras(lac_store *store, const lac_store_def *def, lac_error *err);
