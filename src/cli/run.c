@@ -82,6 +82,21 @@ static lac_status shorten(const char *text, lac_case *c, lac_error *err)
     return LAC_OK;
 }
 
+// Reads what --resume goes on from.
+static lac_status read_checkpoint(run_job *job, lac_error *err)
+{
+    char time[64];
+    lac_status status =
+        cli_resume_read(job->path, job->case_text, job->libraries, &job->resume, err);
+    if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--resume: the checkpoint of %s is at %s, not before the end of the run",
+                        job->path,
+                        lac_units_format(job->resume.from.time, "s", time, sizeof time));
+    }
+    return status;
+}
+
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
@@ -104,8 +119,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     }
     (void)cli_libraries(job->libraries, sizeof job->libraries);
     if (cli_given(job->request, CLI_OPT_RESUME)) {
-        LAC_TRY(
-            cli_resume_read(job->path, job->case_text, job->libraries, &job->resume, err));
+        LAC_TRY(read_checkpoint(job, err));
     }
 out:
     return status;

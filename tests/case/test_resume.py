@@ -28,7 +28,7 @@ lacuna: 1
 interface: {size: "1 m", levels: 3, domain: {full: {}}}
 load:
   normal: {pressure: "3 MPa"}
-  pore_pressure: [{step: {value: "0.02 MPa", at: "3 day"}}]
+  pore_pressure: [{step: {value: "0.005 MPa", at: "4 hour"}}]
 friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
 initial:
   slip_rate: "1 cm/week"
@@ -36,14 +36,14 @@ initial:
   spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}
 material: {shear_modulus: "20 GPa", poisson: 0.25, shear_speed: "3 km/s"}
 transfer: {hierarchy: {k0: 10 GPa/m, ratio: 0.5}}
-time: {end: "30 day"}
+time: {end: "30 day", failure: {mean_slip_rate: "10 um/s"}}
 solver: {rtol: 1e-7}
 analysis: {rg: {critical_fraction: 0.5}}
 output:
-  every: {time: 2 hour, steps: 3}
+  every: {time: 10 min, steps: 3}
   fields: [slip, slip_rate, state, traction]
-  fields_every: {time: 7 hour, per_decade: 2}
-  checkpoint: {steps: 40, time: 1 day}
+  fields_every: {time: 30 min, per_decade: 2}
+  checkpoint: {steps: 40, time: 1 hour}
 """
 
 # Of the file's own making, or of how long it took.
@@ -68,26 +68,27 @@ class Resume(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def start(self, *words, **more):
-        return subprocess.Popen([PROGRAM, "run", *words, "--no-progress"], cwd=self.folder,
+    def start(self, *words, case="c.yaml", **more):
+        return subprocess.Popen([PROGRAM, "run", case, *words, "--no-progress"], cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
 
     def run_case(self, status, *words, **more):
         process = self.start(*words, **more)
         out, err = process.communicate(timeout=200)
         self.assertEqual(process.returncode, status, err)
-        if status in (2, 3):
+        if status in (1, 2, 3):
             self.assertEqual(err.count("\n"), 1, err)
         return out, err
 
-    def stop_when(self, process, name, size, number):
-        """Sends a signal once the file has come to a size; False where the run was faster."""
-        limit = time.time() + 60
-        while process.poll() is None and time.time() < limit:
-            if os.path.exists(self.path(name)) and os.path.getsize(self.path(name)) >= size:
-                process.send_signal(number)
-                break
+    def stop(self, number, after, *words, **more):
+        """Starts a run and stops it after some seconds; False where it was faster."""
+        process = self.start(*words, **more)
+        try:
+            process.communicate(timeout=after)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
         process.communicate(timeout=60)
+        self.assertIn(process.returncode, (0, 4, -signal.SIGKILL))
         return process.returncode != 0
 
     def same(self, one, other):
@@ -98,34 +99,106 @@ class Resume(unittest.TestCase):
         self.assertEqual({k: str(v) for k, v in a[1].items()},
                          {k: str(v) for k, v in b[1].items()})
 
-    def stop_anywhere(self, number, seed, *words):
-        """Stops a run wherever it is, and again, until it gets to its end; then compares."""
-        chance = random.Random(seed)
-        self.run_case(0, "c.yaml", "-o", "whole.nc", *words)
-        size = os.path.getsize(self.path("whole.nc"))
-        start = os.path.getsize(self.path("whole.nc")) // 4
-        process = self.start("c.yaml", "-o", "out.nc", *words)
-        stops = 0
-        while self.stop_when(process, "out.nc", chance.randint(start, size), number):
-            stops += 1
-            self.assertTrue(os.path.exists(self.path("out.nc.checkpoint")))
-            if stops == 3:
-                self.run_case(0, "c.yaml", "-o", "out.nc", "--resume", *words)
+    def stop_anywhere(self, number, method, formulation):
+        """Stops a run wherever it is, twice where that can be, and compares in the end."""
+        words = ["-q", "--set", "solver.method=" + method,
+                 "--set", "solver.formulation=" + formulation]
+        chance = random.Random(method + formulation)
+        began = time.time()
+        self.run_case(0, "-o", "whole.nc", "--force", *words)
+        took = time.time() - began
+        for _ in range(2):
+            there = os.path.exists(self.path("out.nc"))
+            after = took * chance.uniform(0.2, 0.8)
+            if not self.stop(number, after, "-o", "out.nc", *["--resume"] * there, *words):
                 break
-            process = self.start("c.yaml", "-o", "out.nc", "--resume", *words)
+        if os.path.exists(self.path("out.nc.checkpoint")):
+            self.run_case(0, "-o", "out.nc", "--resume", *words)
+        elif not os.path.exists(self.path("out.nc")):
+            self.run_case(0, "-o", "out.nc", *words)
         self.same("whole.nc", "out.nc")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.nc", "whole.nc"])
+        os.remove(self.path("out.nc"))
+
+    def test_killed_or_ended_at_any_moment(self):
+        for method, formulation in (("bdf", "rate"), ("bdf", "slip"), ("adams", "slip"),
+                                    ("erk", "traction")):
+            for number in (signal.SIGKILL, signal.SIGTERM):
+                with self.subTest(method=method, formulation=formulation, signal=number):
+                    self.stop_anywhere(number, method, formulation)
+
+    def fill_disk(self, limit, *words):
+        def set_limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        return self.run_case(3, "-q", "-o", "out.nc", *words, preexec_fn=set_limit)
+
+    def test_full_disk(self):
+        self.run_case(0, "-q", "-o", "whole.nc")
+        # A megabyte beyond what is written must be free at any time.
+        limit = (1 << 20) + 4096 + os.path.getsize(self.path("whole.nc")) * 3 // 4
+        _, err = self.fill_disk(limit)
+        self.assertEqual(err, "lacuna: out.nc: cannot write: File too large\n")
+        self.fill_disk(limit, "--resume")
+        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.same("whole.nc", "out.nc")
+
+    def write_forced(self):
+        """A case that plans nothing, long enough to be stopped in its midst."""
+        text = "\n".join(line for line in CASE.splitlines() if "checkpoint" not in line)
+        text = text.replace("every: {time: 10 min, steps: 3}", "every: 1 s")
+        with open(self.path("f.yaml"), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def test_forced_within_tolerance(self):
+        self.write_forced()
+        began = time.time()
+        self.run_case(0, "-q", "-o", "whole.nc", case="f.yaml")
+        took = time.time() - began
+        share = 0.5
+        while not self.stop(signal.SIGTERM, share * took, "-o", "out.nc", "-q", case="f.yaml"):
+            share *= 0.7
+            os.remove(self.path("out.nc"))
+        out, _ = self.run_case(0, "-o", "out.nc", "--resume", "--json", case="f.yaml")
+        self.assertEqual(json.loads(out)["resumed_from"], "forced")
+        with netCDF4.Dataset(self.path("whole.nc")) as a, \
+                netCDF4.Dataset(self.path("out.nc")) as b:
+            self.assertRegex(b.resumed, r"^forced checkpoint at [0-9.e+]+ s$")
+            self.assertEqual(b.status, "complete")
+            self.assertEqual(len(b.history.splitlines()), 2)
+            self.assertLess(abs(a.failure_time_s / b.failure_time_s - 1), 1e-5)
+            n = len(a["time"]) - 2
+            np.testing.assert_array_equal(a["time"][:n], b["time"][:n])
+            np.testing.assert_allclose(a["slip"][1:n], b["slip"][1:n], rtol=1e-3)
         self.assertFalse(os.path.exists(self.path("out.nc.checkpoint")))
-        return stops
 
-    def test_killed_at_any_moment(self):
-        stops = sum(self.stop_anywhere(signal.SIGKILL, seed, "--force") if seed == 0 else
-                    self.again(signal.SIGKILL, seed) for seed in range(4))
-        self.assertGreater(stops, 0)
+    def refused(self, status, line, *words):
+        _, err = self.run_case(status, "-q", *words)
+        self.assertRegex(err, "^lacuna: " + line + "\n$")
 
-    def again(self, number, seed, *words):
-        for name in ("whole.nc", "out.nc"):
-            os.remove(self.path(name))
-        return self.stop_anywhere(number, seed, *words)
+    def test_refused(self):
+        self.refused(3, "--resume: none.nc: No such file or directory", "--resume", "-o", "none.nc")
+        self.run_case(0, "-q", "-o", "whole.nc")
+        self.refused(2, "--resume: whole.nc is complete", "--resume", "-o", "whole.nc")
+        self.refused(2, "--resume keeps the file, --force replaces it: not both", "--resume",
+                     "--force", "-o", "whole.nc")
+        with open(self.path("text.nc"), "w", encoding="utf-8") as file:
+            file.write("text")
+        self.refused(3, "text.nc: is not a netCDF file", "--resume", "-o", "text.nc")
+        size = os.path.getsize(self.path("whole.nc"))
+        self.fill_disk((1 << 20) + 4096 + size * 3 // 4)
+        go_on = ["--resume", "-o", "out.nc"]
+        self.refused(2, "--resume: out.nc was begun with another case: it said friction: "
+                     "a: 0.01, now friction: a: 0.011", *go_on, "--set", "friction.aging.a=0.011")
+        self.refused(2, "--resume: the checkpoint of out.nc is at .*, not before the end .*", *go_on, "--until", "1 s")
+        with open(self.path("out.nc.checkpoint"), "r+b") as file:
+            file.seek(1000)
+            byte = file.read(1)
+            file.seek(1000)
+            file.write(bytes([byte[0] ^ 1]))
+        self.refused(3, ".*out.nc.checkpoint: is damaged: differs from its checksum", *go_on)
+        os.remove(self.path("out.nc.checkpoint"))
+        self.refused(2, "out.nc: has no checkpoint to go on from", *go_on)
 
 
 def main():
