@@ -99,8 +99,8 @@ typedef struct lac_run_def {
     lac_cadence record;
     bool snapshots;
     lac_cadence snapshot;
-    lac_cadence checkpoint;       ///< planned ones, at the ends of steps; nothing set: none
-    const lac_checkpoint *resume; ///< go on from it; NULL: from the start
+    lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
+    const lac_checkpoint *resume;       ///< go on from it; NULL: from the start
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;

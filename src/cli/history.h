@@ -14,7 +14,7 @@ typedef struct cli_history {
     double *time, *slip, *rate; ///< [room]
     bool begun;
     lac_record first, last;
-    bool saved; ///< a checkpoint was made
+    bool saved;      ///< a checkpoint was made
     double saved_at; ///< the time of the last one [s]
 } cli_history;
 

@@ -91,8 +91,7 @@ static lac_status read_checkpoint(run_job *job, lac_error *err)
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,
                         "--resume: the checkpoint of %s is at %s, not before the end of the run",
-                        job->path,
-                        lac_units_format(job->resume.from.time, "s", time, sizeof time));
+                        job->path, lac_units_format(job->resume.from.time, "s", time, sizeof time));
     }
     return status;
 }

@@ -120,9 +120,8 @@ static void print_cost(const cli_outcome *outcome)
         char time[64];
         (void)lac_units_format(outcome->resumed->time, "s", time, sizeof time);
         cli_row("resumed", "at %s, %s", time,
-                outcome->resumed->planned
-                    ? "a planned checkpoint: the same to the last bit"
-                    : "a forced checkpoint: the same within solver.rtol");
+                outcome->resumed->planned ? "a planned checkpoint: the same to the last bit"
+                                          : "a forced checkpoint: the same within solver.rtol");
     }
     cli_row("file", "%s (%s)", outcome->path, outcome->status);
 }

@@ -92,9 +92,8 @@ static void sync_folder(const char *path)
     if (slash != NULL) {
         slash[slash == folder ? 1 : 0] = '\0';
     }
-    int fd = folder != NULL
-                 ? open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)
-                 : -1;
+    int fd = folder != NULL ? open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)
+                            : -1;
     if (fd >= 0) {
         (void)fsync(fd);
         (void)close(fd);
@@ -176,8 +175,7 @@ static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out,
         return lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno));
     }
     if (!S_ISREG(info.st_mode) || (size_t)info.st_size < sizeof h ||
-        pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h ||
-        memcmp(h.mark, mark, sizeof mark) != 0) {
+        pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h || memcmp(h.mark, mark, sizeof mark) != 0) {
         return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
     }
     *size = (size_t)info.st_size - sizeof h;
@@ -218,8 +216,8 @@ lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, 
     lac_tape tape = {.loading = true, .bytes = out->bytes, .size = size};
     pass_about(&tape, out);
     if (!lac_tape_good(&tape)) {
-        status = tape.no_memory ? lac_fail_memory(err)
-                                : lac_fail(err, LAC_EIO, "%s: is damaged", name);
+        status =
+            tape.no_memory ? lac_fail_memory(err) : lac_fail(err, LAC_EIO, "%s: is damaged", name);
     }
     out->from.state = out->bytes + tape.at;
     out->from.size = size - tape.at;

@@ -14,7 +14,7 @@ enum { BLOCK = 1 << 16 }; // values copied at once, or one row
 // One variable over time or over snapshots.
 typedef struct series {
     char name[NC_MAX_NAME + 1];
-    int to, from;   // its number in the new file and in the old one
+    int to, from; // its number in the new file and in the old one
     nc_type type;
     int rank;
     size_t rows, width; // rows to copy, values in each
@@ -33,8 +33,9 @@ static bool is_time_column(const lac_store *s, int id, const char *name)
 
 static lac_status fail_damaged(const lac_input *in, const char *name, lac_error *err)
 {
-    return lac_fail(err, LAC_EIO, "%s: is damaged: lacks values of %s that the checkpoint counts on",
-                    in->path, name);
+    return lac_fail(err, LAC_EIO,
+                    "%s: is damaged: lacks values of %s that the checkpoint counts on", in->path,
+                    name);
 }
 
 // Whether a variable of the new file grows, and where it stands in the old one.
@@ -141,8 +142,8 @@ static char *attribute(int file, const char *name, size_t bound)
 {
     size_t length = 0;
     nc_type type = NC_NAT;
-    bool there = nc_inq_att(file, NC_GLOBAL, name, &type, &length) == NC_NOERR &&
-                 type == NC_CHAR && length <= bound;
+    bool there = nc_inq_att(file, NC_GLOBAL, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
+                 length <= bound;
     char *text = calloc((there ? length : 0) + 1, 1);
     if (text != NULL && there && nc_get_att_text(file, NC_GLOBAL, name, text) != NC_NOERR) {
         text[0] = '\0';

@@ -21,10 +21,10 @@ struct lac_store {
     double last_origin, last_local; ///< of the newest record
     bool has_last;
     size_t extras;
-    const lac_extra *extra; ///< [extras] what an analysis adds
-    int *extra_ids;         ///< [extras]
-    size_t levels, width;   ///< of the hierarchy; values that it adds to a record
-    double *values;         ///< [capacity][width] not yet written
+    const lac_extra *extra;      ///< [extras] what an analysis adds
+    int *extra_ids;              ///< [extras]
+    size_t levels, width;        ///< of the hierarchy; values that it adds to a record
+    double *values;              ///< [capacity][width] not yet written
     char *libraries, *case_text; ///< owned; for the checkpoint
     bool has_checkpoint;         ///< one of this run is beside the file
 };
