@@ -3,6 +3,7 @@
 // what, how much of the file it counts on, and the state.
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -156,12 +157,12 @@ out:
 void lac_store_remove_checkpoint(const char *path)
 {
     static const char *const endings[] = {".checkpoint", ".checkpoint.part"};
+    char name[PATH_MAX + 32]; // no allocation: nothing here may fail unsaid
     for (size_t i = 0; i < 2; i++) {
-        char *name = join(path, endings[i]);
-        if (name != NULL) {
+        int length = snprintf(name, sizeof name, "%s%s", path, endings[i]);
+        if (length > 0 && (size_t)length < sizeof name) {
             (void)unlink(name);
         }
-        free(name);
     }
 }
 
