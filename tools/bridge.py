@@ -218,7 +218,10 @@ def main():
         for name in arguments.tables or ([] if arguments.picture else TABLES):
             TABLES[name](bridge)
         if arguments.picture:
-            draw(bridge, arguments.picture)
+            try:
+                draw(bridge, arguments.picture)
+            except OSError as wrong:
+                sys.exit(f"bridge: {wrong.filename}: {wrong.strerror}")
         print(f"\nworst balance residual of a run: {bridge.residual:.1e} of f0 p")
 
 

@@ -85,6 +85,10 @@ class Joint:
                              f"[{steps}]}}"))
         with xarray.open_dataset(path) as data:
             self.state = data["state"].values.astype(int)
+        rows, columns = self.state.shape[1:]
+        if rows != columns or rows < ZOOM or rows % ZOOM:
+            sys.exit(f"figure3: {columns} x {rows} cells: as many both ways, a multiple of {ZOOM}, are "
+                     "needed to show a part of them")
         self.cell = found["cell_size_m"]
         self.cascade = call(arguments, "rg", arguments.case, "--force", "-o", path, *own,
                             *settings(load, "rg.seeds=1", "rg.beta=0.7", "rg.shifts=1"))
@@ -268,8 +272,8 @@ def start_force(run, arguments):
 
 def draw(arguments, folder):
     run = rg_table.Runner(arguments, folder)
-    jobs = start_force(run, arguments)
     joint = Joint(arguments, folder)
+    jobs = start_force(run, arguments)
     maps = {("elastic", BLUE, "o"): {}, ("equal", RED, "^"): {}}
     for key in maps:
         path = os.path.join(folder, f"map-{key[0]}.nc")
@@ -302,9 +306,14 @@ def main():
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="override the case; may be repeated")
     arguments = parser.parse_args()
+    if arguments.seeds < 2 or arguments.jobs < 1:
+        parser.error("--seeds must be at least 2 and --jobs 1")
     plt.rcParams.update(STYLE)
     with tempfile.TemporaryDirectory(prefix="lacuna-figure3-") as folder:
-        draw(arguments, folder).savefig(arguments.output)
+        try:
+            draw(arguments, folder).savefig(arguments.output)
+        except OSError as wrong:
+            sys.exit(f"figure3: {wrong.filename}: {wrong.strerror}")
 
 
 if __name__ == "__main__":

@@ -110,7 +110,10 @@ def main():
         sys.exit(f"rg_in_time: {options.run}: {wrong.strerror or wrong}")
     if not run["slip_fraction"].any():
         sys.exit(f"rg_in_time: {options.run}: no cell slips in it")
-    draw(run, output)
+    try:
+        draw(run, output)
+    except OSError as wrong:
+        sys.exit(f"rg_in_time: {output}: {wrong.strerror}")
     print(output)
 
 

@@ -217,7 +217,10 @@ def main():
     arguments = parser.parse_args()
     plt.rcParams.update(STYLE)
     with tempfile.TemporaryDirectory(prefix="lacuna-rg-rules-") as folder:
-        draw(arguments, folder).savefig(arguments.output)
+        try:
+            draw(arguments, folder).savefig(arguments.output)
+        except OSError as wrong:
+            sys.exit(f"rg_rules: {wrong.filename}: {wrong.strerror}")
 
 
 if __name__ == "__main__":

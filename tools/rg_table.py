@@ -19,6 +19,7 @@ the side to n/2 - 1 a side on n x n cells.
 """
 
 import argparse
+import importlib
 import json
 import math
 import os
@@ -251,6 +252,14 @@ def read_arguments():
     unknown = set(arguments.parts.split(",")) - set(PARTS)
     if unknown:
         parser.error(f"--parts: {', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
+    if "map" in arguments.parts.split(","):
+        try:  # now, not after the rest
+            for name in ("netCDF4", "numpy"):
+                importlib.import_module(name)
+        except ImportError as missing:
+            parser.error(f"the part map needs {missing.name}, which is not installed for {sys.executable}; on "
+                         "Debian it comes with tools/install-packages and is seen by Debian's own "
+                         "interpreter: /usr/bin/python3 tools/rg_table.py ...; other --parts do without")
     if arguments.seeds < 2 or arguments.jobs < 1:
         parser.error("--seeds must be at least 2 and --jobs 1")
     return arguments

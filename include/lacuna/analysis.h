@@ -27,7 +27,7 @@ typedef struct lac_analysis_rg {
     double slipping_rate;       ///< [m/s]
     double slipping_rate_ratio; ///< of the mean rate at the start [1]
     double critical_fraction;   ///< [1]; NaN: from the static cascade
-    int rule, field;            ///< of the cascade: lac_rg_rule; 0 elastic, 1 equal
+    int rule, field;            ///< of the cascade: lac_rg_rule, lac_rg_field
     double beta;                ///< NaN: absent, or from friction
     bool beta_from_friction;
     int64_t shifts, loads;

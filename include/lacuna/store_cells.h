@@ -33,8 +33,8 @@ typedef struct lac_stored_cells {
 /// Reads the cells of a file of a run or a contact. The last snapshot of a run that was killed is
 /// passed over where it is torn.
 /// @param out  cleared by the caller, whatever the status
-/// @return LAC_OK; LAC_EINPUT (no such snapshot, no tractions kept); LAC_EIO (not such a file,
-///         damaged); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (no such snapshot, no tractions kept, a force along y); LAC_EIO (not
+///         such a file, damaged); LAC_ENOMEM
 lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,
                                  lac_stored_cells *out, lac_error *err);
 

@@ -15,7 +15,7 @@
 #define FIELD(name) offsetof(lac_analysis_rg, name)
 
 static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const fields[] = {"elastic", "equal", NULL};
+static const char *const fields[] = {"elastic", "equal", "uniform", NULL};
 
 static const lac_param params[] = {
     {.key = "slipping_strength",

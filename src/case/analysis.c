@@ -153,8 +153,11 @@ static void check_cascade(lac_reader *reader, const lac_case *c, lac_analysis_rg
     }
     if (rg->field == LAC_RG_ELASTIC && domain) {
         lac_blame_key(reader, "analysis.rg.field",
-                      "needs interface.surface to press; a domain goes with equal (or give "
-                      "critical_fraction)");
+                      "needs interface.surface to press; a domain goes with equal or uniform (or "
+                      "give critical_fraction)");
+    }
+    if (rg->beta_from_friction) {
+        lac_warn_nominal_beta(reader, c, "analysis.rg.beta");
     }
     if (rg->beta_from_friction &&
         (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)))) {

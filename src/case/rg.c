@@ -32,7 +32,7 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
          "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
          "stress on all (uniform), as a ramp with share: equal puts it on"},
     {.key = "beta",
-     .doc = "strength left after slip, as a number, a list, or from-friction",
+     .doc = "strength left after slip, as a number, a list, or from-friction; 0.7 if absent",
      .unit = "1",
      .type = LAC_TEXT,
      .flags = LAC_OPTIONAL,
@@ -166,6 +166,19 @@ static void check_interface(lac_reader *reader, const lac_case *c)
     }
 }
 
+void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
+{
+    for (size_t i = 0; i < c->friction_spread.count; i++) {
+        const char *varies = c->friction_spread.item[i].key;
+        if (strcmp(varies, "b") == 0 || strcmp(varies, "v0") == 0) {
+            lac_warn(reader, key,
+                     "takes the nominal %s for every cell; friction.spread.%s has no "
+                     "effect on it",
+                     varies, varies);
+        }
+    }
+}
+
 static void check_law(lac_reader *reader, const lac_case *c)
 {
     const lac_material_def *m = &c->material;
@@ -173,6 +186,7 @@ static void check_law(lac_reader *reader, const lac_case *c)
         return;
     }
     const lac_friction_params *law = c->friction.params;
+    lac_warn_nominal_beta(reader, c, "rg.beta");
     if (!lac_present(reader, "friction")) {
         lac_blame_key(reader, "rg.beta", "needs a friction law");
     } else if (law != NULL && (!isnan(law->v1) || !isnan(law->v2))) {

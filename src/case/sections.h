@@ -78,6 +78,9 @@ bool lac_needs_run(const lac_reader *reader);
 /// Whether the case has a dotted key.
 bool lac_present(const lac_reader *reader, const char *key);
 
+/// Warns that a beta from the friction law is that of the nominal b and v0 where these vary.
+void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key);
+
 /// Coulomb's coefficient where `key`.friction does not give it: f0 of the friction law.
 /// @param friction  set; NaN where there is none, which is then reported
 void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, double *friction);

@@ -48,6 +48,12 @@ static lac_status check_override(const lac_override *set, lac_error *err)
                         "interface",
                         set->value);
     }
+    if (strcmp(set->key, "rg.path") == 0 || strcmp(set->key, "rg.contacts") == 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: %s: \"%s\" has no meaning for a file, whose cells are loaded further "
+                        "without new contacts",
+                        set->key, set->value);
+    }
     return LAC_OK;
 }
 
@@ -93,32 +99,31 @@ static lac_status parse_time(const char *text, const lac_case *c, double *time, 
                : status;
 }
 
-static lac_status parse_choice(const char *text, const lac_case *c, lac_snapshot_choice *choice,
-                               lac_error *err)
+// The last, or a number; a time only when the case is known, which says from when it counts.
+static lac_snapshot_choice choose(const char *text)
 {
-    *choice = (lac_snapshot_choice){0};
+    lac_snapshot_choice choice = {.by = LAC_SNAPSHOT_LAST};
     if (text == NULL || strcmp(text, "last") == 0) {
-        return LAC_OK;
+        return choice;
     }
-    if (text[strspn(text, "0123456789")] == '\0' && strlen(text) < 18) {
-        choice->by = LAC_SNAPSHOT_INDEX;
-        choice->index = (size_t)strtoull(text, NULL, 10);
-        return LAC_OK;
-    }
-    choice->by = LAC_SNAPSHOT_TIME;
-    return parse_time(text, c, &choice->time, err);
+    bool number = text[strspn(text, "0123456789")] == '\0';
+    choice.by = number ? LAC_SNAPSHOT_INDEX : LAC_SNAPSHOT_TIME;
+    choice.index = number ? (size_t)strtoull(text, NULL, 10) : 0; // the largest where too large
+    return choice;
 }
 
 lac_status cli_rg_file_read(const cli_request *request, lac_case **c, lac_stored_cells *cells,
                             lac_error *err)
 {
     const char *path = request->argument[0];
-    lac_snapshot_choice choice = {0};
+    lac_snapshot_choice choice = choose(request->snapshot);
+    const lac_snapshot_choice any = {.by = LAC_SNAPSHOT_LAST};
+    const bool by_time = choice.by == LAC_SNAPSHOT_TIME;
     lac_status status;
-    LAC_TRY(lac_stored_cells_read(path, &choice, cells, err));
+    LAC_TRY(lac_stored_cells_read(path, by_time ? &any : &choice, cells, err));
     LAC_TRY(read_case(request, cells->case_text, c, err));
-    LAC_TRY(parse_choice(request->snapshot, *c, &choice, err));
-    if (choice.by != LAC_SNAPSHOT_LAST) { // a date is known only when the case is
+    if (by_time) {
+        LAC_TRY(parse_time(request->snapshot, *c, &choice.time, err));
         lac_stored_cells_clear(cells);
         LAC_TRY(lac_stored_cells_read(path, &choice, cells, err));
     }

@@ -31,6 +31,17 @@ static const char *with_error(double value, double error, char *text, size_t siz
     return text;
 }
 
+// An estimate with its 95 % interval.
+static const char *with_interval(const lac_rg_estimate *e, char *text, size_t size)
+{
+    if (isfinite(e->value) && isfinite(e->low) && isfinite(e->high)) {
+        (void)snprintf(text, size, "%.4f +/- %.4f (%.4f to %.4f)", e->value, e->error, e->low,
+                       e->high);
+        return text;
+    }
+    return with_error(e->value, e->error, text, size);
+}
+
 static void print_law(const char *label, const lac_rg_power *law)
 {
     if (law->holds) {
@@ -89,6 +100,52 @@ static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
             cli_quantity(r->cluster[0], "m", length, sizeof length), r->block[0]);
 }
 
+// The cell of the last interface that slips at the least load, of ties the one that is pressed
+// least; SIZE_MAX where none slips.
+static size_t first_to_slip(const lac_scene_rg *rg, const lac_rg_result *r)
+{
+    size_t first = SIZE_MAX;
+    for (size_t i = 0; i < r->last_n; i++) {
+        bool sooner = first == SIZE_MAX || r->cell_load[i] < r->cell_load[first];
+        bool weaker = !sooner && r->cell_load[i] == r->cell_load[first] &&
+                      rg->domain->pressure[i] < rg->domain->pressure[first];
+        first = !isnan(r->cell_load[i]) && (sooner || weaker) ? i : first;
+    }
+    return first;
+}
+
+static void place_of(const lac_scene_rg *rg, size_t cell, double place[2])
+{
+    const uint32_t at = rg->domain->index[cell];
+    place[0] = ((double)(at % rg->grid.nx) + 0.5) * rg->grid.dx;
+    place[1] = ((double)(at / rg->grid.nx) + 0.5) * rg->grid.dy;
+}
+
+static void print_first(const lac_scene_rg *rg, const lac_rg_result *r)
+{
+    double place[2];
+    size_t first = first_to_slip(rg, r);
+    if (first != SIZE_MAX) {
+        place_of(rg, first, place);
+        cli_row("slips first", "the cell at (%.4g, %.4g) m%s, by Q/Q_nom = %.4g", place[0],
+                place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
+    }
+}
+
+static void write_first(cli_json *json, const lac_scene_rg *rg, const lac_rg_result *r)
+{
+    double place[2] = {NAN, NAN};
+    size_t first = first_to_slip(rg, r);
+    if (first != SIZE_MAX) {
+        place_of(rg, first, place);
+    }
+    cli_json_open(json, "first_to_slip", '{');
+    cli_json_number(json, "x_m", place[0]);
+    cli_json_number(json, "y_m", place[1]);
+    cli_json_number(json, "q_over_q_nom", first != SIZE_MAX ? r->cell_load[first] : NAN);
+    cli_json_close(json, '}');
+}
+
 static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
 {
     const lac_rg_result *r = rg->result[k];
@@ -96,19 +153,24 @@ static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool v
     printf("\n");
     cli_row("beta", from_law ? "%.4f (from the friction law, mean)" : "%.4g", rg->beta[k]);
     (void)with_error(r->critical, r->critical_error, text, sizeof text);
-    if (r->joints > 1) {
+    if (r->joints > 1 && r->places > 1) {
         cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces, %.4f among places)", text,
                 r->critical_sd, r->place_sd);
-    } else {
+    } else if (r->joints > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces)", text, r->critical_sd);
+    } else if (r->places > 1) {
         cli_row("Q_crit/Q_nom", "%s (sd %.4f among places)", text, r->place_sd);
+    } else {
+        cli_row("Q_crit/Q_nom", "%s", text);
     }
     if (rg->now.loaded) {
         print_now(r, &rg->now);
+    } else {
+        print_first(rg, r);
     }
-    cli_row("fixed point C", "%s",
-            with_error(r->fixed_point.value, r->fixed_point.error, text, sizeof text));
-    cli_row("lambda", "%s", with_error(r->lambda.value, r->lambda.error, text, sizeof text));
-    cli_row("nu", "%s", with_error(r->nu.value, r->nu.error, text, sizeof text));
+    cli_row("fixed point C", "%s", with_interval(&r->fixed_point, text, sizeof text));
+    cli_row("lambda", "%s", with_interval(&r->lambda, text, sizeof text));
+    cli_row("nu", "%s", with_interval(&r->nu, text, sizeof text));
     print_law("xi of clusters", &r->cluster_law);
     print_law("xi of blocks", &r->block_law);
     if (verbose) {
@@ -205,6 +267,7 @@ static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *
     write_law(json, "cluster_length", &r->cluster_law);
     write_law(json, "block_length", &r->block_law);
     write_levels(json, r, rg);
+    write_first(json, rg, r);
     cli_json_open(json, "q_crit_of_interfaces", '[');
     for (size_t i = 0; i < r->joints; i++) {
         cli_json_number(json, NULL, r->of_joint[i]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rg/path.h"
 
+#include <float.h>
 #include <math.h>
 
 double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
@@ -28,7 +29,8 @@ double lac_rg_next_load(const lac_rg_bracket *b, int step, bool stuck, double wi
 double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, lac_rg_bracket b,
                     double *work)
 {
-    const double within = 1e-9;
+    // a joint far from 0, by tractions beside small strengths, has no loads so close together
+    const double within = fmax(1e-9, 4 * DBL_EPSILON * fmax(fabs(b.low), fabs(b.high)));
     bool stuck = false;
     for (int step = 0; b.high - b.low > within; step++) {
         double load = lac_rg_next_load(&b, step, stuck, within);

@@ -107,6 +107,11 @@ lac_status lac_rg_path_further(size_t n, const double *strength, const double *s
     status = made ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     fill_equal(path, strength, shear);
+    if (!isfinite(path->from) || !isfinite(path->to)) {
+        status =
+            lac_fail(err, LAC_EINPUT, "the tractions are too large beside the strengths to add up");
+        goto out;
+    }
     *out = path;
     return LAC_OK;
 out:

@@ -199,6 +199,7 @@ lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def 
     LAC_TRY(scan_path(&s, def->loads, load, out, err));
     lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
     out->critical = s.slides ? lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
+    lac_rg_sizes_close(s.tree, domain->grid.ny == 1, out->critical, out->size);
     largest_block(s.tree, &domain->grid, def->loads, out);
     count_at_critical(s.tree, def->rule, joint->path, s.work, out);
 out:
@@ -219,6 +220,7 @@ lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def
     for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
         sample->slipping[level] = (double)lac_rg_slipping(tree, level);
     }
+    lac_rg_sizes_close(tree, joint->domain->grid.ny == 1, sample->critical, sample->size);
 out:
     lac_rg_tree_free(tree);
     return status;

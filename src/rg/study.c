@@ -261,6 +261,13 @@ static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, la
         r->critical_sd = r->place_sd;
         r->critical_error = r->place_sd / sqrt((double)places);
     }
+    if (places == 1) { // one place says nothing of others
+        r->place_sd = NAN;
+    }
+    if (study->joints == 1 && places == 1) {
+        r->critical_sd = NAN;
+        r->critical_error = NAN;
+    }
     free(of_place);
     return LAC_OK;
 }

@@ -9,8 +9,10 @@
 static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
 {
     static const char *const rules[] = {"fix", "cons", "lump"};
+    static const char *const fields[] = {
+        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
     (void)snprintf(text, size, "rule %s, field %s, beta %.4g%s, %zu places of the blocks",
-                   rules[rg->rule], rg->field == LAC_RG_EQUAL ? "equal" : "elastic", beta,
+                   rules[rg->rule], fields[rg->field], beta,
                    rg->beta_from_friction ? " (from the friction law, mean)" : "", places);
 }
 
@@ -21,15 +23,15 @@ static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
     lac_scene_rg cascade;
     char how[LAC_ANALYSIS_TEXT / 2];
     lac_case own = *c;
-    own.rg = (lac_rg_def){.named = true,
-                          .rule = rg->rule,
-                          .field = rg->field,
-                          .shifts = rg->shifts,
-                          .loads = rg->loads,
-                          .seeds = 1,
-                          .friction = c->rg.friction,
-                          .betas = rg->beta_from_friction ? 0 : 1,
-                          .beta = {rg->beta}};
+    own.rg.named = true;
+    own.rg.rule = rg->rule;
+    own.rg.field = rg->field;
+    own.rg.shifts = rg->shifts;
+    own.rg.loads = rg->loads;
+    own.rg.seeds = 1;
+    own.rg.path = LAC_RG_SERIES; // of the critical force alone, which is not asked for
+    own.rg.betas = rg->beta_from_friction ? 0 : 1;
+    own.rg.beta[0] = rg->beta;
     if (isnan(own.rg.friction)) {
         own.rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
     }

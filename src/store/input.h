@@ -29,6 +29,9 @@ bool lac_input_may_hold(const lac_input *in, size_t values);
 /// What a variable holds where nothing was written, as a double.
 double lac_input_fill(const lac_input *in, int id, nc_type type);
 
+/// An attribute of one number, of a variable or NC_GLOBAL. @return whether there is such a one
+bool lac_input_number(const lac_input *in, int id, const char *name, double *value);
+
 /// Whether the attribute `status` says so.
 bool lac_input_has_status(const lac_input *in, const char *status);
 

@@ -106,10 +106,17 @@ void lac_input_close(lac_input *in)
     }
 }
 
+bool lac_input_number(const lac_input *in, int id, const char *name, double *value)
+{
+    size_t length = 0;
+    return nc_inq_attlen(in->id, id, name, &length) == NC_NOERR && length == 1 &&
+           nc_get_att_double(in->id, id, name, value) == NC_NOERR;
+}
+
 double lac_input_fill(const lac_input *in, int id, nc_type type)
 {
     double fill = 0.0;
-    if (nc_get_att_double(in->id, id, "_FillValue", &fill) == NC_NOERR) {
+    if (lac_input_number(in, id, "_FillValue", &fill)) {
         return fill;
     }
     return type == NC_DOUBLE ? NC_FILL_DOUBLE

@@ -118,10 +118,10 @@ static lac_status read_grid(const lac_input *in, lac_grid *grid, lac_error *err)
 {
     double nx = 0.0;
     double ny = 0.0;
-    bool there = nc_get_att_double(in->id, NC_GLOBAL, "grid_nx", &nx) == NC_NOERR &&
-                 nc_get_att_double(in->id, NC_GLOBAL, "grid_ny", &ny) == NC_NOERR &&
-                 nc_get_att_double(in->id, NC_GLOBAL, "grid_dx_m", &grid->dx) == NC_NOERR &&
-                 nc_get_att_double(in->id, NC_GLOBAL, "grid_dy_m", &grid->dy) == NC_NOERR;
+    bool there = lac_input_number(in, NC_GLOBAL, "grid_nx", &nx) &&
+                 lac_input_number(in, NC_GLOBAL, "grid_ny", &ny) &&
+                 lac_input_number(in, NC_GLOBAL, "grid_dx_m", &grid->dx) &&
+                 lac_input_number(in, NC_GLOBAL, "grid_dy_m", &grid->dy);
     bool sound = nx >= 1.0 && ny >= 1.0 && nx * ny < UINT32_MAX && grid->dx > 0.0 &&
                  grid->dy > 0.0 && isfinite(grid->dx) && isfinite(grid->dy);
     if (!there || !sound) {
@@ -346,6 +346,29 @@ static lac_status choose_step(const lac_input *in, const lac_snapshot_choice *ch
     return out->index < out->snapshots ? LAC_OK : fail_choice(in, out->snapshots, err);
 }
 
+// The cascade knows the shear along x alone; a y force of 1e-3 of the normal force is none.
+static lac_status check_along_x(const lac_input *in, double *map, const lac_stored_cells *out,
+                                lac_error *err)
+{
+    const lac_domain *domain = out->domain;
+    double across = 0.0;
+    double normal = 0.0;
+    lac_status status;
+    LAC_TRY(read_map(in, "traction_y", out->index, &domain->grid, map, err));
+    for (size_t i = 0; i < domain->n; i++) {
+        across += map[domain->index[i]];
+        normal += domain->pressure[i];
+    }
+    if (fabs(across) > 1e-3 * normal) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: step %zu carries %.3g of its normal force along y: the cascade "
+                          "knows shear along x only",
+                          in->path, out->index, across / normal);
+    }
+out:
+    return status;
+}
+
 static lac_status read_shear(const lac_input *in, double *map, lac_stored_cells *out,
                              lac_error *err)
 {
@@ -353,6 +376,7 @@ static lac_status read_shear(const lac_input *in, double *map, lac_stored_cells 
     lac_status status = LAC_OK;
     LAC_TRY(new_doubles(domain->n, &out->shear, err));
     if (out->kind == LAC_STORED_HISTORY) {
+        LAC_TRY(check_along_x(in, map, out, err));
         LAC_TRY(read_map(in, "traction_x", out->index, &domain->grid, map, err));
     }
     for (size_t i = 0; i < domain->n; i++) {
@@ -398,12 +422,12 @@ lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *ch
                                  lac_stored_cells *out, lac_error *err)
 {
     lac_input in;
-    double grid = 0.0;
+    int grid = 0;
     lac_status status = LAC_OK;
     *out = (lac_stored_cells){0};
     LAC_TRY(lac_input_open(&in, path, err));
     LAC_TRY(read_provenance(&in, out, err));
-    if (nc_get_att_double(in.id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR) {
+    if (nc_inq_attid(in.id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR) {
         LAC_TRY(read_run(&in, choice, out, err));
     } else if (length_of(&in, "x") > 0 && length_of(&in, "y") > 0) {
         LAC_TRY(read_contact(&in, choice, out, err));

@@ -260,6 +260,26 @@ class Analysis(unittest.TestCase):
                     - data["time_local"][at])
             self.assertAlmostEqual(done["critical_lead_time_s"], lead, delta=1e-9 * lead)
 
+    def test_every_field_of_the_cascade(self):
+        with open(os.path.join(SOURCE, "cases/rg/creep-to-failure.yaml"), encoding="utf-8") as file:
+            text = file.read()
+        short = ("interface.levels=5", "interface.surface.self-affine.seed=3", "time.end=1 s")
+        plain = "{beta: 0.5, shifts: 5}"
+        for field, own, section in (
+                ("elastic", plain, None),  # as where no field is named
+                ("elastic", "{}", "{beta: 0.5, shifts: 5, contacts: 40, path: solve}"),
+                ("equal", "{}", "{field: equal, beta: 0.5, shifts: 5}"),
+                ("uniform", "{}", "{field: uniform, beta: 0.5, shifts: 5}")):
+            sets = [f"analysis={{rg: {own}}}"] + ([f"rg={section}"] if section else [])
+            done = self.run_case(text, *short, *sets)
+            static = [word for setting in (*short, "analysis={}", f"rg={section or plain}")
+                      for word in ("--set", setting)]
+            static = self.call("rg", "case.yaml", "--json", "--force", "-o", "rg.nc", *static)
+            static = json.loads(static.stdout)["critical_fraction"]
+            self.assertIsNotNone(static)
+            self.assertEqual(done["critical_fraction"], static)
+            self.assertIn(f"field {field}, beta 0.5", done["critical_fraction_source"])
+
     def test_map_of_the_run(self):
         done = self.run_case(LACUNAR, "interface.levels=7", "output.fields=[]",
                              "transfer.hierarchy.k0=2e13")

@@ -144,21 +144,62 @@ class Cascade(unittest.TestCase):
         with self.file() as data:
             self.assertEqual(data.rule, "fix")
             self.assertEqual(data.status, "complete")
+            found = 0
             for k, result in enumerate(done["results"]):
                 self.assertAlmostEqual(float(data["q_crit_over_q_nom"][k]),
                                        result["q_crit_over_q_nom"])
+                for name, key in (("critical_fraction", "critical_fraction"), ("map_slope", "lambda"),
+                                  ("exponent", "exponent")):
+                    ends = [data[f"{name}_{end}"][k] for end in ("low", "high")]
+                    ends = [None if numpy.ma.is_masked(end) else float(end) for end in ends]
+                    self.assertEqual(ends, result[f"{key}_interval95"])
+                    self.assertTrue(ends[0] is None or ends[0] <= float(data[name][k]) <= ends[1])
+                    found += ends[0] is not None
                 for level, row in enumerate(result["levels"]):
                     self.assertAlmostEqual(float(data["strength"][k, level]), row["strength_Pa"])
+            self.assertGreater(found, 3)
             fraction = data["slip_fraction"][:]
             self.assertEqual(fraction.shape, (3, 20, 7))
             self.assertTrue(numpy.all(numpy.diff(fraction, axis=1) >= -1e-12))
             self.assertTrue(numpy.allclose(fraction[:, -1], 1))
             loads = data["slip_load"][:]
             self.assertTrue(numpy.all(loads > 0) and numpy.all(loads <= 1))
+            for k, result in enumerate(done["results"]):
+                first = result["first_to_slip"]
+                self.assertAlmostEqual(first["q_over_q_nom"], loads[k].min(), delta=1e-12)
+                at = numpy.flatnonzero((numpy.abs(data["x"][:] - first["x_m"]) < 1e-9)
+                                       & (numpy.abs(data["y"][:] - first["y_m"]) < 1e-9))
+                self.assertEqual(loads[k][at[0]], loads[k].min())
             # what slips alone at a load has slipped at it in the end
             alone = fraction[0, :, 0] * data.dimensions["cell"].size
             final = [(loads[0] <= load + 1e-9).sum() for load in data["load"][:]]
             self.assertTrue(all(a <= f + 1e-6 for a, f in zip(alone, final)))
+
+    def test_strength_of_blocks_does_not_hang_on_the_loads(self):
+        for rule in ("fix", "cons", "lump"):
+            few, many = (self.rg(f"rg.rule={rule}", "rg.beta=0.7", f"rg.loads={loads}",
+                                 "rg.contacts=60") for loads in (60, 1500))
+            with self.file() as data:
+                cells = 0.6 * float(numpy.mean(data["pressure"][:]))
+            strength, true = ([row["strength_Pa"] for row in done["results"][0]["levels"]]
+                              for done in (few, many))
+            self.assertAlmostEqual(strength[0] / cells, 1, delta=1e-9)
+            self.assertAlmostEqual(strength[-1] / few["q_nom_Pa"], few["q_crit_over_q_nom"],
+                                   delta=1e-9)
+            for value, expected in zip(strength, true):
+                self.assertAlmostEqual(value / expected, 1, delta=0.012)
+
+    def test_one_place_tells_no_error(self):
+        result, = self.rg("rg.field=equal", "rg.beta=0.7", places=1)["results"]
+        for key in ("q_crit_error", "q_crit_sd", "q_crit_sd_of_places"):
+            self.assertIsNone(result[key])
+            with self.file() as data:
+                self.assertTrue(numpy.ma.is_masked(data[key][0]))
+        result, = self.rg("rg.field=equal", "rg.beta=0.7", "rg.seeds=2", places=1)["results"]
+        self.assertGreater(result["q_crit_error"], 0)
+        self.assertIsNone(result["q_crit_sd_of_places"])
+        words = ("--set", "rg.shifts=1", "--set", "interface.levels=5", "--set", "rg.field=equal")
+        self.assertNotIn("nan", self.call(*words, "--force", "-o", "out.nc").stdout)
 
     def test_ensembles_and_threads(self):
         one = self.rg("rg.seeds=3", "rg.field=equal")
@@ -335,6 +376,13 @@ class Cascade(unittest.TestCase):
         self.assertIn("32²", done.stdout)
         done = self.tool("rg_table.py", "--parts", "tables", status=2)
         self.assertIn("must be of table, variants", done.stderr)
+        with open(os.path.join(self.folder, "netCDF4.py"), "w", encoding="utf-8") as file:
+            file.write("raise ModuleNotFoundError('no such module', name='netCDF4')\n")
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/rg_table.py")], text=True,
+                              env={**os.environ, "PYTHONPATH": self.folder}, capture_output=True,
+                              timeout=20, check=False)
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("the part map needs netCDF4", done.stderr)
         done = self.tool("rg_table.py", "--set", "rg.rule=fx", "--levels", "5", "--seeds", "2",
                          "--parts", "variants", status=1)
         self.assertIn("must be one of: fix, cons, lump", done.stderr)
@@ -352,6 +400,30 @@ class Cascade(unittest.TestCase):
             with open(path, "rb") as file:
                 self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
             self.assertGreater(os.path.getsize(path), 30000)
+
+    def test_pictures_that_cannot_be(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        away = os.path.join(self.folder, "none", "x.png")
+        done = self.tool("rg_rules.py", "-o", away, status=1)
+        self.assertEqual(done.stderr, f"rg_rules: {away}: No such file or directory\n")
+        for words in (("--jobs", "0"), ("--seeds", "1")):
+            done = self.tool("figure3.py", "-o", "x.png", *words, status=2)
+            self.assertIn("--seeds must be at least 2 and --jobs 1", done.stderr)
+        done = self.tool("figure3.py", "-o", "x.png", "--seeds", "2", "--levels", "4", "--set",
+                         "interface.levels=5", "--set", "rg.loads=20", status=1)
+        self.assertEqual(done.stderr, "figure3: 32 x 32 cells: as many both ways, a multiple of 64, "
+                         "are needed to show a part of them\n")
+
+    def test_beta_of_a_law_that_varies(self):
+        law = ("--set", "friction={aging: {a: 0.01, b: 0.015, dc: 1 mm}}", "--set",
+               "material.shear_speed=2 km/s", "--set", "interface.levels=4", "--set",
+               "rg.beta=from-friction", "--force", "-o", "out.nc")
+        self.assertNotIn("nominal", self.call(*law).stderr)
+        done = self.call(*law, "--set", "friction.spread={b: {lognormal: {sigma: 0.5}}}")
+        self.assertIn("friction.spread.b has no effect on it", done.stderr)
 
     def test_wrong_requests(self):
         wrong = {

@@ -250,6 +250,7 @@ class Files(unittest.TestCase):
                      "load.normal.pressure=1 MPa")
         self.refused("run.nc", 'rg.field: "elastic" must be equal', "--set", "rg.field=elastic")
         self.refused("run.nc", 'rg.seeds: "3" must be 1', "--set", "rg.seeds=3")
+        self.refused("run.nc", 'rg.path: "solve" has no meaning', "--set", "rg.path=solve")
         self.refused("run.nc", 'rg.beta: "2" must be >= 0 and <= 1', "--set", "rg.beta=2")
         self.refused("run.nc", "run.nc: is read by this case", "-o", "run.nc")
 
@@ -286,6 +287,10 @@ friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: 0.1 mm, v0: 1 um/s}}
             self.assertAlmostEqual(done["q_over_q_nom"], load, delta=1e-6)
             self.assertTrue(load < done["q_crit_over_q_nom"] < 1)
         self.refused("history.nc", "its steps have no times", "--snapshot", "1 s")
+        self.call("contact", "history.yaml", "--force", "-o", "across.nc", "--set",
+                  "load.history.steps=[{ratio_x: 0.3}, {ratio_y: 0.5}]")
+        self.rg("across.nc", words=("--snapshot", "0"))
+        self.refused("across.nc", "step 1 carries 0.3 of its normal force along y")
 
     def test_files_that_do_not_serve(self):
         self.call("run", "run.yaml", "--force", "-o", "bare.nc", "--set", "output={}", "--until",
@@ -324,7 +329,16 @@ friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: 0.1 mm, v0: 1 um/s}}
                "its last snapshot makes no sense")
         change("e.nc", set_text("grid_nx", -4), "its grid makes no sense")
         change("f.nc", set_text("grid_nx", 1), "its number of cells makes no sense")
+        change("h.nc", set_text("grid_nx", numpy.array([32.0, 32.0])), "its grid makes no sense")
+        change("i.nc", set_value("cell_traction", (5, slice(None)), -1e307),
+               "the tractions are too large", status=2)
         change("g.nc", set_text("case", CASE.replace("aging", "ageing")), "friction", status=2)
+
+    def test_a_traction_far_beyond_the_strengths(self):
+        shutil.copy(self.path("run.nc"), self.path("far.nc"))
+        with netCDF4.Dataset(self.path("far.nc"), "a") as data:
+            data["cell_traction"][5, 3] = -1e300
+        self.assertLess(self.rg("far.nc")["q_crit_over_q_nom"], 0)  # and it ends
 
     def test_a_run_that_was_killed(self):
         shutil.copy(self.path("run.nc"), self.path("killed.nc"))
@@ -334,6 +348,7 @@ friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: 0.1 mm, v0: 1 um/s}}
         done = self.rg("killed.nc")
         self.assertEqual((done["source"]["snapshot"], done["source"]["status"]), (4, "running"))
         self.refused("killed.nc", "has no such snapshot: they are 0 to 4", "--snapshot", "5")
+        self.refused("killed.nc", "has no such snapshot: they are 0 to 4", "--snapshot", 20 * "9")
 
 
 if __name__ == "__main__":
