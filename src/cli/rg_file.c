@@ -49,10 +49,11 @@ static lac_status check_override(const lac_override *set, lac_error *err)
                         set->value);
     }
     if (strcmp(set->key, "rg.path") == 0 || strcmp(set->key, "rg.contacts") == 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--set: %s: \"%s\" has no meaning for a file, whose cells are loaded further "
-                        "without new contacts",
-                        set->key, set->value);
+        return lac_fail(
+            err, LAC_EINPUT,
+            "--set: %s: \"%s\" has no meaning for a file, whose cells are loaded further "
+            "without new contacts",
+            set->key, set->value);
     }
     return LAC_OK;
 }
