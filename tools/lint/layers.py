@@ -45,10 +45,12 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_checkpoint": "store",
     "store_rg": "store",
     "spread": "case",
     "store_map": "store",
     "tangential": "contact",
+    "tape": "base",
     "lacuna": "cli",
 }
 
