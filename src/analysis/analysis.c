@@ -151,9 +151,9 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
     return (lac_sink){.context = analysis,
                       .record = on_record,
                       .snapshot = on_snapshot,
-                       .step = lac_analysis_has_events(analysis) ? on_step : NULL,
-                       .keep = on_keep,
-                       .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
+                      .step = lac_analysis_has_events(analysis) ? on_step : NULL,
+                      .keep = on_keep,
+                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
 }
 
 bool lac_analysis_has_events(const lac_analysis *analysis)

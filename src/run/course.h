@@ -32,6 +32,9 @@ typedef struct lac_course {
     bool broken; // the step ended where the loads jump or bend
 } lac_course;
 
+// Before a step: whether another one is allowed, and time still goes on.
+lac_status lac_course_check(lac_course *r, lac_error *err);
+
 // Whether the case plans checkpoints.
 bool lac_course_plans(const lac_run_def *def);
 

@@ -324,15 +324,6 @@ static lac_status go_on(run *r, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status too_many_steps(const run *r, lac_error *err)
-{
-    return lac_fail(err, LAC_ENUMERIC,
-                    "%lld steps were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
-                    "rate %g m/s",
-                    (long long)r->def->max_steps, lac_engine_time(r->engine), r->def->end,
-                    r->engine->step, r->mean_rate);
-}
-
 static void report_progress(const run *r)
 {
     if (r->def->progress == NULL) {
@@ -346,36 +337,11 @@ static void report_progress(const run *r)
     r->def->progress(r->def->context, &progress);
 }
 
-// Looks now and then whether time goes on: far less than the cells' own time scale in a thousand
-// steps is none at all.
-static lac_status check_advance(run *r, int64_t steps, lac_error *err)
-{
-    const int64_t window = 1000;
-    lac_engine *engine = r->engine;
-    if (steps % window != 0) {
-        return LAC_OK;
-    }
-    double advanced =
-        (engine->origin - r->looked.origin) + (engine->base + engine->t - r->looked.local);
-    bool stalled = r->looked.set && advanced < 1e-9 * own_step(engine);
-    r->looked = (instant){.set = true, .origin = engine->origin, .local = engine->base + engine->t};
-    if (!stalled) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "time no longer advances: %lld steps of %.3g s at t = %.17g s, mean slip rate "
-                    "%g m/s; nothing holds the cells back there (no direct effect, no damping?)",
-                    (long long)window, engine->step, lac_engine_time(engine), r->mean_rate);
-}
-
 static lac_status integrate(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
     while (!r->done) {
-        if (r->steps >= r->def->max_steps) {
-            return too_many_steps(r, err);
-        }
-        LAC_TRY(check_advance(r, r->steps, err));
+        LAC_TRY(lac_course_check(r, err));
         LAC_TRY(step(r, err));
         report_progress(r);
         r->steps++;
