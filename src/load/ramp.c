@@ -14,13 +14,11 @@ typedef enum ramp_share { BY_PRESSURE = 0, EQUAL } ramp_share;
 
 static const char *const shares[] = {"pressure", "equal", NULL};
 
-static double end_of(const ramp_params *ramp) { return isnan(ramp->end) ? INFINITY : ramp->end; }
-
 // rate (min(t, end) - start), from start on
 static lac_signal ramp_at(const lac_load *load, double t)
 {
     const ramp_params *ramp = load->params;
-    double end = end_of(ramp);
+    double end = lac_end_of(ramp->end);
     if (t < ramp->start || end <= ramp->start) {
         return (lac_signal){0.0, 0.0};
     }
@@ -47,14 +45,7 @@ static void add_pore(const lac_load *load, double t, lac_load_state *sum)
 static double next_break(const lac_load *load, double t)
 {
     const ramp_params *ramp = load->params;
-    double end = end_of(ramp);
-    if (end <= ramp->start) {
-        return INFINITY;
-    }
-    if (t < ramp->start) {
-        return ramp->start;
-    }
-    return t < end ? end : INFINITY;
+    return lac_window_break(ramp->start, lac_end_of(ramp->end), t);
 }
 
 static const char *fault(const void *p)

@@ -2,12 +2,30 @@
 #ifndef LACUNA_LOAD_SIGNAL_H
 #define LACUNA_LOAD_SIGNAL_H
 
+#include <math.h>
+
 #include "lacuna/load.h"
 
 /// A quantity and its rate at one time.
 typedef struct lac_signal {
     double value, rate;
 } lac_signal;
+
+/// An end that may be left out: NaN is never.
+static inline double lac_end_of(double end) { return isnan(end) ? INFINITY : end; }
+
+/// The first of the two ends of [start, end) that comes after t; INFINITY if none, or where the
+/// window is empty.
+static inline double lac_window_break(double start, double end, double t)
+{
+    if (end <= start) {
+        return INFINITY;
+    }
+    if (t < start) {
+        return start;
+    }
+    return t < end ? end : INFINITY;
+}
 
 /// Adds shear stress over the nominal area [Pa], [Pa/s].
 static inline void lac_add_stress(lac_load_state *sum, lac_signal s)

@@ -10,13 +10,11 @@ typedef struct sine_params {
     double end;       // [s]; NaN: never
 } sine_params;
 
-static double end_of(const sine_params *sine) { return isnan(sine->end) ? INFINITY : sine->end; }
-
 // amplitude sin(2 pi (t - start)/period + phase) from start to end
 static lac_signal sine_at(const lac_load *load, double t)
 {
     const sine_params *sine = load->params;
-    if (t < sine->start || t >= end_of(sine)) {
+    if (t < sine->start || t >= lac_end_of(sine->end)) {
         return (lac_signal){0.0, 0.0};
     }
     double omega = 2.0 * LAC_PI / sine->period;
@@ -37,14 +35,7 @@ static void add_pore(const lac_load *load, double t, lac_load_state *sum)
 static double next_break(const lac_load *load, double t)
 {
     const sine_params *sine = load->params;
-    double end = end_of(sine);
-    if (end <= sine->start) {
-        return INFINITY;
-    }
-    if (t < sine->start) {
-        return sine->start;
-    }
-    return t < end ? end : INFINITY;
+    return lac_window_break(sine->start, lac_end_of(sine->end), t);
 }
 
 static const char *fault(const void *p)

@@ -8,16 +8,11 @@ typedef struct step_params {
     double until; // [s]; NaN: for good
 } step_params;
 
-static double until_of(const step_params *step)
-{
-    return isnan(step->until) ? INFINITY : step->until;
-}
-
 // value from `at` to `until`
 static lac_signal step_at(const lac_load *load, double t)
 {
     const step_params *step = load->params;
-    bool on = t >= step->at && t < until_of(step);
+    bool on = t >= step->at && t < lac_end_of(step->until);
     return (lac_signal){on ? step->value : 0.0, 0.0};
 }
 
@@ -34,14 +29,7 @@ static void add_pore(const lac_load *load, double t, lac_load_state *sum)
 static double next_break(const lac_load *load, double t)
 {
     const step_params *step = load->params;
-    double until = until_of(step);
-    if (until <= step->at) {
-        return INFINITY;
-    }
-    if (t < step->at) {
-        return step->at;
-    }
-    return t < until ? until : INFINITY;
+    return lac_window_break(step->at, lac_end_of(step->until), t);
 }
 
 static const char *fault(const void *p)
