@@ -31,15 +31,15 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
 void lac_rolling_free(lac_rolling *rolling);
 
 /// How good a method's rolling forecasts were, where the time of failure is known. A method alarms
-/// at an issue time where its 50 % interval ends within the horizon: failure within it with a chance
-/// of three in four at least.
+/// at an issue time where its 50 % interval ends within the horizon: failure within it with a
+/// chance of three in four at least.
 typedef struct lac_skill {
     const lac_forecast_kind *kind;
     size_t asked, issued; ///< issue times before failure, and those with a forecast
     size_t inside50, inside90;
-    double error;               ///< median |tc - failure| [s]; NaN: none issued
-    double crps;                ///< mean continuous ranked probability score [s]
-    double persistence_crps;    ///< of the baseline at the same issue times [s]
+    double error;            ///< median |tc - failure| [s]; NaN: none issued
+    double crps;             ///< mean continuous ranked probability score [s]
+    double persistence_crps; ///< of the baseline at the same issue times [s]
     size_t alarms, hits, misses, false_alarms;
     size_t lead_count[LAC_LEADS];
     double lead_error[LAC_LEADS]; ///< median |tc - failure| [s], lead times in eighths, eighth to

@@ -12,7 +12,7 @@ struct lac_units;
 /// How a monitoring file is read. Texts are borrowed.
 typedef struct lac_series_def {
     const char *path;
-    const char *time;              ///< name of the time column
+    const char *time;              ///< name of the time column; NULL: the first, in netCDF "time"
     const char *time_format;       ///< how its times are written; NULL: ISO 8601, else seconds
     const char *displacement;      ///< column name; NULL: none
     const char *displacement_unit; ///< as UDUNITS reads it; NULL: m

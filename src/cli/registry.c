@@ -26,6 +26,11 @@ static const cli_command commands[] = {
      "CASE-rg.nc in this folder; -v prints them too.\n",
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
+    {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
+     "Of monitoring data, whose columns --displacement and --velocity name, or of a run. -o FILE "
+     "writes netCDF, which tools/plot_precursors.py draws.\n",
+     "lacuna precursors prism.csv --displacement disp:mm --rolling", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST, cli_precursors},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

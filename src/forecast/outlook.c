@@ -6,6 +6,7 @@
 #include "forecast/window.h"
 
 enum { LONGEST_RUN = 1000 };
+static const double vaguest = 1.5; // standard error of ln remaining that still is a forecast
 
 lac_forecast_def lac_forecast_default(void)
 {
@@ -51,6 +52,9 @@ static void judge(const lac_forecast_kind *kind, lac_forecast *f)
     } else if (!(fit->misfit <= kind->worst)) {
         (void)lac_fit_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
                              fit->misfit, kind->worst);
+    } else if (!(fit->error <= vaguest)) {
+        (void)lac_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
+                             exp(fit->error), exp(vaguest));
     } else {
         set_interval(kind, f->issue_time, f);
     }

@@ -19,8 +19,7 @@ static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_r
     lac_status status = lac_outlook_create(def, &past, &outlook, err);
     if (status == LAC_OK) {
         r->issue_time[k] = outlook->issue_time;
-        memcpy(&r->forecast[k * r->methods], outlook->forecast,
-               r->methods * sizeof *r->forecast);
+        memcpy(&r->forecast[k * r->methods], outlook->forecast, r->methods * sizeof *r->forecast);
     }
     lac_outlook_free(outlook);
     return status;

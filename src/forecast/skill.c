@@ -104,8 +104,7 @@ static void measure(const lac_rolling *r, size_t k, double failed_at, double hor
     s->persistence_crps =
         s->issued > 0 && isfinite(failed_at) ? s->persistence_crps / (double)s->issued : NAN;
     for (size_t lead = 0; lead <= LAC_LEADS; lead++) {
-        const size_t n =
-            isfinite(failed_at) ? gather(r, k, failed_at, lead, error, ratio) : 0;
+        const size_t n = isfinite(failed_at) ? gather(r, k, failed_at, lead, error, ratio) : 0;
         if (lead == LAC_LEADS) {
             s->error = median(n, error);
             continue;

@@ -214,6 +214,10 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         list_column(list, sizeof list, name);
         p->fields++;
     }
+    if (p->wanted[0].name == NULL) { // the first column is the time then
+        p->wanted[0].name = "time";
+        found[0] = true;
+    }
     for (size_t c = 0; c < COLUMNS; c++) {
         if (p->wanted[c].name != NULL && !found[c]) {
             return lac_fail(err, LAC_EINPUT, "%s:%zu: has no column \"%s\"; its columns are %s",

@@ -42,6 +42,7 @@ HEADERS = {
     "version": "base",
     "motion": "series",
     "hindcast": "forecast",
+    "store_forecast": "store",
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
