@@ -169,3 +169,10 @@ add_test(NAME case.test_events
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_events PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
+
+# Forecasts of series and runs, wrong series among them.
+add_test(NAME case.test_precursors
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_precursors.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_precursors PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})

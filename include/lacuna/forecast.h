@@ -19,6 +19,7 @@ typedef struct lac_window {
     const double *velocity_time; ///< [velocities] [s]
     const double *velocity;      ///< [velocities] [m/s]
     double noise;                ///< of one displacement [m]; NaN: not known
+    bool integrated;             ///< the displacements are integrals of the velocities
 } lac_window;
 
 /// A number that a method fitted.
@@ -52,6 +53,7 @@ typedef struct lac_forecast_kind {
     lac_descriptor about;
     const char *estimator; ///< exactly what is computed from what
     size_t least;          ///< readings or velocities that it needs
+    bool displacements;    ///< it fits displacements, not velocities
     double worst;          ///< misfit above which its forecast is not issued
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.

@@ -76,6 +76,9 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(cli_watched_read(request, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
+    if (job.watched.run) { // a run has neither outliers nor resets
+        job.plan.def.motion.raw = true;
+    }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));

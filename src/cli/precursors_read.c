@@ -173,6 +173,19 @@ static lac_status read_smoothing(const char *text, const lac_units *units, lac_m
                             text);
 }
 
+static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error *err)
+{
+    const char *end = "";
+    def->short_run = read_count(text, &end);
+    def->long_run = *end == ',' ? read_count(end + 1, &end) : 0;
+    return def->short_run > 0 && def->long_run > def->short_run && *end == '\0'
+               ? LAC_OK
+               : lac_fail(
+                     err, LAC_EINPUT,
+                     "--onset: \"%s\" must be two numbers of velocities, the second larger: 3,7",
+                     text);
+}
+
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err)
 {
@@ -186,6 +199,9 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     if (words->since != NULL) {
         LAC_TRY(cli_series_time("since", words->since, dated, units, &plan->def.since, err));
     }
+    if (words->onset != NULL) {
+        LAC_TRY(read_onset(words->onset, &plan->def, err));
+    }
     if (words->issues != NULL) {
         const char *end = "";
         plan->issues = read_count(words->issues, &end);
@@ -197,10 +213,10 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     if (words->horizon != NULL) {
         status = lac_units_parse(units, words->horizon, "s", &plan->horizon, err);
         if (status != LAC_OK || !(plan->horizon > 0.0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "--horizon: \"%s\" must be a time > 0 s, such as \"7 "
-                            "day\"",
-                            words->horizon);
+            status = lac_fail(err, LAC_EINPUT,
+                              "--horizon: \"%s\" must be a time > 0 s, such as \"7 "
+                              "day\"",
+                              words->horizon);
         }
     }
 out:

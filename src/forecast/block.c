@@ -189,7 +189,8 @@ const lac_forecast_kind lac_forecast_block = {
         "3}: tc and theta_ss by nonlinear least squares over all displacements of the "
         "window, ln theta_ss with a normal prior of width 3 about ln of the window",
     .least = 8,
+    .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.15, -0.824, -0.193, 0.513, 1.174},
     .fit = fit_block,
 };

@@ -44,7 +44,8 @@ const lac_forecast_kind lac_forecast_log = {
                            "10.1029/2002JB002160"},
     .estimator = "d = A - B ln(tc - t) by least squares over all displacements of the window",
     .least = 6,
+    .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.15, -7.195, -4.460, -1.104, 0.106},
     .fit = fit_log,
 };

@@ -80,7 +80,8 @@ const lac_forecast_kind lac_forecast_lppls = {
         "displacements of the window: A, B, C1, C2 exactly at each of 1728 (tc, m, omega), "
         "the best four refined; 0.05 < m < 0.95, 3 < omega < 15",
     .least = 15,
+    .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.6, -0.245, 0.170, 0.895, 2.000},
     .fit = fit_lppls,
 };

@@ -5,7 +5,7 @@
 
 #include "forecast/window.h"
 
-enum { LONGEST_RUN = 1000 };
+enum { LONGEST_RUN = 1000, INTEGRABLE = 20 };
 static const double vaguest = 1.5; // standard error of ln remaining that still is a forecast
 
 lac_forecast_def lac_forecast_default(void)
@@ -70,6 +70,10 @@ static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_fo
         return lac_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu", points,
                               kind->least);
     }
+    if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
+        return lac_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d", w->n,
+                              (int)INTEGRABLE);
+    }
     lac_status status = kind->fit(w, &f->fit, err);
     if (status == LAC_OK) {
         f->time = w->now + f->fit.remaining;
@@ -80,7 +84,7 @@ static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_fo
 
 static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_error *err)
 {
-    char reason[LAC_FORECAST_TEXT];
+    char reason[LAC_FORECAST_TEXT] = "";
     lac_window *w = NULL;
     lac_status status = LAC_OK;
     lac_window_gate(def, o->motion, &o->window_start, reason);

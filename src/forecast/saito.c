@@ -106,7 +106,8 @@ const lac_forecast_kind lac_forecast_saito = {
     .estimator = "the log law through the first and the last reading of the window and the one "
                  "nearest to half of the displacement",
     .least = 5,
+    .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.3, -3.693, -2.232, -0.590, 0.064},
     .fit = fit_three,
 };

@@ -60,7 +60,8 @@ const lac_forecast_kind lac_forecast_voight = {
         "d = D - C (tc - t)^((alpha - 2)/(alpha - 1)) by nonlinear least squares in tc and "
         "alpha over all displacements of the window",
     .least = 8,
+    .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.8, -0.363, 0.102, 0.670, 1.451},
     .fit = fit_voight,
 };

@@ -151,7 +151,7 @@ lac_status lac_window_create(const lac_motion *m, double start, lac_window **out
     arrays *a = calloc(1, sizeof *a);
     lac_status status = a != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    a->window = (lac_window){.start = start, .noise = m->noise};
+    a->window = (lac_window){.start = start, .noise = m->noise, .integrated = m->integrated};
     a->window.now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
                          m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
     a->time = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->time);

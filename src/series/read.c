@@ -29,7 +29,8 @@ typedef struct lac_parser {
     lac_wanted wanted[COLUMNS];
     char separator;
     size_t fields; ///< of the header
-    char mark;     ///< decimal mark: '.', ',' or 0 while none has been seen
+    char first_name[SHOWN];
+    char mark; ///< decimal mark: '.', ',' or 0 while none has been seen
     lac_time_format format;
     bool time_known, dated;
     locale_t plain, callers; ///< the "C" locale, and the one of the thread before
@@ -207,6 +208,9 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         if (name == NULL) {
             return fail_at(p, err, "header", p->lines.text, "has a quoted name that does not end");
         }
+        if (p->fields == 0) {
+            (void)lac_text_show(name, p->first_name, sizeof p->first_name);
+        }
         status = match_column(p, found, name, err);
         if (status != LAC_OK) {
             return status;
@@ -215,7 +219,7 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         p->fields++;
     }
     if (p->wanted[0].name == NULL) { // the first column is the time then
-        p->wanted[0].name = "time";
+        p->wanted[0].name = p->first_name;
         found[0] = true;
     }
     for (size_t c = 0; c < COLUMNS; c++) {

@@ -52,7 +52,7 @@ static lac_status read_numeric(const char *text, const struct lac_units *units,
     const char *unit = strcasecmp(text, "unix") == 0    ? "seconds since 1970-01-01 00:00:00 UTC"
                        : strcasecmp(text, "excel") == 0 ? "days since 1899-12-30 00:00:00 UTC"
                                                         : text;
-    out->allowed = "must be a number, as the time format says";
+    (void)snprintf(out->allowed, sizeof out->allowed, "must be a number (%.40s)", unit);
     lac_status status = lac_units_time(units, unit, &out->scale, &out->offset, &out->dated, err);
     if (status == LAC_EINPUT) {
         return lac_fail(err, LAC_EINPUT,
@@ -69,7 +69,8 @@ lac_status lac_time_format_read(const char *text, const struct lac_units *units,
     *out = (lac_time_format){.scale = 1.0};
     if (text == NULL || strcasecmp(text, "iso") == 0) {
         out->any = true;
-        out->allowed = "must be a date like 1963-10-09 or 1963-10-09T22:39:00Z, or seconds";
+        (void)snprintf(out->allowed, sizeof out->allowed,
+                       "must be a date like 1963-10-09 or 1963-10-09T22:39:00Z, or seconds");
         return LAC_OK;
     }
     if (strchr(text, '%') == NULL) {
@@ -80,7 +81,7 @@ lac_status lac_time_format_read(const char *text, const struct lac_units *units,
         return lac_fail(err, LAC_EINPUT, "time format \"%s\" %s", text, fault);
     }
     out->pattern = text;
-    out->allowed = "must be a date as the time format says";
+    (void)snprintf(out->allowed, sizeof out->allowed, "must be a date written as %.60s", text);
     return LAC_OK;
 }
 

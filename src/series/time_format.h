@@ -14,7 +14,7 @@ typedef struct lac_time_format {
     bool any;             ///< ISO 8601 or seconds, whichever the first row has
     bool dated;           ///< of numbers: they count from a date
     double scale, offset; ///< of numbers: seconds = scale x + offset
-    const char *allowed;  ///< for messages: what a time must be
+    char allowed[96];     ///< for messages: what a time must be
 } lac_time_format;
 
 /// Understands a format: NULL or "iso" (ISO 8601, else seconds), "unix", "excel" (days since
