@@ -26,8 +26,8 @@ static void reflect(size_t n, const double *v, double squares, double *x)
 
 double lac_least_squares(size_t n, size_t k, double *columns, double *y, double *c)
 {
-    double corner[LAC_LEAST_SQUARES_MAX];  // diagonal of R; 0: the column is left out
-    double squares[LAC_LEAST_SQUARES_MAX]; // of each reflection's vector
+    double corner[LAC_LEAST_SQUARES_MAX];        // diagonal of R; 0: the column is left out
+    double squares[LAC_LEAST_SQUARES_MAX] = {0}; // of each reflection's vector
     for (size_t j = 0; j < k; j++) {
         double *v = columns + j * n;
         double whole = sqrt(dot(n, v, v));
