@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "cli/command.h"
+#include "cli/indicators.h"
 #include "cli/libraries.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
@@ -18,6 +19,7 @@ typedef struct precursors_job {
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
+    cli_indicators indicators;
     lac_rolling *rolling;
     lac_skill *skill;
 } precursors_job;
@@ -80,6 +82,7 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         job.plan.def.motion.raw = true;
     }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
+    LAC_TRY(cli_indicators_look(&job.watched, job.outlook, &job.indicators, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
@@ -89,6 +92,7 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     const cli_precursors_result result = {.watched = &job.watched,
                                           .plan = &job.plan,
                                           .outlook = job.outlook,
+                                          .indicators = &job.indicators,
                                           .rolling = job.rolling,
                                           .skill = job.skill,
                                           .output = request->output};

@@ -14,6 +14,7 @@ typedef struct cli_watched {
     lac_series *series;                     ///< owned; NULL: a run
     double *time, *displacement, *velocity; ///< owned; of a run
     lac_readings readings;                  ///< up to --until
+    double start;                           ///< of a run's clock on the series' [s]
     double failed_at;                       ///< [s]; NaN: not known; INFINITY: never
 } cli_watched;
 
@@ -32,11 +33,14 @@ typedef struct cli_forecast_plan {
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);
 
+struct cli_indicators;
+
 /// What was found.
 typedef struct cli_precursors_result {
     const cli_watched *watched;
     const cli_forecast_plan *plan;
     const lac_outlook *outlook;
+    const struct cli_indicators *indicators;
     const lac_rolling *rolling; ///< NULL: not asked for
     const lac_skill *skill;     ///< [methods]; NULL: no time of failure
     const char *output;         ///< NULL: none

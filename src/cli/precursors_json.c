@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "base/date.h"
-#include "cli/precursors.h"
+#include "cli/indicators.h"
 
 static void write_time(cli_json *json, const cli_precursors_result *r, const char *key,
                        const char *date_key, double t)
@@ -151,8 +151,7 @@ void cli_precursors_json(const cli_precursors_result *r)
                o->accelerating ? o->window_start : NAN);
     cli_json_boolean(&json, "accelerating", o->accelerating);
     write_forecasts(&json, r, o->count, o->forecast);
-    cli_json_open(&json, "indicators", '[');
-    cli_json_close(&json, ']');
+    cli_indicators_json(&json, r->indicators);
     if (r->rolling != NULL) {
         write_rolling(&json, r);
     }

@@ -57,6 +57,7 @@ static lac_status read_run(cli_watched *w, lac_error *err)
     LAC_TRY(lac_store_read(w->path, "slip", &w->displacement, &n, err));
     LAC_TRY(lac_store_read(w->path, "slip_rate", &w->velocity, &n, err));
     w->dated = read_date(w->path, "time_coverage_start", &start);
+    w->start = start;
     w->failed_at = read_number(w->path, "failure_time_s") + start;
     for (size_t i = 0; i < n; i++) {
         w->time[i] += start;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/date.h"
-#include "cli/precursors.h"
+#include "cli/indicators.h"
 #include "cli/words.h"
 
 static const double day = 86400.0;
@@ -178,6 +178,7 @@ void cli_precursors_print(const cli_precursors_result *r, bool verbose)
     if (verbose) {
         print_values(r->outlook);
     }
+    cli_indicators_print(r->indicators);
     if (r->rolling != NULL) {
         print_lives(r);
     }

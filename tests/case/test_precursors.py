@@ -177,6 +177,39 @@ class Precursors(unittest.TestCase):
         self.assertTrue(f["issued"], f["reason"])
         self.assertAlmostEqual(f["tc_s"] / failure, 1, delta=0.005)
 
+    def test_indicators_of_a_run(self):
+        case = os.path.join(SOURCE, "cases/events.yaml")
+        subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--until", "4 s"], cwd=self.folder,
+                       check=True, capture_output=True)
+        with netCDF4.Dataset(os.path.join(self.folder, "events.nc")) as data:
+            ends = data["event_time"][:] + data["event_duration"][:]
+            start, moment = data["event_time"][:].filled(), data["event_moment"][:].filled()
+            last = float(data["time"][:][data["time"][:] <= 3][-1])
+        answer = self.ask("events.nc", "--until", "3 s")
+        found = {i["indicator"]: i for i in answer["indicators"]}
+        known = ends <= last
+        order = numpy.argsort(start[known])
+        self.assertEqual(found["event_rate"]["points"], known.sum())
+        self.assertAlmostEqual(found["moment"]["values"]["moment_N_m"] / moment[known].sum(), 1)
+        steps = numpy.diff(2 / 3 * (numpy.log10(moment[known][order]) - 9.1))
+        steps = steps[steps >= 0.2]
+        self.assertEqual(found["b_positive"]["points"], len(steps))
+        self.assertAlmostEqual(found["b_positive"]["values"]["b"],
+                               math.log10(math.e) / (steps.mean() - 0.2), delta=1e-9)
+        self.assertIn("analysis: {rg", found["slip_fraction"]["reason"])
+        self.assertEqual(found["slowing"]["points"], 200)
+
+    def test_indicators_know_no_future(self):
+        words = ("--displacement", "d:m", "--time-format", "day")
+        self.write("past.csv", "\n".join(LOG_LAW[:32]))
+        self.write("wild.csv", "\n".join(LOG_LAW[:32] + ["31,-5", "32,77", "33,NA", "34,1e6"]))
+        past = self.ask("past.csv", *words)
+        self.assertIsNone(next(i for i in past["indicators"] if i["indicator"] == "slowing")["reason"])
+        for name in ("log.csv", "wild.csv"):
+            until = self.ask(name, *words, "--until", "30 day")
+            for key in ("indicators", "forecasts"):
+                self.assertEqual(past[key], until[key])
+
     def hindcasts(self):
         data = os.path.join(SOURCE, "..", "shared", "data", "monitoring")
         done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tools/hindcasts.py"),
