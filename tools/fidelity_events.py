@@ -123,7 +123,7 @@ def mean_with_error(values):
     if len(values) < 2:
         return f"{mean:.3g}"
     error = statistics.stdev(values) / math.sqrt(len(values))
-    return f"{mean:.4g} ± {error:.1g}" if error > 0 else f"{mean:.4g}"
+    return f"{mean:.4g} ± {error:.2g}" if error > 0 else f"{mean:.4g}"
 
 
 def table(options, folder, length):
