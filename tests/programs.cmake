@@ -48,6 +48,12 @@ add_test(NAME case.test_elastic
 set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
+add_test(NAME case.test_elastic_limits
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
 # Numbers of extreme size, through the program.
 add_test(NAME case.test_extremes
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_extremes.py

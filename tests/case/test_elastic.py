@@ -161,6 +161,9 @@ class Share(Elastic):
         seen = self.run_case(interface, transfer=transfer)
         c = compliance(seen["grid"], seen["index"], G, nu)
         self.check_balance(seen, rock.stiffness(c), rock.tied(c), tolerance)
+        gained = seen["force"][-1] - seen["force"][0]
+        brought = 40e3 * seen["grid"][0] * seen["grid"][1] * seen["area"]
+        self.assertLess(abs(gained / brought - 1), 1e-12)
         return seen, rock.tied(c)
 
     def test_planes(self):
