@@ -199,7 +199,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
 {
     lac_status status = LAC_OK;
     lac_elastic *e = NULL;
-    lac_rock rock;
+    lac_rock rock = {0};
     LAC_TRY(begin(given, scene, &rock, &e, err));
     LAC_TRY(calibrate(scene, rock.poisson, e, err));
     if (!e->floating) {
@@ -256,7 +256,7 @@ lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *sce
                              lac_error *err)
 {
     lac_transfer_elastic p;
-    lac_rock rock;
+    lac_rock rock = {0};
     lac_elastic *e = NULL;
     lac_status status = lac_params_default(&lac_elastic_kind.about, &p, err);
     if (status == LAC_OK && slot->about == &lac_elastic_kind.about) {

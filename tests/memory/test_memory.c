@@ -392,7 +392,7 @@ static const char loaded[] =
     "lacuna: 1\n"
     "interface: {size: 1, levels: 3, shape: line, boundary: free, domain: {full: {}}}\n"
     "material: {shear_modulus: 1e9, poisson: 0.2}\n"
-    "load: {normal: {pressure: 1e6}, shear: [{back-slip: 1e-9}]}\n"
+    "load: {normal: {pressure: 1e6}, shear: [{back-slip: 1e-9}, {ramp: {rate: 1, share: elastic}}]}\n"
     "friction: {aging: {a: 0.01, b: 0.015, dc: 1e-3}}\n"
     "initial: {slip_rate: 1e-9, state: 1e5}\n"
     "transfer: {elastic: {outside: creeping}}\n"
