@@ -110,7 +110,7 @@ class Limits(test_cli.Case):
         self.assertLessEqual(abs(value / exact - 1), part, f"{value} is not {exact}")
 
     def test_few_cells(self):
-        """One, two, four cells and a handful far apart; k_0/k_crit about 0.01, 1 and 100; every law."""
+        """One, two, four cells and a handful far apart; k_0/k_crit about 1, of two also 0.01 and 100; every law."""
         far = 'size: "64 m", levels: 6, domain: {cascade: {dimension: 0.2, seed: 6}}'
         line, plane = 'size: "4 m", shape: line, domain: {full: {}}, ', 'size: "2 m", domain: {full: {}}, '
         cases = [('size: "2 m"', rock.periodic), (line + "cells_x: 2", rock.periodic),
@@ -120,7 +120,7 @@ class Limits(test_cli.Case):
         laws = list(LAWS)
         for i, (interface, compliance) in enumerate(cases):
             law = laws[i % 3]
-            for decade in (-2, 0, 2) if i % 3 == 0 else (0,):
+            for decade in (-2, 0, 2) if i == 1 else (0,):
                 g = 10 ** decade * PRESSURE * (B - A) / DC
                 found = self.failure(interface, g, law)
                 self.assertLessEqual(self.start()[1].size, 6)
