@@ -18,8 +18,14 @@ typedef struct lines {
 
 static bool may_differ(const lines *l)
 {
-    return (strcmp(l->section, "time:") == 0 && strncmp(l->line, "  end:", 6) == 0) ||
-           (strcmp(l->section, "output:") == 0 && strncmp(l->line, "  file:", 7) == 0);
+    static const char *const free_lines[][2] = {
+        {"time:", "  end:"}, {"solver:", "  max_steps:"}, {"output:", "  file:"}};
+    bool differs = false;
+    for (size_t i = 0; i < sizeof free_lines / sizeof free_lines[0]; i++) {
+        differs |= strcmp(l->section, free_lines[i][0]) == 0 &&
+                   strncmp(l->line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
+    }
+    return differs;
 }
 
 // The next line; "" at the end.
@@ -81,6 +87,7 @@ lac_status cli_resume_read(const char *path, const char *case_text, const char *
     char status_word[32];
     lac_status status;
     *out = (lac_kept_checkpoint){.records = 0};
+    lac_store_mend(path);
     LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     if (strcmp(status_word, "complete") == 0) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "--resume: %s is complete", path));

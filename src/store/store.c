@@ -87,6 +87,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     s->dated = def->dated;
     s->start_date = def->start_date;
     s->now = def->provenance.now;
+    s->begun = def->resume != NULL ? def->resume->begun : s->now;
     s->sync_every = def->sync_every > 1 ? (size_t)def->sync_every : 1;
     s->capacity = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX;
     s->file.fd = -1;
@@ -270,12 +271,15 @@ static void keep(void *context, lac_tape *tape)
     lac_store *s = context;
     uint64_t records = s->written + s->buffered;
     uint64_t snapshots = s->snapshots;
+    uint64_t events = s->events_written + s->events_buffered;
     lac_tape_pass(tape, &records, sizeof records);
     lac_tape_pass(tape, &snapshots, sizeof snapshots);
+    lac_tape_pass(tape, &events, sizeof events);
     lac_tape_pass(tape, &s->has_last, sizeof s->has_last);
     lac_tape_pass(tape, &s->last_origin, sizeof s->last_origin);
     lac_tape_pass(tape, &s->last_local, sizeof s->last_local);
-    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots;
+    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots ||
+                      events != s->events_written + s->events_buffered;
 }
 
 // What was put out before is on disk before the checkpoint counts on it.
@@ -284,7 +288,9 @@ static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint
     lac_store *s = context;
     lac_status status = LAC_OK;
     LAC_TRY(write_rows(s, err));
+    LAC_TRY(lac_store_write_events(s, err));
     LAC_TRY(sync_file(s, err));
+    LAC_TRY(lac_nc_check_place(&s->file, err));
     errno = 0;
     if (s->file.fd >= 0 && fsync(s->file.fd) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", s->file.path, strerror(errno)));
