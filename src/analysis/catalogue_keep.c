@@ -63,7 +63,7 @@ static void pass_moving(lac_catalogue *c, lac_tape *tape)
     lac_tape_pass(tape, c->active, c->actives * sizeof *c->active);
     for (size_t k = 0; k < c->actives && lac_tape_good(tape); k++) {
         uint32_t cell = c->active[k];
-        if (cell >= c->domain->n) {
+        if (cell >= c->domain->n || (tape->loading && c->moves[cell])) {
             tape->short_of = true;
             return;
         }
