@@ -19,6 +19,14 @@ static void *room_for(lac_tape *tape, size_t count, size_t least, size_t size)
     return room;
 }
 
+// As a byte: not every byte is a bool.
+static void pass_bool(lac_tape *tape, bool *value)
+{
+    uint8_t byte = *value ? 1 : 0;
+    PASS(tape, byte);
+    *value = byte != 0;
+}
+
 static void pass_event(lac_tape *tape, lac_open_event *e)
 {
     PASS(tape, e->origin);
@@ -28,8 +36,8 @@ static void pass_event(lac_tape *tape, lac_open_event *e)
     PASS(tape, e->max_rate);
     PASS(tape, e->moving);
     PASS(tape, e->count);
-    PASS(tape, e->open);
-    PASS(tape, e->before);
+    pass_bool(tape, &e->open);
+    pass_bool(tape, &e->before);
     size_t count = e->open ? e->count : 0; // of a vacant place there is but the next one
     if (tape->loading) {
         e->cells = room_for(tape, count, sizeof *e->cells, sizeof *e->cells);
@@ -95,7 +103,7 @@ static bool is_sound(const lac_catalogue *c)
 void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape)
 {
     const size_t n = c->domain->n;
-    PASS(tape, c->begun);
+    pass_bool(tape, &c->begun);
     PASS(tape, c->origin);
     PASS(tape, c->local);
     lac_tape_pass(tape, c->rate, n * sizeof *c->rate);
