@@ -11,8 +11,8 @@ typedef struct lac_kept_checkpoint {
     double begun;                        ///< when the file was made first, seconds since 1970
     double last_time;                    ///< of the last of the records [s]
     char *program, *libraries;           ///< that made it, with their versions
-    char *case_text;                     ///< the whole resolved case
-    unsigned char *bytes;                ///< `from` points into them
+    char *case_text;      ///< the whole resolved case, and what the files hold that it names
+    unsigned char *bytes; ///< `from` points into them
 } lac_kept_checkpoint;
 
 /// Reads the checkpoint of a run's file.

@@ -11,6 +11,7 @@ enum { LINE = 200 };
 // A resolved case, line by line, without what may differ.
 typedef struct lines {
     const char *at;
+    const char *rest;               // follows where `at` ends; NULL
     char section[LINE], line[LINE]; // as much of them as messages show
     size_t length;                  // of the whole line
     const char *start;
@@ -32,6 +33,10 @@ static bool may_differ(const lines *l)
 static void next(lines *l)
 {
     do {
+        if (*l->at == '\0' && l->rest != NULL) {
+            l->at = l->rest;
+            l->rest = NULL;
+        }
         l->start = l->at;
         l->length = strcspn(l->at, "\n");
         (void)snprintf(l->line, sizeof l->line, "%.*s", (int)(l->length < LINE ? l->length : LINE),
@@ -53,10 +58,11 @@ static const char *shown(const lines *l)
     return l->length == 0 ? "(nothing)" : l->line + strspn(l->line, " ");
 }
 
-static lac_status compare_cases(const char *path, const char *then, const char *now, lac_error *err)
+static lac_status compare_cases(const char *path, const char *then, const char *now,
+                                const char *inputs, lac_error *err)
 {
     lines a = {.at = then};
-    lines b = {.at = now};
+    lines b = {.at = now, .rest = inputs};
     do {
         next(&a);
         next(&b);
@@ -81,8 +87,8 @@ static lac_status compare_programs(const char *path, const lac_kept_checkpoint *
                     from->program, from->libraries, program, libraries);
 }
 
-lac_status cli_resume_read(const char *path, const char *case_text, const char *libraries,
-                           lac_kept_checkpoint *out, lac_error *err)
+lac_status cli_resume_read(const char *path, const char *case_text, const char *inputs,
+                           const char *libraries, lac_kept_checkpoint *out, lac_error *err)
 {
     char status_word[32];
     lac_status status;
@@ -94,7 +100,7 @@ lac_status cli_resume_read(const char *path, const char *case_text, const char *
     }
     LAC_TRY(lac_kept_checkpoint_read(path, out, err));
     LAC_TRY(compare_programs(path, out, libraries, err));
-    LAC_TRY(compare_cases(path, out->case_text, case_text, err));
+    LAC_TRY(compare_cases(path, out->case_text, case_text, inputs, err));
 out:
     return status;
 }

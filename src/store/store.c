@@ -47,11 +47,19 @@ static lac_status sync_file(lac_store *s, lac_error *err)
 }
 
 // What a checkpoint says of who made it.
-static lac_status keep_provenance(lac_store *s, const lac_provenance *from, lac_error *err)
+static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
 {
+    const lac_provenance *from = &def->provenance;
+    const char *parts[] = {from->case_text != NULL ? from->case_text : "",
+                           def->inputs != NULL ? def->inputs : ""};
+    size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
     s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
-    s->case_text = strdup(from->case_text != NULL ? from->case_text : "");
-    return s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err);
+    s->case_text = malloc(size);
+    if (s->libraries == NULL || s->case_text == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
+    return LAC_OK;
 }
 
 // A new file, or the one that is there up to its checkpoint.
@@ -99,7 +107,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     if (def->events) {
         LAC_TRY(lac_store_create_events(s, err));
     }
-    LAC_TRY(keep_provenance(s, &def->provenance, err));
+    LAC_TRY(keep_provenance(s, def, err));
     LAC_TRY(begin_file(s, def, err));
     *out = s;
     s = NULL;

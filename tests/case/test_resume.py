@@ -354,6 +354,21 @@ class Resume(unittest.TestCase):
         os.remove(self.path("out.nc.checkpoint"))
         self.refused(2, "out.nc: has no checkpoint to go on from", *go_on)
 
+    def test_refused_where_a_file_has_changed(self):
+        for name in ("load/record.yaml", "data/shaking.csv"):
+            os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+            shutil.copy(os.path.join(SOURCE, "cases", name), self.path(name))
+        words = ["-o", "out.nc", "-q", "--set", "output.checkpoint={steps: 50}"]
+        more = {"case": "load/record.yaml"}
+        self.assertTrue(self.kill_after_checkpoints(2, *words, **more))
+        with open(self.path("data/shaking.csv"), "a", encoding="utf-8") as file:
+            file.write("20.00,0.0\n")
+        _, err = self.run_case(2, "--resume", *words, **more)
+        self.assertRegex(err, "^lacuna: --resume: out.nc was begun with another case: it said "
+                         "files: shaking.csv: [0-9a-f]{16}, now files: shaking.csv: [0-9a-f]{16}\n$")
+        _, err = self.run_case(2, "-o", "data/shaking.csv", "--force", **more)
+        self.assertRegex(err, "data/shaking.csv: is read by this case, must not be the output")
+
     def hold(self, *words):
         """A run that stands still once it has made a checkpoint."""
         last = self.last_checkpoint()

@@ -31,7 +31,7 @@ static int make_domain(void **state)
     for (size_t i = 0; i < CELLS; i++) {
         pressure[i] = i % 7 == 3 ? 0.0 : 1.0;
     }
-    return lac_domain_create(&grid, pressure, &domain, NULL);
+    return lac_domain_create(&grid, pressure, &domain, NULL) == LAC_OK ? 0 : -1;
 }
 
 static int free_domain(void **state)
