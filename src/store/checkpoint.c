@@ -219,7 +219,7 @@ static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out,
     }
     if (!whole) {
         return lac_fail(err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
-                        (unsigned long long)(sizeof h + h.size));
+                        (unsigned long long)h.size + sizeof h);
     }
     if (sum_of(out->bytes, *size) != h.sum) {
         return lac_fail(err, LAC_EIO, "%s: is damaged: differs from its checksum", name);
