@@ -41,6 +41,14 @@ typedef struct lac_fit {
     char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
 } lac_fit;
 
+/// Says why there is no forecast, or no value of an indicator.
+/// @return LAC_OK, so that it is one statement
+lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// Adds a fitted number.
+void lac_fit_add(lac_fit *fit, const char *key, double value);
+
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
 /// simulated failures (docs/theory/forecasting.md says which).

@@ -95,6 +95,19 @@ static void print_values(const lac_outlook *o)
     }
 }
 
+// What is computed, and what to cite.
+static void print_methods(const lac_outlook *o)
+{
+    char text[600];
+    printf("\n");
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast_kind *kind = o->forecast[k].kind;
+        (void)snprintf(text, sizeof text, "%s: %s (%s)", kind->about.name, kind->estimator,
+                       kind->about.reference);
+        cli_wrap("  ", text);
+    }
+}
+
 // Days left by each method at each issue time; "." where none was issued.
 static void print_lives(const cli_precursors_result *r)
 {
@@ -177,6 +190,7 @@ void cli_precursors_print(const cli_precursors_result *r, bool verbose)
     }
     if (verbose) {
         print_values(r->outlook);
+        print_methods(r->outlook);
     }
     cli_indicators_print(r->indicators);
     if (r->rolling != NULL) {

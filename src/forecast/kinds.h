@@ -8,14 +8,6 @@ extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast
     lac_forecast_saito, lac_forecast_log, lac_forecast_voight, lac_forecast_block,
     lac_forecast_lppls, lac_forecast_persistence;
 
-/// Says why there is no forecast.
-/// @return LAC_OK, so that it is one statement
-lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-/// Adds a fitted number.
-void lac_fit_add(lac_fit *fit, const char *key, double value);
-
 /// Misfit of v = B/(remaining - t) to velocities as inverse velocities: rms and misfit.
 void lac_fit_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
                            lac_fit *fit);

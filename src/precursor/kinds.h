@@ -8,13 +8,6 @@ extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodi
     lac_precursor_b_value, lac_precursor_b_positive, lac_precursor_event_rate, lac_precursor_moment,
     lac_precursor_slip_fraction, lac_precursor_length;
 
-/// Says why there is no value. @return LAC_OK
-lac_status lac_precursor_refuse(lac_fit *found, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-/// Adds a value.
-void lac_precursor_add(lac_fit *found, const char *key, double value);
-
 /// Moment magnitudes (Hanks & Kanamori 1979) of the events that have a moment; the caller frees.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "precursor/kinds.h"
@@ -17,22 +15,6 @@ const lac_precursor_kind *lac_precursor_kind_at(size_t index)
     return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
 }
 
-lac_status lac_precursor_refuse(lac_fit *found, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(found->reason, sizeof found->reason, format, args);
-    va_end(args);
-    return LAC_OK;
-}
-
-void lac_precursor_add(lac_fit *found, const char *key, double value)
-{
-    if (found->count < LAC_FORECAST_VALUES) {
-        found->value[found->count++] = (lac_fitted){key, value};
-    }
-}
-
 lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
                                lac_error *err)
 {
@@ -42,11 +24,11 @@ lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, siz
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
         if (kind->needs == LAC_NEEDS_EVENTS && seen->events == NULL) {
-            (void)lac_precursor_refuse(&p->found, "needs a catalogue of events: a run of a case "
-                                                  "with analysis: {events: ...}");
+            (void)lac_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
+                                            "with analysis: {events: ...}");
         } else if (kind->needs == LAC_NEEDS_CELLS && seen->slip == NULL) {
-            (void)lac_precursor_refuse(&p->found, "needs cells: a run of a case with analysis: "
-                                                  "{rg: ...}");
+            (void)lac_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
+                                            "{rg: ...}");
         } else {
             LAC_TRY(kind->look(seen, &p->found, err));
         }
