@@ -102,7 +102,7 @@ static void print_methods(const lac_outlook *o)
     printf("\n");
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_kind *kind = o->forecast[k].kind;
-        (void)snprintf(text, sizeof text, "%s: %s (%s)", kind->about.name, kind->estimator,
+        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->about.name, kind->estimator,
                        kind->about.reference);
         cli_wrap("  ", text);
     }

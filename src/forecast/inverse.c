@@ -46,7 +46,7 @@ static lac_status fit_last(const lac_window *w, size_t n, lac_fit *fit)
     const double *v = w->velocity + (w->velocities - n);
     for (size_t i = 0; i < n; i++) {
         if (!(v[i] > 0.0)) {
-            return lac_fit_refuse(fit, "%zu of the %zu velocities is not above 0", (size_t)1, n);
+            return lac_fit_refuse(fit, "a velocity of the %zu is not above 0", n);
         }
     }
     const line l = fit_line(n, t, v);
