@@ -85,7 +85,8 @@ foreach(page ${tutorials})
 endforeach()
 
 # The library's allocations fail one after the other.
-add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c)
+add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c
+               memory/forecast.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})
