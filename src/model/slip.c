@@ -60,15 +60,6 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
-// Slip counts as the state that it renews and the traction that it takes off: dc, or the slip that
-// takes a p off against the cell's stiffness, whichever is less.
-static double scale(const lac_problem *problem, size_t cell)
-{
-    double dc = problem->friction->column[LAC_DC][cell];
-    double traction = lac_implicit_traction_scale(problem, cell);
-    return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
-}
-
 // The traction follows from the loads: slip does not jump.
 static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
@@ -81,11 +72,14 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .name = "slip",
                                                    .unknown = "slip",
+                                                   .unknowns = 2,
+                                                   .arrays = 5,
+                                                   .solved = true,
                                                    .either_sign = true,
                                                    .has_slip = true,
                                                    .start = start,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = scale,
+                                                   .scale = lac_implicit_slip_scale,
                                                    .jump = jump};
