@@ -163,6 +163,12 @@ bool lac_problem_pressed(const lac_problem *problem, double t);
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);
 
+/// Whether a cell with mass comes to rest for good: its friction, so little of it direct effect,
+/// would hold it at a slip rate below e^-600 m/s only, which are no numbers.
+/// @param cell  the first that does; untouched where none does
+bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work);
+
 /// What is asked of the initial rate and state (a case's section `initial`).
 typedef enum lac_initial_state {
     LAC_STATE_FROM_LOAD, ///< theta balances the load at the given rate

@@ -2,6 +2,7 @@
 // Unknowns (x, ln theta, slip) of cells that carry the mass of a block: momentum in the place of
 // the balance; docs/theory/momentum.md. v = exp(x) where friction has the plain form, which knows
 // v > 0 only, and v = 2 v_s sinh(x) of either sign where it is regularised.
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -9,9 +10,24 @@
 #include "model/implicit.h"
 #include "model/internal.h"
 
+// Where regularised friction turns linear in v, less what healing may take off it: the x of a cell at
+// rest then goes with its traction.
+static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
+{
+    const double healing = 20.0;                   // e-folds of v
+    const double least = -575.0, greatest = -10.0; // of ln v_s
+    double scale = greatest;
+    for (size_t i = 0; i < problem->n; i++) {
+        double u = def->log_rate[i];
+        double a = problem->friction->column[LAC_A][i];
+        double f = lac_friction_plain(problem->friction, i, u, def->log_state[i]);
+        scale = fmin(scale, a > 0.0 ? u - f / a - healing : least);
+    }
+    return exp(fmax(scale, least));
+}
+
 lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
-    const double below = 1e-3; // the slowest start, for v_s: slip that stops goes no slower
     bool named = def->formulation == LAC_FORMULATION_INERTIA;
     if (def->mass == 0.0 && !named) {
         return LAC_OK;
@@ -26,15 +42,10 @@ lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, la
         return lac_fail(err, LAC_EINPUT, "the formulation \"%s\" knows no inertia",
                         problem->kind->name);
     }
-    double slowest = INFINITY;
-    for (size_t i = 0; i < problem->n; i++) {
-        slowest = fmin(slowest, def->log_rate[i]);
-    }
     problem->kind = &lac_formulation_inertia;
     problem->mass = def->mass * problem->spring_share;
     problem->columns = problem->n == 1 ? 1.0 : def->columns;
-    problem->slow =
-        problem->friction->form == LAC_FORM_PLAIN ? 0.0 : below * exp(fmax(slowest, -500.0));
+    problem->slow = problem->friction->form == LAC_FORM_PLAIN ? 0.0 : slow_scale(problem, def);
     return LAC_OK;
 }
 
@@ -104,14 +115,35 @@ static double slope(const lac_problem *problem, double v)
     return problem->slow == 0.0 ? v : sqrt(v * v + 4.0 * problem->slow * problem->slow);
 }
 
+// q - K slip - p f - eta v of every cell, in ws->kv; gives back the mean. What is left of a balance
+// is rounding and taken for none: over a small mass it would be an acceleration without bounds.
+// @param wdot  [n] d ln theta/dt; NULL where not wanted
+static double find_forces(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *y, double *wdot,
+                          const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    const double *slip = y + 2 * n;
+    double total = 0.0;
+    lac_problem_pull(problem, drive, slip, ws->kv, ws->scratch);
+    (void)lac_problem_unbalanced(problem, drive, motion, y + n, ws->kv, wdot);
+    for (size_t i = 0; i < n; i++) {
+        double size = problem->pressure[i] + fabs(problem->traction0[i]) +
+                      problem->stiffness * fabs(slip[i]);
+        if (fabs(ws->kv[i]) <= 2.0 * DBL_EPSILON * size) {
+            ws->kv[i] = 0.0;
+        }
+        total += ws->kv[i];
+    }
+    return total / (double)n;
+}
+
 static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
                        double *ydot, const lac_workspace *ws)
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_pull(problem, drive, y + 2 * n, ws->kv, ws->scratch);
-    double total = lac_problem_unbalanced(problem, drive, &motion, y + n, ws->kv, ydot + n);
-    double mean = total / (double)n;
+    double mean = find_forces(problem, drive, &motion, y, ydot + n, ws);
     double check = 0.0;
     for (size_t i = 0; i < n; i++) {
         double v = motion.v[i];
@@ -123,14 +155,11 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 }
 
 // slope = dv/dx and bend = 1 + gamma (dx/dt) (d2v/dx2)/(dv/dx) at the state.
-static void linearise(const lac_problem *problem, const lac_implicit *at, const double *slip,
+static void linearise(const lac_problem *problem, const lac_implicit *at, const double *y,
                       const lac_workspace *ws)
 {
-    size_t n = problem->n;
-    lac_problem_pull(problem, at->drive, slip, ws->kv, ws->scratch);
-    double mean =
-        lac_problem_unbalanced(problem, at->drive, at->motion, at->w, ws->kv, NULL) / (double)n;
-    for (size_t i = 0; i < n; i++) {
+    double mean = find_forces(problem, at->drive, at->motion, y, NULL, ws);
+    for (size_t i = 0; i < problem->n; i++) {
         double v = at->motion->v[i];
         ws->slope[i] = slope(problem, v);
         double rate = acceleration(problem, i, ws->kv[i], mean) / ws->slope[i];
@@ -231,7 +260,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
     lac_implicit at = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
-    linearise(problem, &at, y + 2 * n, ws);
+    linearise(problem, &at, y, ws);
     if (!reduce(problem, &at, b, ws) || !solve(problem, &at, b, ws)) {
         return false;
     }
@@ -248,18 +277,43 @@ double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, c
                            const lac_workspace *ws)
 {
     const double felt = 1e-3; // of an e-fold of v that balances
-    size_t n = problem->n;
     double fastest = 0.0;
     lac_motion motion = move(problem, drive, y, ws, false);
-    lac_problem_pull(problem, drive, y + 2 * n, ws->kv, ws->scratch);
-    double total = lac_problem_unbalanced(problem, drive, &motion, y + n, ws->kv, NULL);
-    for (size_t i = 0; i < n; i++) {
-        double rate = acceleration(problem, i, ws->kv[i], total / (double)n);
+    double mean = find_forces(problem, drive, &motion, y, NULL, ws);
+    for (size_t i = 0; i < problem->n; i++) {
+        double rate = acceleration(problem, i, ws->kv[i], mean);
         if (fabs(ws->kv[i]) > felt * lac_implicit_traction_scale(problem, i)) {
             fastest = fmax(fastest, fabs(rate) / slope(problem, motion.v[i]));
         }
     }
     return fastest;
+}
+
+bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work)
+{
+    const double nothing = 1e-200; // m/s
+    const double slowest = LAC_SLOWEST;
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
+        return false;
+    }
+    lac_motion motion = move(problem, &drive, y, &ws, false);
+    size_t i = 0;
+    while (i < problem->n && !(fabs(motion.v[i]) < nothing)) {
+        i++;
+    }
+    if (i == problem->n) {
+        return false;
+    }
+    double f = lac_friction_coefficient(problem->friction, i, slowest, y[problem->n + i]);
+    lac_problem_pull(problem, &drive, y + 2 * problem->n, ws.kv, ws.scratch);
+    if (!(fabs(ws.kv[i]) < problem->pressure[i] * drive.share * f)) {
+        return false;
+    }
+    *cell = i;
+    return true;
 }
 
 void lac_inertia_unexplained(const lac_problem *problem, double *force)

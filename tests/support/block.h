@@ -11,6 +11,7 @@ typedef struct block_def {
     double f0, a, b, dc, v0;
     double v1, v2, alpha, vc; // 0: none, or the default
     double pressure, damping;
+    double mass, columns; // [kg/m2], [1]; 0: none
     double slip_rate; // at the start
     double x;         // theta/theta_ss under the load that follows
     double theta;     // instead of x [s]; 0: x counts
