@@ -163,8 +163,11 @@ bool lac_problem_pressed(const lac_problem *problem, double t);
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);
 
+/// ln|v| below which a cell with mass is at rest: slower, m/step^2 soon leaves the numbers.
+#define LAC_AT_REST (-300.0)
+
 /// Whether a cell with mass comes to rest for good: its friction, so little of it direct effect,
-/// would hold it at a slip rate below e^-600 m/s only, which are no numbers.
+/// would hold it below LAC_AT_REST only.
 /// @param cell  the first that does; untouched where none does
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);

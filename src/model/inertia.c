@@ -14,8 +14,8 @@
 // rest then goes with its traction.
 static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
 {
-    const double healing = 20.0;                   // e-folds of v
-    const double least = -575.0, greatest = -10.0; // of ln v_s
+    const double healing = 20.0; // e-folds of v
+    const double least = LAC_AT_REST, greatest = -10.0;
     double scale = greatest;
     for (size_t i = 0; i < problem->n; i++) {
         double u = def->log_rate[i];
@@ -112,7 +112,7 @@ static lac_motion move(const lac_problem *problem, const lac_drive *drive, const
 // dv/dx
 static double slope(const lac_problem *problem, double v)
 {
-    return problem->slow == 0.0 ? v : sqrt(v * v + 4.0 * problem->slow * problem->slow);
+    return problem->slow == 0.0 ? v : hypot(v, 2.0 * problem->slow);
 }
 
 // q - K slip - p f - eta v of every cell, in ws->kv; gives back the mean. What is left of a balance
@@ -292,8 +292,7 @@ double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, c
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
-    const double nothing = 1e-200; // m/s
-    const double slowest = LAC_SLOWEST;
+    const double nothing = 1e-25; // m/s
     lac_workspace ws = lac_problem_split(problem, work);
     lac_drive drive;
     if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
@@ -307,9 +306,14 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     if (i == problem->n) {
         return false;
     }
-    double f = lac_friction_coefficient(problem->friction, i, slowest, y[problem->n + i]);
-    lac_problem_pull(problem, &drive, y + 2 * problem->n, ws.kv, ws.scratch);
-    if (!(fabs(ws.kv[i]) < problem->pressure[i] * drive.share * f)) {
+    // What drives the cell besides its friction: traction, and the block that it is part of.
+    const double *w = y + problem->n;
+    double p = problem->pressure[i] * drive.share;
+    double mean = find_forces(problem, &drive, &motion, y, NULL, &ws);
+    double held = copysign(p * lac_friction_coefficient(problem->friction, i, motion.u[i], w[i]),
+                           motion.v[i]);
+    double driven = ws.kv[i] + held - (1.0 - problem->columns) * share_of(problem, i) * mean;
+    if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
         return false;
     }
     *cell = i;

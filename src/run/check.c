@@ -12,8 +12,8 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
     if (lac_problem_rests(problem, t, y, &cell, work)) {
         return lac_fail(err, LAC_ENUMERIC,
                         "cell %zu comes to rest at t = %.17g s: with so small a direct effect a "
-                        "its friction holds it only below exp(%g) m/s, where numbers end",
-                        cell, t, LAC_SLOWEST);
+                        "its friction holds it only below %.2g m/s, beyond what is followed",
+                        cell, t, exp(LAC_AT_REST));
     }
     if (lac_problem_slips(problem, t, y, &cell, work)) {
         return LAC_OK;
