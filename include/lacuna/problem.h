@@ -88,8 +88,8 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
 /// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
 /// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
-/// times finer, for ln v is b/a times as far off. An unknown counts no finer than a double resolves
-/// it.
+/// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a p
+/// over the stiffness. An unknown counts no finer than a double resolves it.
 /// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 

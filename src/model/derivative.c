@@ -2,7 +2,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/implicit.h"
 #include "model/internal.h"
 
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
@@ -44,10 +43,8 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
         double state = rtol * state_scale(problem, i);
         weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
     }
-    size_t third = 2 * problem->n; // slip, where cells have mass
-    for (size_t i = 0; problem->kind->unknowns == 3 && i < problem->n; i++) {
-        double error = rtol * lac_implicit_slip_scale(problem, i);
-        weight[third + i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[third + i]));
+    if (problem->mass > 0.0) {
+        lac_inertia_weigh_slip(problem, y + 2 * problem->n, rtol, weight + 2 * problem->n);
     }
 }
 

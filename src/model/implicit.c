@@ -50,10 +50,3 @@ double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
     double effect = a > 0.0 ? a : b;
     return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
 }
-
-double lac_implicit_slip_scale(const lac_problem *problem, size_t cell)
-{
-    double dc = problem->friction->column[LAC_DC][cell];
-    double traction = lac_implicit_traction_scale(problem, cell);
-    return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
-}

@@ -22,8 +22,4 @@ bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, dou
 // Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);
 
-// Slip counts as the state that it renews and the traction that it takes off: dc, or the slip that
-// takes a p off against the cell's stiffness, whichever is less [m].
-double lac_implicit_slip_scale(const lac_problem *problem, size_t cell);
-
 #endif

@@ -273,6 +273,20 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
+// v and theta have errors of their own: slip counts as the traction that it takes off, and as itself.
+void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, double rtol,
+                            double *weight)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        double worth = problem->friction->column[LAC_DC][i] + fabs(slip[i]);
+        double traction = lac_implicit_traction_scale(problem, i);
+        if (traction < problem->stiffness * worth) {
+            worth = traction / problem->stiffness;
+        }
+        weight[i] = 1.0 / fmax(rtol * worth, 8.0 * DBL_EPSILON * fabs(slip[i]));
+    }
+}
+
 double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,
                            const lac_workspace *ws)
 {

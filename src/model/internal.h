@@ -111,6 +111,10 @@ extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction
 // Takes the block's mass: m, how it is spread and the scale of x. Nothing where there is none.
 lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err);
 
+// Error weights of the slip of cells with mass, as in lac_problem_weights. @param slip, weight  [n]
+void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, double rtol,
+                            double *weight);
+
 // The fastest e-folding of v that forces out of balance bring about [1/s].
 // @param ws  u and v hold the motion
 double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,

@@ -60,6 +60,15 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
+// Slip counts as the state that it renews and the traction that it takes off: dc, or the slip that
+// takes a p off against the cell's stiffness, whichever is less.
+static double scale(const lac_problem *problem, size_t cell)
+{
+    double dc = problem->friction->column[LAC_DC][cell];
+    double traction = lac_implicit_traction_scale(problem, cell);
+    return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
+}
+
 // The traction follows from the loads: slip does not jump.
 static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
@@ -81,5 +90,5 @@ const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = lac_implicit_slip_scale,
+                                                   .scale = scale,
                                                    .jump = jump};
