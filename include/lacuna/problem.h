@@ -88,8 +88,8 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
 /// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
 /// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
-/// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a p
-/// over the stiffness. An unknown counts no finer than a double resolves it.
+/// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a
+/// p over the stiffness. An unknown counts no finer than a double resolves it.
 /// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
@@ -116,7 +116,8 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
                         double *b, double *work);
 
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
-/// what has mass, and the state only where it responds to the normal pressure (alpha) and that jumps.
+/// what has mass, and the state only where it responds to the normal pressure (alpha) and that
+/// jumps.
 /// @return true; false where no rate balances the traction
 bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 

@@ -29,8 +29,9 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
      .min = 1e-6,
      .max = 1,
      .offset = FIELD(inertia.columns),
-     .doc = "part of the mass that stands on the cells as columns of their own; the rest moves with "
-            "the mean of their slip rates, a rigid block. 1: every cell is free to move by itself"},
+     .doc =
+         "part of the mass that stands on the cells as columns of their own; the rest moves with "
+         "the mean of their slip rates, a rigid block. 1: every cell is free to move by itself"},
 };
 
 double lac_inertia_mass(const lac_case *c)

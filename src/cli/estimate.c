@@ -219,8 +219,10 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
-    e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
-                  (cell_step_seconds * (massive ? massive_factor : 1) * cells + elastic_seconds(c, e)) * e->steps;
+    e->cpu_time =
+        contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
+        (cell_step_seconds * (massive ? massive_factor : 1) * cells + elastic_seconds(c, e)) *
+            e->steps;
     return status;
 }
 
@@ -238,7 +240,8 @@ void cli_estimate_print(const cli_estimate *e)
     if (!isnan(e->contact_cells)) {
         char unknowns[40] = "";
         if (e->integrated) {
-            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns", e->unknowns * e->contact_cells);
+            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns",
+                           e->unknowns * e->contact_cells);
         }
         printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
                unknowns);

@@ -65,8 +65,7 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
     lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    double fastest =
-        problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
+    double fastest = problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length =

@@ -10,8 +10,8 @@
 #include "model/implicit.h"
 #include "model/internal.h"
 
-// Where regularised friction turns linear in v, less what healing may take off it: the x of a cell at
-// rest then goes with its traction.
+// Where regularised friction turns linear in v, less what healing may take off it: the x of a cell
+// at rest then goes with its traction.
 static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
 {
     const double healing = 20.0; // e-folds of v
@@ -32,7 +32,8 @@ lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, la
     if (def->mass == 0.0 && !named) {
         return LAC_OK;
     }
-    if (!(def->mass > 0.0) || !isfinite(def->mass) || !(def->columns > 0.0 && def->columns <= 1.0)) {
+    if (!(def->mass > 0.0) || !isfinite(def->mass) ||
+        !(def->columns > 0.0 && def->columns <= 1.0)) {
         return lac_fail(err, LAC_EINPUT,
                         "a block of %g kg/m2 with %g of it in columns: the mass must be > 0, the "
                         "part in (0, 1]",
@@ -128,8 +129,8 @@ static double find_forces(const lac_problem *problem, const lac_drive *drive,
     lac_problem_pull(problem, drive, slip, ws->kv, ws->scratch);
     (void)lac_problem_unbalanced(problem, drive, motion, y + n, ws->kv, wdot);
     for (size_t i = 0; i < n; i++) {
-        double size = problem->pressure[i] + fabs(problem->traction0[i]) +
-                      problem->stiffness * fabs(slip[i]);
+        double size =
+            problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
         if (fabs(ws->kv[i]) <= 2.0 * DBL_EPSILON * size) {
             ws->kv[i] = 0.0;
         }
@@ -221,8 +222,7 @@ static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
     double mean = at->drive->spring_stiffness + kappa;
     double *shares = ws->kv; // both used up
     double *ones = ws->u;
-    bool good =
-        transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);
+    bool good = transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);
     if (!good || kappa == 0.0) {
         return good;
     }
@@ -273,7 +273,8 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
-// v and theta have errors of their own: slip counts as the traction that it takes off, and as itself.
+// v and theta have errors of their own: slip counts as the traction that it takes off, and as
+// itself.
 void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, double rtol,
                             double *weight)
 {

@@ -35,8 +35,7 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
 static double fastest(const lac_problem *problem)
 {
     lac_formulation formulation = lac_problem_formulation(problem);
-    bool solved =
-        formulation == LAC_FORMULATION_TRACTION || formulation == LAC_FORMULATION_SLIP;
+    bool solved = formulation == LAC_FORMULATION_TRACTION || formulation == LAC_FORMULATION_SLIP;
     return solved ? exp(LAC_FASTEST) * (1.0 - 1e-9) : DBL_MAX;
 }
 

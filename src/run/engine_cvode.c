@@ -239,8 +239,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu",
-                       lac_engine_unknown(engine, worst), worst % engine->n);
+                       "; worst unknown: %s of cell %zu", lac_engine_unknown(engine, worst),
+                       worst % engine->n);
     }
     return status;
 }

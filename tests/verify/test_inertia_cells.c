@@ -127,7 +127,8 @@ static void make_dense(const tree_def *def, const tree *t, dense *d)
         d->k[r][c] = spring_stiffness * area / (double)d->n;
         double stiffness = def->k0;
         for (size_t l = 0; l < (size_t)def->levels; l++, stiffness *= def->ratio) {
-            d->k[r][c] += stiffness * (projection(domain, r, c, l) - projection(domain, r, c, l + 1));
+            d->k[r][c] +=
+                stiffness * (projection(domain, r, c, l) - projection(domain, r, c, l + 1));
         }
     }
     invert(d);
