@@ -51,7 +51,7 @@ set_tests_properties(case.test_extremes PROPERTIES LABELS "case;extreme" TIMEOUT
 # Runs that are stopped and go on.
 add_test(NAME case.test_resume
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_resume.py
-                 $<TARGET_FILE:lacuna_program>)
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_resume PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
 
