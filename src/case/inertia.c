@@ -52,7 +52,7 @@ static void warn_explicit(lac_reader *reader, const lac_case *c, double pressure
         return;
     }
     double time = lac_inertia_mass(c) * c->initial.slip_rate / (law->a * pressure);
-    if (c->run.end > many * time) {
+    if (time > 0.0 && c->run.end > many * time) {
         lac_warn(reader, "solver.method",
                  "takes steps of about m v/(a p) = %.2g s while the block creeps; bdf does not",
                  time);
