@@ -7,7 +7,7 @@ include(cli.cmake)
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
 file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml
-     ${CMAKE_SOURCE_DIR}/cases/load/*.yaml
+     ${CMAKE_SOURCE_DIR}/cases/load/*.yaml ${CMAKE_SOURCE_DIR}/cases/momentum/*.yaml
      ${CMAKE_SOURCE_DIR}/cases/peers/*.yaml ${CMAKE_SOURCE_DIR}/cases/transfer/*.yaml)
 foreach(bundled ${bundled_cases})
   get_filename_component(name ${bundled} NAME_WE)

@@ -277,6 +277,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);
+    lac_check_inertia(reader, c, normal_stress(reader, c));
     lac_check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);

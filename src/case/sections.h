@@ -8,6 +8,7 @@ enum {
     LAC_SECTION_CASE = 0, ///< indices of lac_section_at
     LAC_SECTION_INTERFACE,
     LAC_SECTION_MATERIAL,
+    LAC_SECTION_INERTIA,
     LAC_SECTION_LOAD,
     LAC_SECTION_HISTORY,
     LAC_SECTION_INITIAL,
@@ -47,6 +48,14 @@ extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
 
 /// What is wrong with the solver; chooses the formulation where the case leaves it open.
 void lac_check_solver(lac_reader *reader, lac_case *c);
+
+/// The keys of `inertia`.
+enum { LAC_INERTIA_ROWS = 3 };
+extern const lac_param lac_inertia_rows[LAC_INERTIA_ROWS];
+
+/// What is wrong with the mass of the block; it chooses the formulation.
+/// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
+void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
 
 /// The keys of `rg`.
 enum { LAC_RG_ROWS = 9 };

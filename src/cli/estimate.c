@@ -15,6 +15,7 @@
 // Measured on one core: memory of the program with its libraries, of a contact cell while it is
 // integrated; time of a step of a contact cell.
 static const double base_bytes = 24e6, contact_cell_bytes = 550, cell_step_seconds = 0.2e-6;
+static const double massive_factor = 3; // on the last where a block has mass
 
 // Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
 // that, and of the calibration of one level's elastic stiffness.
@@ -150,7 +151,7 @@ static void count_memory(const lac_case *c, double cells, cli_estimate *e)
     double grid =
         grid_costs[boundary].bytes + (e->integrated ? 0 : grid_costs[boundary].kept_bytes);
     grid += follows_history(c, e) ? history_costs[boundary].bytes : 0;
-    double integration = e->integrated ? contact_cell_bytes * cells : 0;
+    double integration = e->integrated ? 0.5 * e->unknowns * contact_cell_bytes * cells : 0;
     e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
 }
 
@@ -212,12 +213,16 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
         e->contact_cells = e->grid_cells;
         e->exact = true;
     }
+    bool massive = lac_inertia_mass(c) > 0;
+    e->unknowns = massive ? 3 : 2;
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
-    e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
-                  (cell_step_seconds * cells + elastic_seconds(c, e)) * e->steps;
+    e->cpu_time =
+        contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
+        (cell_step_seconds * (massive ? massive_factor : 1) * cells + elastic_seconds(c, e)) *
+            e->steps;
     return status;
 }
 
@@ -235,7 +240,8 @@ void cli_estimate_print(const cli_estimate *e)
     if (!isnan(e->contact_cells)) {
         char unknowns[40] = "";
         if (e->integrated) {
-            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns", 2 * e->contact_cells);
+            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns",
+                           e->unknowns * e->contact_cells);
         }
         printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
                unknowns);
@@ -269,7 +275,7 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "grid_cells", e->grid_cells);
     cli_json_number(json, "contact_cells", round(e->contact_cells));
     cli_json_boolean(json, "contact_cells_exact", e->exact);
-    cli_json_number(json, "unknowns", 2 * round(e->contact_cells));
+    cli_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
     cli_json_number(json, "memory_bytes", round(e->memory));
     cli_json_number(json, "cpu_time_s", e->cpu_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
