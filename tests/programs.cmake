@@ -2,37 +2,58 @@
 # Tests that call programs: the command line, the bundled cases and what they write.
 include(cli.cmake)
 
-# Every bundled case checks, runs (one without time: is pressed and sheared), and writes a file that
-# meets CF and opens in xarray.
+# Every bundled case checks, and runs by the command that it is for: what it writes meets CF and opens
+# in xarray. A folder is one group: case.GROUP.NAME.check and .run, case.GROUP.cf of all its files.
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
-file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/*.yaml
-     ${CMAKE_SOURCE_DIR}/cases/load/*.yaml
-     ${CMAKE_SOURCE_DIR}/cases/peers/*.yaml ${CMAKE_SOURCE_DIR}/cases/transfer/*.yaml)
-foreach(bundled ${bundled_cases})
-  get_filename_component(name ${bundled} NAME_WE)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}.nc)
-  add_test(NAME case.${name}.check COMMAND lacuna_program check -q ${bundled})
-  set(shorter)
-  if(name MATCHES "^(periodic-line|plane-patch)$")
-    # half a minute to their ends, which verify.test_peers and tools/bench look at
-    set(shorter --set "time.end=1e8 s")
-  endif()
-  file(STRINGS ${bundled} timed REGEX "^time:")
-  set(command run)
-  if(NOT timed)
-    set(command contact)
-  endif()
-  add_test(NAME case.${name}.run
-           COMMAND lacuna_program ${command} ${bundled} ${shorter} -o ${output} --force
-                   --no-progress)
-  add_test(NAME case.${name}.cf
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py ${output})
-  set_tests_properties(case.${name}.check case.${name}.run case.${name}.cf PROPERTIES
-                       LABELS case ENVIRONMENT ${case_environment})
-  set_tests_properties(case.${name}.run PROPERTIES FIXTURES_SETUP output_${name} TIMEOUT 300)
-  set_tests_properties(case.${name}.cf PROPERTIES FIXTURES_REQUIRED output_${name})
+
+# lacuna_cases(GROUP COMMAND [--set KEY=VALUE...]): a case without `time` is run by `contact` where
+# COMMAND is run.
+function(lacuna_cases group command)
+  string(REPLACE "cases" "" folder "/${group}")
+  file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases${folder}/*.yaml)
+  set(outputs)
+  foreach(bundled ${bundled_cases})
+    get_filename_component(name ${bundled} NAME_WE)
+    set(test case.${group}.${name})
+    set(output ${CMAKE_CURRENT_BINARY_DIR}/${group}-${name}.nc)
+    list(APPEND outputs ${output})
+    set(changed ${ARGN})
+    if(name MATCHES "^(periodic-line|plane-patch)$")
+      # half a minute to their ends, which verify.test_peers and tools/bench look at
+      list(APPEND changed --set "time.end=1e8 s")
+    endif()
+    set(how ${command})
+    file(STRINGS ${bundled} timed REGEX "^time:")
+    if(command STREQUAL run AND NOT timed)
+      set(how contact)
+    endif()
+    add_test(NAME ${test}.check COMMAND lacuna_program check -q ${bundled})
+    add_test(NAME ${test}.run
+             COMMAND lacuna_program ${how} ${bundled} ${changed} -o ${output} --force --no-progress)
+    set_tests_properties(${test}.check ${test}.run PROPERTIES LABELS case
+                         ENVIRONMENT ${case_environment} TIMEOUT 300)
+    set_tests_properties(${test}.run PROPERTIES FIXTURES_SETUP outputs_${group})
+  endforeach()
+  add_test(NAME case.${group}.cf
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                   --status complete ${outputs})
+  set_tests_properties(case.${group}.cf PROPERTIES LABELS case ENVIRONMENT ${case_environment}
+                       FIXTURES_REQUIRED outputs_${group})
+endfunction()
+
+foreach(group cases domain friction load normal peers solver surface transfer)
+  lacuna_cases(${group} run)
 endforeach()
+lacuna_cases(contact contact --set interface.levels=9)
+lacuna_cases(rg rg --set interface.levels=7)
+
+# The small cases of one model each show what their first lines say.
+add_test(NAME case.test_small_cases
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_small_cases.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_small_cases PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
 
 # Loads that change in time, and the files that they come from.
 add_test(NAME case.test_loads
@@ -74,25 +95,6 @@ target_link_options(unit_test_memory PRIVATE
 add_test(NAME unit.test_memory COMMAND unit_test_memory)
 set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})
 
-# Cases for `lacuna contact`: each checks, is pressed, and its file meets CF.
-file(GLOB contact_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/contact/*.yaml)
-foreach(bundled ${contact_cases})
-  get_filename_component(name ${bundled} NAME_WE)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-contact.nc)
-  add_test(NAME case.contact.${name}.check COMMAND lacuna_program check -q ${bundled})
-  add_test(NAME case.contact.${name}.run
-           COMMAND lacuna_program contact ${bundled} -o ${output} --force
-                   --set interface.levels=9)
-  add_test(NAME case.contact.${name}.cf
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
-                   --status complete ${output})
-  set_tests_properties(case.contact.${name}.check case.contact.${name}.run
-                       case.contact.${name}.cf PROPERTIES LABELS case
-                       ENVIRONMENT ${case_environment})
-  set_tests_properties(case.contact.${name}.run PROPERTIES FIXTURES_SETUP contact_${name})
-  set_tests_properties(case.contact.${name}.cf PROPERTIES FIXTURES_REQUIRED contact_${name})
-endforeach()
-
 # The fractal measures as the program gives them, and the tools that read them.
 add_test(NAME case.test_fractal
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_fractal.py
@@ -109,40 +111,7 @@ foreach(program test_rg test_rg_file)
                        ENVIRONMENT ${case_environment})
 endforeach()
 
-# Cases for `lacuna rg`: each checks, runs, and its file meets CF.
-file(GLOB rg_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/rg/*.yaml)
-foreach(bundled ${rg_cases})
-  get_filename_component(name ${bundled} NAME_WE)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-rg.nc)
-  add_test(NAME case.rg.${name}.check COMMAND lacuna_program check -q ${bundled})
-  add_test(NAME case.rg.${name}.run
-           COMMAND lacuna_program rg ${bundled} -o ${output} --force --set interface.levels=7)
-  add_test(NAME case.rg.${name}.cf
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
-                   --status complete ${output})
-  set_tests_properties(case.rg.${name}.check case.rg.${name}.run case.rg.${name}.cf
-                       PROPERTIES LABELS case ENVIRONMENT ${case_environment})
-  set_tests_properties(case.rg.${name}.run PROPERTIES FIXTURES_SETUP rg_${name})
-  set_tests_properties(case.rg.${name}.cf PROPERTIES FIXTURES_REQUIRED rg_${name})
-endforeach()
-
-# Cases of friction: each checks, runs, and its file meets CF; and shows what it says.
-file(GLOB friction_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases/friction/*.yaml)
-foreach(bundled ${friction_cases})
-  get_filename_component(name ${bundled} NAME_WE)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}-friction.nc)
-  add_test(NAME case.friction.${name}.check COMMAND lacuna_program check -q ${bundled})
-  add_test(NAME case.friction.${name}.run
-           COMMAND lacuna_program run ${bundled} -o ${output} --force --no-progress)
-  add_test(NAME case.friction.${name}.cf
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
-                   --status complete ${output})
-  set_tests_properties(case.friction.${name}.check case.friction.${name}.run
-                       case.friction.${name}.cf PROPERTIES LABELS case
-                       ENVIRONMENT ${case_environment})
-  set_tests_properties(case.friction.${name}.run PROPERTIES FIXTURES_SETUP friction_${name})
-  set_tests_properties(case.friction.${name}.cf PROPERTIES FIXTURES_REQUIRED friction_${name})
-endforeach()
+# The cases of friction show what they say.
 add_test(NAME case.test_friction
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_friction.py
                  $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})

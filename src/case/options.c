@@ -5,8 +5,9 @@
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-#define CVODES \
-    "Hindmarsh et al. (2005) ACM Trans. Math. Softw. 31, 363, doi 10.1145/1089014.1089020 (CVODES)"
+#define CVODES                                                                              \
+    "Hindmarsh et al. (2005) ACM Trans. Math. Softw. 31, 363, doi 10.1145/1089014.1089020 " \
+    "(CVODES)"
 #define PAPER "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117"
 
 static const lac_descriptor momenta[] = {
@@ -23,7 +24,8 @@ static const lac_descriptor methods[] = {
      .summary = "implicit backward differences of order 1 to 5: stiff problems, the long creep",
      .reference = CVODES "; docs/theory/creep.md, eq. 5"},
     {.name = "adams",
-     .summary = "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
+     .summary =
+         "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
      .reference = CVODES},
     {.name = "erk",
      .summary = "explicit Runge-Kutta of order 2 to 8, Dormand-Prince 5(4) by default: earthquake "

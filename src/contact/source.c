@@ -16,7 +16,8 @@ static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *o
 }
 
 static const lac_domain_source full = {
-    .about = {.name = "full", .summary = "every cell is in contact",
+    .about = {.name = "full",
+              .summary = "every cell is in contact",
               .reference = "docs/theory/contact.md, \"Full contact\""},
     .fill = fill_full,
 };
@@ -125,8 +126,9 @@ static const lac_domain_source random_cascade = {
     .about = {.name = "cascade",
               .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
                          "least one",
-              .reference = "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
-                           "docs/theory/transfer.md, \"Random cascades\"",
+              .reference =
+                  "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
+                  "docs/theory/transfer.md, \"Random cascades\"",
               .params = cascade_params,
               .param_count = sizeof cascade_params / sizeof *cascade_params,
               .params_size = sizeof(lac_cascade)},

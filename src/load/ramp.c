@@ -92,7 +92,7 @@ const lac_load_kind lac_shear_ramp = {
     .about = {.name = "ramp",
               .summary = "shear stress that changes at a constant rate between two times",
               .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
-                              "10.1029/93JB02581 (constant stressing rate)",
+                           "10.1029/93JB02581 (constant stressing rate)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),

@@ -88,7 +88,7 @@ const lac_load_kind lac_shear_sine = {
     .about = {.name = "sine",
               .summary = "shear stress that swings, as tides and machines make it",
               .reference = "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi "
-                              "10.1029/2001JB001518",
+                           "10.1029/2001JB001518",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(sine_params),
@@ -101,7 +101,7 @@ const lac_load_kind lac_pore_sine = {
     .about = {.name = "sine",
               .summary = "pore pressure that swings, as the seasons make it",
               .reference = "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi "
-                              "10.1029/2000JB900366",
+                           "10.1029/2000JB900366",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(sine_params),

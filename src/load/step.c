@@ -68,7 +68,7 @@ const lac_load_kind lac_shear_step = {
     .about = {.name = "step",
               .summary = "shear stress that comes at a stated time, for good or for a while",
               .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
-                              "10.1029/93JB02581 (stress step)",
+                           "10.1029/93JB02581 (stress step)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
