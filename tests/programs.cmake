@@ -48,6 +48,11 @@ endforeach()
 lacuna_cases(contact contact --set interface.levels=9)
 lacuna_cases(rg rg --set interface.levels=7)
 
+# The tables of docs/case.md are the program's.
+add_test(NAME case.tables COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/case_tables.py --check
+         --program $<TARGET_FILE:lacuna_program> --page ${CMAKE_SOURCE_DIR}/docs/case.md)
+set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+
 # The small cases of one model each show what their first lines say.
 add_test(NAME case.test_small_cases
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_small_cases.py
