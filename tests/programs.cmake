@@ -53,33 +53,30 @@ add_test(NAME case.tables COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/cas
          --program $<TARGET_FILE:lacuna_program> --page ${CMAKE_SOURCE_DIR}/docs/case.md)
 set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
 
+# lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
+function(lacuna_python_test name)
+  add_test(NAME case.${name}
+           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
+                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+  set(labels case ${ARGN})
+  set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600
+                       ENVIRONMENT "${case_environment}")
+endfunction()
+
 # The small cases of one model each show what their first lines say.
-add_test(NAME case.test_small_cases
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_small_cases.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_small_cases PROPERTIES LABELS case TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_small_cases)
+
+# Contact cells from files: what goes in is what comes out.
+lacuna_python_test(test_domain_file)
 
 # Loads that change in time, and the files that they come from.
-add_test(NAME case.test_loads
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_loads.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_loads PROPERTIES LABELS case TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_loads)
 
 # Numbers of extreme size, through the program.
-add_test(NAME case.test_extremes
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_extremes.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_extremes PROPERTIES LABELS "case;extreme" TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_extremes extreme)
 
 # Histories of load, and the commands of the tutorials with what they print.
-add_test(NAME case.test_history
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_history.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_history PROPERTIES LABELS case TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_history)
 file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
 foreach(page ${tutorials})
   get_filename_component(name ${page} NAME_WE)
@@ -101,38 +98,17 @@ add_test(NAME unit.test_memory COMMAND unit_test_memory)
 set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})
 
 # The fractal measures as the program gives them, and the tools that read them.
-add_test(NAME case.test_fractal
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_fractal.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_fractal PROPERTIES LABELS case TIMEOUT 600
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_fractal)
 
 # The cascade through the program, of cases and of files.
-foreach(program test_rg test_rg_file)
-  add_test(NAME case.${program}
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${program}.py
-                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-  set_tests_properties(case.${program} PROPERTIES LABELS case TIMEOUT 600
-                       ENVIRONMENT ${case_environment})
-endforeach()
+lacuna_python_test(test_rg)
+lacuna_python_test(test_rg_file)
 
 # The cases of friction show what they say.
-add_test(NAME case.test_friction
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_friction.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_friction PROPERTIES LABELS case TIMEOUT 300
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_friction)
 
 # The indicators of a run, counted again from the cells' own fields.
-add_test(NAME case.test_analysis
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_analysis.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_analysis PROPERTIES LABELS case TIMEOUT 600
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_analysis)
 
 # The catalogue of events, found again from the cells' own fields at every step.
-add_test(NAME case.test_events
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_events.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
-set_tests_properties(case.test_events PROPERTIES LABELS case TIMEOUT 600
-                     ENVIRONMENT ${case_environment})
+lacuna_python_test(test_events)

@@ -92,11 +92,10 @@ static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.surface");
 }
 
-static lac_status count_domain(const lac_case *c, const lac_grid *grid, cli_estimate *e,
-                               lac_error *err)
+static lac_status count_domain(const lac_case *c, cli_estimate *e, lac_error *err)
 {
     lac_domain *domain = NULL;
-    lac_status status = lac_domain_from_source(&c->domain, grid, mean_pressure(c), &domain, err);
+    lac_status status = lac_scene_domain_create(c, &domain, err);
     if (status == LAC_OK) {
         e->contact_cells = (double)domain->n;
         e->exact = true;
@@ -207,7 +206,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     if (c->surface.about != NULL) {
         status = estimate_surface(c, &grid, e, err);
     } else if (c->domain.about != NULL) {
-        status = count_domain(c, &grid, e, err);
+        status = count_domain(c, e, err);
     } else {
         e->contact_cells = e->grid_cells;
         e->exact = true;

@@ -13,18 +13,8 @@
 
 bool cli_rg_is_file(const char *path)
 {
-    unsigned char head[4] = {0};
     const size_t length = strlen(path);
-    if (length > 3 && strcmp(path + length - 3, ".nc") == 0) {
-        return true;
-    }
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) {
-        return false; // the reader of cases says why
-    }
-    size_t n = fread(head, 1, sizeof head, file);
-    (void)fclose(file);
-    return n == sizeof head && (memcmp(head, "\x89HDF", 4) == 0 || memcmp(head, "CDF", 3) == 0);
+    return (length > 3 && strcmp(path + length - 3, ".nc") == 0) || lac_stored_is_netcdf(path);
 }
 
 // A file holds one interface with its tractions: only rg's own keys can differ, and not all.
