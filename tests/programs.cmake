@@ -75,6 +75,9 @@ lacuna_python_test(test_loads)
 # Numbers of extreme size, through the program.
 lacuna_python_test(test_extremes extreme)
 
+# Runs that are stopped and go on.
+lacuna_python_test(test_resume)
+
 # Histories of load, and the commands of the tutorials with what they print.
 lacuna_python_test(test_history)
 file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
