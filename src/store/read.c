@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "lacuna/store_cells.h"
+#include "base/netcdf.h"
 #include "store/columns.h"
 #include "store/input.h"
 
@@ -305,5 +306,5 @@ bool lac_stored_is_netcdf(const char *path)
     if (file != NULL) {
         (void)fclose(file);
     }
-    return n == sizeof head && (memcmp(head, "\x89HDF", 4) == 0 || memcmp(head, "CDF", 3) == 0);
+    return lac_netcdf_begins(head, n);
 }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs that are stopped and go on: the file against that of a run that was not stopped.
 
-usage: test_resume.py PROGRAM [unittest options]
+usage: test_resume.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
 import json
@@ -205,8 +205,8 @@ class Resume(unittest.TestCase):
 
 def main():
     global PROGRAM
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
-    unittest.main()
+    PROGRAM = os.path.abspath(sys.argv[1])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
 
 
 if __name__ == "__main__":
