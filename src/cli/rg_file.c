@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/date.h"
-#include "base/units.h"
 #include "cli/report.h"
 #include "cli/rg.h"
 #include "cli/words.h"
@@ -71,17 +69,7 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
 
 static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
 {
-    double date;
-    if (c->dated && lac_date_parse(text, &date)) {
-        *time = date - c->start_date;
-        return LAC_OK;
-    }
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, "s", time, err);
-    }
-    lac_units_free(units);
+    lac_status status = cli_parse_time(text, c, time, err);
     return status == LAC_EINPUT
                ? lac_fail(err, status,
                           "--snapshot: \"%s\" must be last, a number from 0, or a time such as "

@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "lacuna/store_cells.h"
 #include "base/netcdf.h"
+#include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
 
