@@ -126,6 +126,41 @@ class Solvers(Small):
                 self.near(t[0] - u[0] * (t[1] - t[0]) / (u[1] - u[0]), 5.615967767843e6, 1e-5)
 
 
+class Estimates(Small):
+    """What `check` says of the steps holds; of what it cannot know it says so."""
+
+    NAMES = ("block", "century", "measured", "friction/spread", "friction/tails", "transfer/none",
+             "transfer/hierarchy", "domain/full", "load/tides", "load/ratio", "solver/bdf", "bridge")
+
+    def estimate(self, name, *words):
+        return json.loads(self.expect(0, "check", self.case(name), "--json", *words).stdout)["estimate"]
+
+    def test_steps_are_in_the_range(self):
+        for name in self.NAMES:
+            with self.subTest(name):
+                said, (took, _) = self.estimate(name), self.follow(name)
+                self.assertGreaterEqual(took["steps"], said["steps_least"])
+                known = said["steps_most"] is not None
+                self.assertEqual(known, said["cpu_time_most_s"] is not None)
+                self.assertEqual(known, said["steps_class"] != "not estimated")
+                if known:
+                    self.assertLessEqual(took["steps"], said["steps_most"])
+
+    def test_what_turns_or_drives_is_not_estimated(self):
+        for name, known in (("load/tides", False), ("peers/spring-slider", False), ("events", False),
+                            ("load/constant", True), ("vajont", True)):
+            self.assertEqual(self.estimate(name)["steps_class"] != "not estimated", known, name)
+
+    def test_a_search_and_the_cascade_count(self):
+        press, search = self.estimate("normal/pressure"), self.estimate("normal/dimension")
+        self.assertIsNone(press["cascade_time_s"])
+        self.assertGreater(search["cpu_time_most_s"], search["cpu_time_least_s"])
+        one, seeds = (self.estimate("rg/rough-joint", "--set", f"rg.seeds={n}") for n in (1, 4))
+        self.near(seeds["cascade_time_s"], 4 * one["cascade_time_s"], 1e-9)
+        self.assertIsNone(self.estimate("vajont")["cascade_time_s"])
+        self.assertGreater(self.estimate("rg/creep-to-failure")["cascade_time_s"], 0)
+
+
 class Normals(Small):
     def test_the_load_is_what_the_first_lines_say(self):
         rock = 2700 * 9.80665 * 100
