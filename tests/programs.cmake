@@ -72,6 +72,19 @@ lacuna_python_test(test_domain_file)
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
 
+# Elastic rock: what slip takes off the cells and how loads reach them.
+add_test(NAME case.test_elastic
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
+add_test(NAME case.test_elastic_limits
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
 # Numbers of extreme size, through the program.
 lacuna_python_test(test_extremes extreme)
 
