@@ -207,6 +207,8 @@ typedef struct lac_kind {
     const char *name;    ///< "friction", "transfer", "surface" ...
     const char *section; ///< where in a case it stands: "friction", "load.shear"
     const char *summary;
+    bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
+                 ///< not as {MODEL: {...}}
     const lac_descriptor *(*at)(size_t index); ///< NULL past the end
 } lac_kind;
 

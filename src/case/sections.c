@@ -93,7 +93,7 @@ static const lac_param interface_rows[] = {
 
 static const char *const interface_own[] = {"surface", "domain", "spread", NULL};
 
-static const lac_param material_rows[] = {
+const lac_param lac_material_rows[] = {
     {.key = "shear_modulus",
      .unit = "Pa",
      .fallback = NAN,
@@ -380,7 +380,7 @@ static const struct {
                                 COUNT(interface_rows)},
                                interface_own},
     [LAC_SECTION_MATERIAL] = {{"material", "the rock on both sides; no elasticity if absent",
-                               material_rows, COUNT(material_rows)},
+                               lac_material_rows, COUNT(lac_material_rows)},
                               NULL},
     [LAC_SECTION_INERTIA] = {{"inertia", "mass of the block that slides; none if absent",
                               lac_inertia_rows, LAC_INERTIA_ROWS},

@@ -30,6 +30,16 @@ lac_table lac_section_table(int section);
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
+/// The keys of `material`, of which shear_speed and density stand side by side.
+extern const lac_param lac_material_rows[];
+enum { LAC_MATERIAL_SHEAR_SPEED = 2 }; ///< its index
+
+/// What `describe` says of options that are chosen by the value of a key; NULL past the end.
+const lac_descriptor *lac_momentum_at(size_t index);
+const lac_descriptor *lac_method_at(size_t index);
+const lac_descriptor *lac_formulation_at(size_t index);
+const lac_descriptor *lac_rule_at(size_t index);
+
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
 
