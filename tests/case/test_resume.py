@@ -164,6 +164,8 @@ class Resume(unittest.TestCase):
         """Stops a run wherever it is, twice where that can be, and compares in the end."""
         words = ["-q", "--set", "solver.method=" + method,
                  "--set", "solver.formulation=" + formulation]
+        if formulation == "inertia":
+            words += ["--set", "inertia.mass_per_area=5e5 kg/m2"]
         chance = random.Random(method + formulation)
         began = time.time()
         self.run_case(0, "-o", "whole.nc", "--force", *words)
@@ -179,7 +181,7 @@ class Resume(unittest.TestCase):
 
     def test_killed_or_ended_at_any_moment(self):
         for method, formulation in (("bdf", "rate"), ("bdf", "slip"), ("adams", "slip"),
-                                    ("erk", "traction")):
+                                    ("erk", "traction"), ("bdf", "inertia")):
             for number in (signal.SIGKILL, signal.SIGTERM):
                 with self.subTest(method=method, formulation=formulation, signal=number):
                     self.setUp()
