@@ -130,6 +130,7 @@ static lac_status fit_strength(const lac_window *w, const table *b, lac_fit *fit
     LAC_TRY(lac_projection_create(&law, err));
     offer_grid(&law, &starts);
     law.scale = sqrt(starts.sum[0] / fmax(1.0, (double)w->n - 4.0));
+    law.scale = w->noise > 0.0 ? fmin(law.scale, w->noise) : law.scale; // the grid is coarse
     LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
     describe(&law, p, fit);
 out:

@@ -158,7 +158,7 @@ static void a_block_is_found(void **state)
         fill_block(states[k]);
         lac_outlook *o = look(N, true, times[0]);
         const lac_fit *fit = &find(o, "block")->fit;
-        assert_true(fabs(off(o, "block")) < 2e-3);
+        assert_true(fabs(off(o, "block")) < 3e-5);
         assert_true(fit->value[0].value == 2.0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
         const double x = block_state((tc - times[N - 1]) / states[k]);
