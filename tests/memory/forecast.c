@@ -7,14 +7,14 @@
 #include "lacuna/precursor.h"
 #include "lacuna/store_forecast.h"
 
-enum { N = 26, EVENTS = 30 };
+enum { N = 16, EVENTS = 30 };
 
 lac_status whole_forecast(const char *path, lac_error *err)
 {
     double time[N], displacement[N], moment[EVENTS];
     for (size_t i = 0; i < N; i++) {
         time[i] = (double)i;
-        displacement[i] = -log(30.0 - time[i]);
+        displacement[i] = -log(18.0 - time[i]);
     }
     for (size_t i = 0; i < EVENTS; i++) {
         moment[i] = 1e9 * (double)(1 + i % 7);
@@ -26,16 +26,18 @@ lac_status whole_forecast(const char *path, lac_error *err)
     lac_rolling *rolling = NULL;
     lac_skill skill[16];
     lac_precursor found[LAC_PRECURSORS_MAX];
+    lac_slowing slowing;
     size_t count = 0;
     lac_status status;
     LAC_TRY(lac_outlook_create(&def, &readings, &outlook, err));
-    LAC_TRY(lac_rolling_create(&def, &readings, 2, NULL, &rolling, err));
-    LAC_TRY(lac_rolling_measure(rolling, 30.0, 5.0, skill, err));
-    const lac_observed seen = {outlook->motion, &events, NULL, 30.0, 0.0, 1, 3};
+    LAC_TRY(lac_rolling_create(&def, &readings, 1, NULL, &rolling, err));
+    LAC_TRY(lac_rolling_measure(rolling, 18.0, 5.0, skill, err));
+    const lac_observed seen = {outlook->motion, &events, NULL, 18.0, 0.0, 1, 3};
     LAC_TRY(lac_precursors_look(&seen, found, &count, err));
+    LAC_TRY(lac_slowing_measure(N, displacement, 1, 3, &slowing, err));
     const lac_provenance provenance = {.title = "a forecast", .seed = 1};
     const lac_forecast_file file = {
-        .source = "here", .failed_at = 30.0, .outlook = outlook, .rolling = rolling};
+        .source = "here", .failed_at = 18.0, .outlook = outlook, .rolling = rolling};
     LAC_TRY(lac_store_forecast(path, true, &provenance, &file, err));
 out:
     lac_rolling_free(rolling);
