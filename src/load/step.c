@@ -72,6 +72,7 @@ const lac_load_kind lac_shear_step = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
               .fault = fault},
+    .linear = true,
     .add = add_shear,
     .next_break = next_break,
 };
@@ -84,6 +85,7 @@ const lac_load_kind lac_pore_step = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
               .fault = fault},
+    .linear = true,
     .add = add_pore,
     .next_break = next_break,
 };

@@ -23,6 +23,8 @@ typedef struct lac_engine {
     lac_run_result counts; // only the counters are kept here
     SUNContext sun;
     void *inner; // the kind's own
+    const lac_sink *sink; // told of every step by kinds that do so themselves; or NULL
+    double peak;          // largest slip rate within the last step, where the kind knows it [m/s]
 } lac_engine;
 
 // A method of integration.
@@ -38,10 +40,14 @@ typedef struct lac_engine_kind {
     bool (*at)(lac_engine *engine, double t, double *y, double *slip);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
+    // A step is a sweep of which only the end is known: `at` gives that, output times end a step,
+    // the kind itself tells the sink of what happens within, and keeps the digits of its time.
+    bool sweeps;
 } lac_engine_kind;
 
 extern const lac_engine_kind lac_engine_cvode; // BDF and Adams
 extern const lac_engine_kind lac_engine_erk;
+extern const lac_engine_kind lac_engine_events; // each cell at steps of its own
 
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err);

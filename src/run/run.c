@@ -39,6 +39,7 @@ typedef struct run {
 lac_run_def lac_run_default(void)
 {
     return (lac_run_def){.method = LAC_BDF,
+                         .wake = 0.5,
                          .rtol = 1e-6,
                          .first_step = NAN,
                          .max_steps = 10000000,
@@ -295,19 +296,32 @@ static lac_status look_for_end(run *r, double mean_before, lac_error *err)
     return LAC_OK;
 }
 
+// Where a sweep has to end for what is put out at stated times.
+static double next_sweep_end(const run *r)
+{
+    if (!r->engine->kind->sweeps || r->between == NULL) {
+        return INFINITY;
+    }
+    double snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
+    return fmin(lac_clock_next(&r->record_clock), snapshot);
+}
+
 // One step, cut short where the run ends within it.
 static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_status status = LAC_OK;
-    double stop = fmin(r->def->end, r->next_break);
+    double stop = fmin(fmin(r->def->end, r->next_break), next_sweep_end(r));
     double mean_before = r->mean_rate;
     LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
+    r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                engine->work, err));
     LAC_TRY(look_for_end(r, mean_before, err));
-    LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
+    if (!engine->kind->sweeps) {
+        LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
+    }
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
     }
@@ -332,7 +346,7 @@ static lac_status go_on(run *r, lac_error *err)
         r->broken = false;
         return restart(r, own_step(engine), err);
     }
-    if (engine->step < digits * engine->t) {
+    if (!engine->kind->sweeps && engine->step < digits * engine->t) {
         move_origin(engine);
         return restart(r, 0.1 * engine->step, err);
     }
@@ -479,6 +493,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
+    r.engine->sink = sink;
     LAC_TRY(begin(&r, err));
     LAC_TRY(integrate(&r, err));
 out:
