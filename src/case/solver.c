@@ -23,7 +23,7 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
             "of its own, for cells that slip one by one); static has no time (lacuna rg)"},
     {.key = "wake",
      .unit = "1",
-     .fallback = 0.5,
+     .fallback = 1.0,
      .min = 0,
      .max = 100,
      .flags = LAC_ABOVE_MIN,

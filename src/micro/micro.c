@@ -163,7 +163,9 @@ void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *tra
 {
     lac_micro_tree *tree = &m->tree;
     m->load = *load;
-    m->t = m->step = m->age = 0.0;
+    m->t = m->step = m->age = m->peak = 0.0;
+    m->counts = (lac_micro_counts){0};
+    tree->openings = 0;
     lac_micro_tree_anchor(tree, load->k_mean);
     for (uint32_t i = 0; i < tree->n; i++) {
         lac_micro_cell *c = &tree->cell[i];

@@ -2,21 +2,20 @@
 // Fidelity `events`: every cell at steps of its own. A step of this engine is a sweep of some
 // updates for every cell, or up to a limit of the run; docs/theory/fidelity-events.md.
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lacuna/micro.h"
 #include "run/engine.h"
 
-enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64 };
+enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };
 
 typedef struct cells {
     lac_micro *micro;
     double *y;            // [3n] state and slip
     double *rate, *slip;  // [n] of every cell at its last update; NULL: nobody looks
     bool too_early;       // the last sweep ended at a mean rate that was none
-    int64_t evaluations;
+    int64_t looks;        // at all cells
 } cells;
 
 static void cells_free(lac_engine *engine)
@@ -101,6 +100,20 @@ static lac_micro_state state_of(lac_engine *engine)
     return (lac_micro_state){engine->y, engine->y + engine->n, engine->slip};
 }
 
+static void cells_count(lac_engine *engine)
+{
+    const cells *c = engine->inner;
+    lac_micro_counts counts = lac_micro_count(c->micro);
+    const lac_run_result *before = &engine->before;
+    engine->counts.steps = before->steps + counts.updates;
+    // What was evaluated cell by cell, in evaluations of all.
+    int64_t n = (int64_t)engine->n;
+    engine->counts.rhs_evaluations =
+        before->rhs_evaluations + c->looks + (counts.steps + n - 1) / n;
+    engine->counts.error_test_fails = before->error_test_fails + counts.steps - counts.updates;
+    engine->order = ORDER;
+}
+
 static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
 {
     (void)h;
@@ -126,6 +139,10 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
                                  .k_mean = now.stiffness};
     const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
     const lac_micro_state state = state_of(engine);
+    cells_count(engine);
+    engine->before = engine->counts;
+    c->looks = 0;
+    c->too_early = false;
     lac_micro_start(c->micro, &load, parts.traction, &state);
     return LAC_OK;
 }
@@ -203,8 +220,8 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
     engine->t = lac_micro_time(micro);
     engine->step = engine->t + passed - before;
     engine->peak = lac_micro_peak(micro);
-    engine->order = 2;
-    c->evaluations++;
+    engine->order = ORDER;
+    c->looks++;
     bool early = lac_micro_count(micro).updates < last && engine->t < stop;
     c->too_early = early && too_early(engine, &limits);
 out:
@@ -221,19 +238,6 @@ static bool cells_at(lac_engine *engine, double t, double *y, double *slip)
         memcpy(slip, engine->slip, engine->n * sizeof *slip);
     }
     return true;
-}
-
-static void cells_count(lac_engine *engine)
-{
-    const cells *c = engine->inner;
-    lac_micro_counts counts = lac_micro_count(c->micro);
-    engine->counts.steps = counts.updates;
-    // A step of every cell is what an evaluation of all is.
-    engine->counts.rhs_evaluations =
-        c->evaluations + (counts.steps + (int64_t)engine->n - 1) / (int64_t)engine->n;
-    engine->counts.error_test_fails = counts.steps - counts.updates;
-    engine->order = 2;
-    if (getenv("MT")) fprintf(stderr, "updates %ld steps %ld openings %ld wakings %ld\n", counts.updates, counts.steps, counts.openings, counts.wakings);
 }
 
 const lac_engine_kind lac_engine_events = {.create = cells_create,
