@@ -167,6 +167,9 @@ typedef struct lac_run_result {
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
 lac_run_def lac_run_default(void);
 
+/// What a fidelity is called in a case: "ode" ...
+const char *lac_fidelity_name(lac_fidelity fidelity);
+
 /// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
 /// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 /// @param asked  any but AUTO is given back

@@ -50,6 +50,9 @@ extern const lac_engine_kind lac_engine_cvode; // BDF and Adams
 extern const lac_engine_kind lac_engine_erk;
 extern const lac_engine_kind lac_engine_events; // each cell at steps of its own
 
+// Whether lac_engine_events can follow a problem.
+lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err);
+
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err);
 void lac_engine_free(lac_engine *engine);

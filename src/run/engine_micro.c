@@ -33,22 +33,23 @@ static void cells_free(lac_engine *engine)
 // What each cell may err by, in ln v, over one of its steps.
 static double tolerance_of(const lac_run_def *def) { return 10.0 * sqrt(def->rtol); }
 
-static lac_status check(const lac_engine *engine, const lac_problem_parts *parts, lac_error *err)
+lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
 {
-    if (parts->transfer->kind->blocks == NULL) {
+    const lac_problem_parts parts = lac_problem_parts_of(problem);
+    if (parts.transfer->kind->blocks == NULL) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity events goes with transfer hierarchy, not with %s",
-                        parts->transfer->kind->about.name);
+                        parts.transfer->kind->about.name);
     }
-    if (!parts->linear) {
+    if (!parts.linear) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity events follows loads that are linear in time between "
                         "jumps and bends: ratio, slope, ramp, step, spring, constant");
     }
-    if (lac_problem_formulation(engine->problem) != LAC_FORMULATION_RATE) {
+    if (lac_problem_formulation(problem) != LAC_FORMULATION_RATE) {
         return lac_fail(err, LAC_EINPUT, "solver.fidelity events needs formulation rate");
     }
-    return lac_micro_supports(parts->friction, err);
+    return lac_micro_supports(parts.friction, err);
 }
 
 static lac_status make(lac_engine *engine, cells *c, lac_error *err)
@@ -56,7 +57,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
     const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
     lac_status status = LAC_OK;
     double *k = NULL;
-    LAC_TRY(check(engine, &parts, err));
+    LAC_TRY(lac_engine_events_check(engine->problem, err));
     const lac_transfer *transfer = parts.transfer;
     const lac_hierarchy *h = transfer->kind->blocks(transfer->state);
     size_t levels = lac_hierarchy_levels(h);
