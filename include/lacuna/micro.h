@@ -90,6 +90,9 @@ double lac_micro_shift(lac_micro *micro);
 /// @cost   O(n)
 lac_status lac_micro_look(const lac_micro *micro, const lac_micro_state *state, lac_error *err);
 
+/// Whether the last advance ended at a limit of rate or slip.
+bool lac_micro_at_limit(const lac_micro *micro);
+
 /// Largest slip rate of any update since the last call [m/s].
 double lac_micro_peak(lac_micro *micro);
 

@@ -13,6 +13,7 @@ struct lac_micro {
     lac_micro_load load;
     double t, age;        // time reached, and that of the last shift [s]
     double step, peak;    // the last step of any cell [s]; the largest rate [m/s]
+    bool at_limit; // of rate or slip
     lac_micro_counts counts;
 };
 
@@ -91,6 +92,8 @@ lac_micro_counts lac_micro_count(const lac_micro *m)
     counts.openings = m->tree.openings;
     return counts;
 }
+
+bool lac_micro_at_limit(const lac_micro *m) { return m->at_limit; }
 
 double lac_micro_peak(lac_micro *m)
 {
@@ -239,34 +242,38 @@ static lac_status tell(const lac_micro *m, const lac_micro_limits *limits, uint3
     return limits->seen != NULL ? limits->seen(limits->context, &seen, err) : LAC_OK;
 }
 
+// Opens or updates whichever is due next, where that is before `stop`; else time is there.
+static lac_status proceed(lac_micro *m, const lac_micro_limits *limits, double stop, lac_error *err)
+{
+    const lac_micro_node *root = &m->tree.node[m->tree.nodes - 1];
+    double next = fmax(root->due, m->t);
+    uint32_t who = root->who;
+    if (!(next < stop)) {
+        m->t = stop;
+        return LAC_OK;
+    }
+    m->t = next;
+    if (who >= m->tree.n) {
+        lac_micro_tree_open(&m->tree, who - m->tree.n, next);
+        return LAC_OK;
+    }
+    lac_status status = update(m, who, next, err);
+    m->at_limit = m->tree.cell[who].v >= limits->max_rate ||
+                  root->rate * root->share >= limits->mean_rate;
+    return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
+}
+
 lac_status lac_micro_advance(lac_micro *m, const lac_micro_limits *limits, lac_error *err)
 {
-    lac_micro_tree *tree = &m->tree;
-    const lac_micro_node *root = &tree->node[tree->nodes - 1];
     lac_status status = LAC_OK;
-    int64_t last = m->counts.updates + tree->openings + limits->updates;
-    while (m->counts.updates + tree->openings < last) {
-        double stop = limits->stop;
-        if (!isnan(limits->mean_slip)) {
-            stop = fmin(stop, fmax(time_of_slip(m, limits->mean_slip), m->t));
-        }
-        double next = fmax(root->due, m->t);
-        if (!(next < stop)) {
-            m->t = stop;
-            return LAC_OK;
-        }
-        uint32_t who = root->who;
-        m->t = next;
-        if (who >= tree->n) {
-            lac_micro_tree_open(tree, who - tree->n, next);
-            continue;
-        }
-        LAC_TRY(update(m, who, next, err));
-        LAC_TRY(tell(m, limits, who, m->step, err));
-        if (tree->cell[who].v >= limits->max_rate ||
-            root->rate * root->share >= limits->mean_rate || lac_micro_wants_shift(m)) {
-            return LAC_OK;
-        }
+    int64_t last = m->counts.updates + m->tree.openings + limits->updates;
+    m->at_limit = false;
+    while (m->counts.updates + m->tree.openings < last && !m->at_limit && m->t < limits->stop &&
+           !lac_micro_wants_shift(m)) {
+        double slipped =
+            isnan(limits->mean_slip) ? INFINITY : fmax(time_of_slip(m, limits->mean_slip), m->t);
+        LAC_TRY(proceed(m, limits, fmin(limits->stop, slipped), err));
+        m->at_limit = m->at_limit || m->t >= slipped;
     }
 out:
     return status;

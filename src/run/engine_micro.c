@@ -14,7 +14,8 @@ typedef struct cells {
     lac_micro *micro;
     double *y;            // [3n] state and slip
     double *rate, *slip;  // [n] of every cell at its last update; NULL: nobody looks
-    bool too_early;       // the last sweep ended at a mean rate that was none
+    bool too_early;       // the last sweep ended at a limit that it had not reached
+    double lack;          // what the state had slipped less than told, at the limit of slip [m]
     int64_t looks;        // at all cells
 } cells;
 
@@ -144,6 +145,7 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     engine->before = engine->counts;
     c->looks = 0;
     c->too_early = false;
+    c->lack = 0.0;
     lac_micro_start(c->micro, &load, parts.traction, &state);
     return LAC_OK;
 }
@@ -186,19 +188,24 @@ static lac_micro_limits limits_of(lac_engine *engine, double stop)
     return (lac_micro_limits){.stop = stop,
                               .mean_rate = c->too_early ? INFINITY : def->failure_rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
-                              .mean_slip = def->stop_slip,
+                              .mean_slip = def->stop_slip + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
                               .seen = c->rate != NULL ? tell : NULL,
                               .context = engine};
 }
 
-// The mean rate that cells tell is that of their steps; whether it is a limit, the state says.
+// What cells tell is linear within their steps; whether a limit is reached, the state says.
 static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
 {
+    cells *c = engine->inner;
     double mean;
     double max;
     lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
-    return mean < limits->mean_rate && isfinite(limits->mean_rate);
+    double slip = lac_engine_mean_slip(engine, engine->slip);
+    if (slip < engine->def->stop_slip && !(mean >= limits->mean_rate)) {
+        c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
+    }
+    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= engine->def->stop_slip);
 }
 
 static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
@@ -214,7 +221,6 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
         stop -= by;
     }
     const lac_micro_limits limits = limits_of(engine, stop);
-    int64_t last = lac_micro_count(micro).updates + limits.updates;
     LAC_TRY(lac_micro_advance(micro, &limits, err));
     const lac_micro_state state = state_of(engine);
     LAC_TRY(lac_micro_look(micro, &state, err));
@@ -223,8 +229,7 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
     engine->peak = lac_micro_peak(micro);
     engine->order = ORDER;
     c->looks++;
-    bool early = lac_micro_count(micro).updates < last && engine->t < stop;
-    c->too_early = early && too_early(engine, &limits);
+    c->too_early = lac_micro_at_limit(micro) && too_early(engine, &limits);
 out:
     return status;
 }

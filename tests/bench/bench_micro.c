@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fidelity `events` where cells slip one by one (k_0 = 0.15 k_crit): what a slip costs from 1e3 to
+// 1e6 cells, and the same stretch of time with `ode`.
+//
+//   bench_micro [LEVELS [ODE_LEVELS [SLIPS]]]   up to 4^LEVELS cells; ode up to 4^ODE_LEVELS
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "support/cost.h"
+#include "support/tree.h"
+
+#define MOVES 1e-3 // a cell slips when it comes to this rate [m/s]
+
+typedef struct slips {
+    size_t n;
+    unsigned char *moves; // [n]
+    long long count, wanted;
+    double last; // time of the last one that was wanted [s]
+} slips;
+
+// Counts the cells that begin to slip.
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
+{
+    (void)err;
+    slips *s = context;
+    size_t count = step->changed != NULL ? step->changes : step->n;
+    for (size_t k = 0; k < count; k++) {
+        size_t i = step->changed != NULL ? step->changed[k] : k;
+        double v = fabs(step->slip_rate[i]);
+        if (!s->moves[i] && v >= MOVES && s->count < s->wanted) {
+            s->count++;
+            s->last = step->time_origin + step->time_local;
+        }
+        s->moves[i] = s->moves[i] ? v >= 0.5 * MOVES : v >= MOVES;
+    }
+    return LAC_OK;
+}
+
+static bool enough(void *context)
+{
+    const slips *s = context;
+    return s->count >= s->wanted;
+}
+
+typedef struct outcome {
+    lac_run_result result;
+    double cpu, last;
+    long long slips;
+} outcome;
+
+static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double end,
+                       long long wanted)
+{
+    slips s = {.n = t->domain->n, .wanted = wanted};
+    s.moves = calloc(s.n, 1);
+    lac_sink sink = {.context = &s, .step = on_step};
+    lac_run_def how = lac_run_default();
+    how.fidelity = fidelity;
+    how.rtol = rtol;
+    how.end = end;
+    how.failure_rate = 1e3;
+    how.max_steps = INT64_MAX;
+    how.record = (lac_cadence){.time = NAN, .steps = 0, .per_decade = NAN};
+    how.interrupted = enough;
+    how.context = &s;
+    outcome out = {0};
+    lac_error err = {""};
+    double start = cpu_seconds();
+    lac_status status = lac_run(t->problem, &how, &sink, &out.result, &err);
+    if (status != LAC_OK && status != LAC_EINTERRUPT) {
+        fprintf(stderr, "bench_micro: %s\n", err.message);
+        exit(1);
+    }
+    out.cpu = cpu_seconds() - start;
+    out.slips = s.count;
+    out.last = s.last;
+    free(s.moves);
+    return out;
+}
+
+static void print(const char *fidelity, double rtol, size_t n, const outcome *o)
+{
+    printf("%-6s %6.0e %8zu %7lld %11lld %11.1f %9.3f %11.4f %9.2f %12.6g\n", fidelity, rtol, n,
+           o->slips, (long long)o->result.steps,
+           (double)o->result.steps / (double)(o->slips > 0 ? o->slips : 1),
+           1e6 * o->cpu / (double)o->result.steps,
+           1e3 * o->cpu / (double)(o->slips > 0 ? o->slips : 1), o->cpu, o->last);
+    fflush(stdout);
+}
+
+int main(int count, char **given)
+{
+    int most = count > 1 ? atoi(given[1]) : 10;
+    int most_ode = count > 2 ? atoi(given[2]) : 7;
+    long long wanted = count > 3 ? atoll(given[3]) : 2000;
+    printf("          rtol    cells   slips       steps  steps/slip   us/step     ms/slip     CPU s"
+           "  last slip s\n");
+    for (int levels = 5; levels <= most; levels++) {
+        tree_def def = tree_default(levels, 1);
+        def.keep = 1.0;
+        def.k0 = 0.15 * def.pressure * (def.b - def.a) / def.dc;
+        def.ratio = 0.5;
+        tree t;
+        tree_create(&def, &t);
+        // First when that many have slipped, then what it takes to come there.
+        outcome found = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, 1e12, wanted);
+        outcome events = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, found.last, INT64_MAX);
+        print("events", 1e-6, t.domain->n, &events);
+        if (levels <= most_ode) {
+            outcome ode = measure(&t, LAC_FIDELITY_ODE, 1e-6, found.last, INT64_MAX);
+            print("ode", 1e-6, t.domain->n, &ode);
+            printf("       %.1f times faster\n", ode.cpu / events.cpu);
+        }
+        tree_clear(&t);
+    }
+    return 0;
+}
