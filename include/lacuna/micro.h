@@ -43,9 +43,9 @@ typedef struct lac_micro_update {
 
 /// Where an advance ends.
 typedef struct lac_micro_limits {
-    double stop;                          ///< not beyond this time [s]
+    double stop;                           ///< not beyond this time [s]
     double mean_rate, max_rate, mean_slip; ///< nor beyond the update that comes to one of these
-    int64_t updates;                      ///< nor after more updates than this
+    int64_t updates;                       ///< nor after more updates than this
     lac_status (*seen)(void *context, const lac_micro_update *update, lac_error *err);
     void *context; ///< of seen, which is told of every update; NULL: nobody is
 } lac_micro_limits;

@@ -38,6 +38,10 @@ static double slowdown(double grid_cells) { return fmax(1, pow(grid_cells / 1e6,
 // (docs/theory/creep.md).
 enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
 
+// Updates of a cell with steps of its own, on the way to failure (docs/theory/fidelity-events.md).
+enum { OWN_STEPS = 1000 };
+static const double own_step_seconds = 2e-6;
+
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
@@ -216,6 +220,13 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
     e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
+    e->own_steps = e->integrated && c->run.fidelity == LAC_FIDELITY_EVENTS;
+    if (e->own_steps) {
+        e->steps = OWN_STEPS * cells;
+        e->cpu_time =
+            contact_seconds(c, e) + calibration_seconds(c, &grid, e) + own_step_seconds * e->steps;
+        return status;
+    }
     e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
                   (cell_step_seconds * cells + elastic_seconds(c, e)) * e->steps;
     return status;
@@ -229,8 +240,9 @@ static double rounded(double x, int digits)
 
 void cli_estimate_print(const cli_estimate *e)
 {
-    puts(e->integrated ? "\n# What it will cost with bdf, roughly"
-                       : "\n# What it will cost, roughly");
+    puts(e->own_steps    ? "\n# What it will cost with each cell at its own steps, roughly"
+         : e->integrated ? "\n# What it will cost with bdf, roughly"
+                         : "\n# What it will cost, roughly");
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
         char unknowns[40] = "";
@@ -251,7 +263,10 @@ void cli_estimate_print(const cli_estimate *e)
         return;
     }
     printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
-    if (e->stable) {
+    if (e->own_steps) {
+        printf("#   steps           about %.1g (%d a cell%s)\n", e->steps, OWN_STEPS,
+               e->stable ? "; these cells hold each other: fidelity ode is the faster one" : "");
+    } else if (e->stable) {
         printf("#   steps           hundreds (the cells hold each other: smooth creep)\n");
     } else {
         printf("#   steps           up to %.1g (cells fail one by one, %d steps each)\n", e->steps,

@@ -13,6 +13,7 @@ typedef struct cli_estimate {
     double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
     bool stable;            ///< a >= b, or one block, or k_0 > k_crit: no cell fails on its own
     bool integrated;        ///< else statics: no steps
+    bool own_steps;         ///< cells take steps of their own (solver.fidelity: events)
     double steps;
     double memory;   ///< peak [bytes]
     double cpu_time; ///< [s]

@@ -174,8 +174,8 @@ static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
                                  .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
                                  .own = at->own};
     double direct = c->a * at->pressure1 + rules->damping * c->v;
-    start s = {
-        at->length, c->u, c->w, c->v, c->slip, fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
+    start s = {at->length, c->u,    c->w,
+               c->v,       c->slip, fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
     double outside;
     double rise = rise_of(rules, c, &push, &outside);
     *rho = foreseen(rise, at->length);

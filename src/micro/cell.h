@@ -33,11 +33,11 @@ typedef struct lac_micro_rules {
 
 // A stretch of time of one cell, over which what acts on it from outside is linear.
 typedef struct lac_micro_span {
-    double length;             // [s]
-    double pull0, pull1;       // traction less own stiffness times slip, at its ends: A of eq. 3 [Pa]
+    double length;       // [s]
+    double pull0, pull1; // traction less own stiffness times slip, at its ends: A of eq. 3 [Pa]
     double pressure0, pressure1; // effective normal pressure [Pa]
-    double own;                // K_ii: own stiffness [Pa/m]
-    double skew;               // mean of A over the span less that of its ends [Pa]
+    double own;                  // K_ii: own stiffness [Pa/m]
+    double skew;                 // mean of A over the span less that of its ends [Pa]
 } lac_micro_span;
 
 // Takes u, w, v and slip over a span, in as many steps as the tolerance asks for.

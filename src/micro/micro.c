@@ -11,9 +11,9 @@ struct lac_micro {
     lac_micro_rules rules;
     lac_micro_tree tree;
     lac_micro_load load;
-    double t, age;        // time reached, and that of the last shift [s]
-    double step, peak;    // the last step of any cell [s]; the largest rate [m/s]
-    bool at_limit; // of rate or slip
+    double t, age;     // time reached, and that of the last shift [s]
+    double step, peak; // the last step of any cell [s]; the largest rate [m/s]
+    bool at_limit;     // of rate or slip
     lac_micro_counts counts;
 };
 
@@ -118,11 +118,11 @@ static double pressure_at(const lac_micro *m, const lac_micro_cell *c, double t)
 // Plans a cell's next step from time t; E changes at `rate`, the cell's own part left out.
 static void plan(const lac_micro *m, lac_micro_cell *c, double rate, double self)
 {
-    const lac_micro_push push = {
-        .pull_rate = c->pressure * m->load.ratio_rate + m->load.common_rate + rate,
-        .pressure = pressure_at(m, c, c->t),
-        .pressure_rate = c->pressure * m->load.share_rate,
-        .own = c->stiffness - self};
+    const lac_micro_push push = {.pull_rate =
+                                     c->pressure * m->load.ratio_rate + m->load.common_rate + rate,
+                                 .pressure = pressure_at(m, c, c->t),
+                                 .pressure_rate = c->pressure * m->load.share_rate,
+                                 .own = c->stiffness - self};
     double h = lac_micro_cell_plan(&m->rules, &push, c);
     c->due = c->t + h;
     // What is foreseen, the cell's own part included, wakes nobody.
@@ -209,8 +209,7 @@ static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
         return cannot(m, i, t, err);
     }
     double jump = c->slip - told;
-    bool woken =
-        c->pending > LAC_MICRO_WAKES * c->high || c->pending < LAC_MICRO_WAKES * c->low;
+    bool woken = c->pending > LAC_MICRO_WAKES * c->high || c->pending < LAC_MICRO_WAKES * c->low;
     m->counts.updates++;
     m->counts.wakings += woken;
     m->step = span.length;
@@ -218,8 +217,8 @@ static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
     c->t = t;
     c->area = view.area;
     c->outer = view.outer + self * jump;
-    c->reach = woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v)
-                     : 4.0 * c->reach;
+    c->reach =
+        woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v) : 4.0 * c->reach;
     plan(m, c, view.rate - self * rate, self);
     lac_micro_tree_add(tree, i, t, jump, c->told - rate);
     return LAC_OK;
@@ -258,8 +257,8 @@ static lac_status proceed(lac_micro *m, const lac_micro_limits *limits, double s
         return LAC_OK;
     }
     lac_status status = update(m, who, next, err);
-    m->at_limit = m->tree.cell[who].v >= limits->max_rate ||
-                  root->rate * root->share >= limits->mean_rate;
+    m->at_limit =
+        m->tree.cell[who].v >= limits->max_rate || root->rate * root->share >= limits->mean_rate;
     return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
 }
 

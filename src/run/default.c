@@ -33,8 +33,8 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
 
 const char *lac_fidelity_name(lac_fidelity fidelity)
 {
-    static const char *const names[] = {
-        [LAC_FIDELITY_ODE] = "ode", [LAC_FIDELITY_EVENTS] = "events",
-        [LAC_FIDELITY_STATIC] = "static"};
+    static const char *const names[] = {[LAC_FIDELITY_ODE] = "ode",
+                                        [LAC_FIDELITY_EVENTS] = "events",
+                                        [LAC_FIDELITY_STATIC] = "static"};
     return names[fidelity];
 }

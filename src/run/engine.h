@@ -23,7 +23,7 @@ typedef struct lac_engine {
     lac_run_result counts; // only the counters are kept here
     lac_run_result before; // those up to the last restart
     SUNContext sun;
-    void *inner; // the kind's own
+    void *inner;          // the kind's own
     const lac_sink *sink; // told of every step by kinds that do so themselves; or NULL
     double peak;          // largest slip rate within the last step, where the kind knows it [m/s]
 } lac_engine;

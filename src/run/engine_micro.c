@@ -12,11 +12,11 @@ enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };
 
 typedef struct cells {
     lac_micro *micro;
-    double *y;            // [3n] state and slip
-    double *rate, *slip;  // [n] of every cell at its last update; NULL: nobody looks
-    bool too_early;       // the last sweep ended at a limit that it had not reached
-    double lack;          // what the state had slipped less than told, at the limit of slip [m]
-    int64_t looks;        // at all cells
+    double *y;           // [3n] state and slip
+    double *rate, *slip; // [n] of every cell at its last update; NULL: nobody looks
+    bool too_early;      // the last sweep ended at a limit that it had not reached
+    double lack;         // what the state had slipped less than told, at the limit of slip [m]
+    int64_t looks;       // at all cells
 } cells;
 
 static void cells_free(lac_engine *engine)

@@ -150,8 +150,10 @@ static void refuses_what_it_cannot_follow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_cell_two_and_four_alike), cmocka_unit_test(nothing_slips),
-        cmocka_unit_test(long_times),                  cmocka_unit_test(limits_end_it),
+        cmocka_unit_test(one_cell_two_and_four_alike),
+        cmocka_unit_test(nothing_slips),
+        cmocka_unit_test(long_times),
+        cmocka_unit_test(limits_end_it),
         cmocka_unit_test(refuses_what_it_cannot_follow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
