@@ -2,7 +2,7 @@
 // Fidelity `events` where cells slip one by one (k_0 = 0.15 k_crit): what a slip costs from 1e3 to
 // 1e6 cells, and the same stretch of time with `ode`.
 //
-//   bench_micro [LEVELS [ODE_LEVELS]]   up to 4^LEVELS cells; ode up to 4^ODE_LEVELS
+//   bench_micro [LEVELS [ODE_LEVELS [FIRST [SLIPS]]]]   from 4^FIRST up to 4^LEVELS cells; ode up to 4^ODE_LEVELS
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 typedef struct slips {
     size_t n;
     unsigned char *moves; // [n]
-    long long count, wanted;
+    long long count, wanted, fast; // fast: steps of cells that slip
     double last; // time of the last one that was wanted [s]
 } slips;
 
@@ -31,6 +31,7 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
         if (!s->moves[i] && v >= MOVES) {
             s->last = s->count++ < s->wanted ? step->time_origin + step->time_local : s->last;
         }
+        s->fast += v >= 0.5 * MOVES;
         s->moves[i] = s->moves[i] ? v >= 0.5 * MOVES : v >= MOVES;
     }
     return LAC_OK;
@@ -45,7 +46,7 @@ static bool enough(void *context)
 typedef struct outcome {
     lac_run_result result;
     double cpu, last;
-    long long slips;
+    long long slips, fast;
 } outcome;
 
 static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double end,
@@ -73,6 +74,7 @@ static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double
     }
     out.cpu = cpu_seconds() - start;
     out.slips = s.count;
+    out.fast = s.fast;
     out.last = s.last;
     free(s.moves);
     return out;
@@ -80,11 +82,12 @@ static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double
 
 static void print(const char *fidelity, double rtol, size_t n, const outcome *o)
 {
-    printf("%-6s %6.0e %8zu %7lld %11lld %11.1f %9.3f %11.4f %9.2f %12.6g\n", fidelity, rtol, n,
-           o->slips, (long long)o->result.steps,
-           (double)o->result.steps / (double)(o->slips > 0 ? o->slips : 1),
-           1e6 * o->cpu / (double)o->result.steps,
-           1e3 * o->cpu / (double)(o->slips > 0 ? o->slips : 1), o->cpu, o->last);
+    double many = (double)(o->slips > 0 ? o->slips : 1);
+    double steps = (double)o->result.steps;
+    printf("%-6s %6.0e %8zu %7lld %11lld", fidelity, rtol, n, o->slips,
+           (long long)o->result.steps);
+    printf(" %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", steps / many, (double)o->fast / many,
+           1e6 * o->cpu / steps, 1e3 * o->cpu / many, o->cpu, o->last);
     fflush(stdout);
 }
 
@@ -125,13 +128,15 @@ int main(int count, char **given)
 {
     int most = count > 1 ? atoi(given[1]) : 10;
     int most_ode = count > 2 ? atoi(given[2]) : 7;
-    printf("          rtol    cells   slips       steps  steps/slip   us/step     ms/slip     CPU s"
+    int first = count > 3 ? atoi(given[3]) : 5;
+    long long wanted = count > 4 ? atoll(given[4]) : 300;
+    printf("          rtol    cells   slips       steps  steps/slip    fast/slip   us/step     ms/slip     CPU s"
            "  last slip s\n");
-    for (int levels = 5; levels <= most; levels++) {
+    for (int levels = first; levels <= most; levels++) {
         grow(levels);
     }
-    for (int levels = 5; levels <= most_ode; levels++) {
-        compare(levels, 300);
+    for (int levels = first; levels <= most_ode; levels++) {
+        compare(levels, wanted);
     }
     return 0;
 }
