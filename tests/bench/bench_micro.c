@@ -15,6 +15,7 @@
 typedef struct slips {
     size_t n;
     unsigned char *moves; // [n]
+    double *since, slip;  // [n] slip when it began; sum of what they slipped [m]
     long long count, wanted, fast; // fast: steps of cells that slip
     double last; // time of the last one that was wanted [s]
 } slips;
@@ -29,9 +30,11 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
         size_t i = step->changed != NULL ? step->changed[k] : k;
         double v = fabs(step->slip_rate[i]);
         if (!s->moves[i] && v >= MOVES) {
+            s->since[i] = step->slip[i];
             s->last = s->count++ < s->wanted ? step->time_origin + step->time_local : s->last;
         }
         s->fast += v >= 0.5 * MOVES;
+        s->slip += s->moves[i] && v < 0.5 * MOVES ? step->slip[i] - s->since[i] : 0.0;
         s->moves[i] = s->moves[i] ? v >= 0.5 * MOVES : v >= MOVES;
     }
     return LAC_OK;
@@ -45,7 +48,7 @@ static bool enough(void *context)
 
 typedef struct outcome {
     lac_run_result result;
-    double cpu, last;
+    double cpu, last, slip;
     long long slips, fast;
 } outcome;
 
@@ -54,6 +57,7 @@ static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double
 {
     slips s = {.n = t->domain->n, .wanted = wanted};
     s.moves = calloc(s.n, 1);
+    s.since = calloc(s.n, sizeof *s.since);
     lac_sink sink = {.context = &s, .step = on_step};
     lac_run_def how = lac_run_default();
     how.fidelity = fidelity;
@@ -74,9 +78,11 @@ static outcome measure(const tree *t, lac_fidelity fidelity, double rtol, double
     }
     out.cpu = cpu_seconds() - start;
     out.slips = s.count;
+    out.slip = s.slip;
     out.fast = s.fast;
     out.last = s.last;
     free(s.moves);
+    free(s.since);
     return out;
 }
 
@@ -86,7 +92,7 @@ static void print(const char *fidelity, double rtol, size_t n, const outcome *o)
     double steps = (double)o->result.steps;
     printf("%-6s %6.0e %8zu %7lld %11lld", fidelity, rtol, n, o->slips,
            (long long)o->result.steps);
-    printf(" %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", steps / many, (double)o->fast / many,
+    printf(" %9.1f %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", o->slip / many / 1e-5, steps / many, (double)o->fast / many,
            1e6 * o->cpu / steps, 1e3 * o->cpu / many, o->cpu, o->last);
     fflush(stdout);
 }
@@ -130,7 +136,7 @@ int main(int count, char **given)
     int most_ode = count > 2 ? atoi(given[2]) : 7;
     int first = count > 3 ? atoi(given[3]) : 5;
     long long wanted = count > 4 ? atoll(given[4]) : 300;
-    printf("          rtol    cells   slips       steps  steps/slip    fast/slip   us/step     ms/slip     CPU s"
+    printf("          rtol    cells   slips       steps   dc/slip  steps/slip    fast/slip   us/step     ms/slip     CPU s"
            "  last slip s\n");
     for (int levels = first; levels <= most; levels++) {
         grow(levels);

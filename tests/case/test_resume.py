@@ -108,7 +108,10 @@ class Resume(unittest.TestCase):
         """Stops a run wherever it is, twice where that can be, and compares in the end."""
         words = ["-q", "--set", "solver.method=" + method,
                  "--set", "solver.formulation=" + formulation]
-        chance = random.Random(method + formulation)
+        self.compare_stopped(number, words, method + formulation)
+
+    def compare_stopped(self, number, words, seed):
+        chance = random.Random(seed)
         began = time.time()
         self.run_case(0, "-o", "whole.nc", "--force", *words)
         took = time.time() - began
@@ -128,6 +131,15 @@ class Resume(unittest.TestCase):
                 with self.subTest(method=method, formulation=formulation, signal=number):
                     self.setUp()
                     self.stop_anywhere(number, method, formulation)
+
+    def test_cells_at_their_own_steps(self):
+        """Also where each cell has a time of its own, which a checkpoint makes one again."""
+        words = ["-q", "--set", "solver.fidelity=events", "--set", "output.checkpoint={steps: 5}",
+                 "--set", "transfer={hierarchy: {k0: 20 MPa/m, ratio: 0.5}}"]
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            with self.subTest(signal=number):
+                self.setUp()
+                self.compare_stopped(number, words, "events")
 
     def fill_disk(self, limit, *words):
         def set_limit():
