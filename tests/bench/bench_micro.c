@@ -2,7 +2,10 @@
 // Fidelity `events` where cells slip one by one (k_0 = 0.15 k_crit): what a slip costs from 1e3 to
 // 1e6 cells, and the same stretch of time with `ode`.
 //
-//   bench_micro [LEVELS [ODE_LEVELS [FIRST [SLIPS]]]]   from 4^FIRST up to 4^LEVELS cells; ode up to 4^ODE_LEVELS
+//   bench_micro [LEVELS [ODE_LEVELS [FIRST [SLIPS [PART]]]]]
+//
+// from 4^FIRST to 4^LEVELS cells, until one in PART has slipped; then both fidelities up to
+// 4^ODE_LEVELS cells, until SLIPS have.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,10 +17,10 @@
 
 typedef struct slips {
     size_t n;
-    unsigned char *moves; // [n]
-    double *since, slip;  // [n] slip when it began; sum of what they slipped [m]
+    unsigned char *moves;          // [n]
+    double *since, slip;           // [n] slip when it began; sum of what they slipped [m]
     long long count, wanted, fast; // fast: steps of cells that slip
-    double last; // time of the last one that was wanted [s]
+    double last;                   // time of the last one that was wanted [s]
 } slips;
 
 // Counts the cells that begin to slip.
@@ -90,10 +93,9 @@ static void print(const char *fidelity, double rtol, size_t n, const outcome *o)
 {
     double many = (double)(o->slips > 0 ? o->slips : 1);
     double steps = (double)o->result.steps;
-    printf("%-6s %6.0e %8zu %7lld %11lld", fidelity, rtol, n, o->slips,
-           (long long)o->result.steps);
-    printf(" %9.1f %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", o->slip / many / 1e-5, steps / many, (double)o->fast / many,
-           1e6 * o->cpu / steps, 1e3 * o->cpu / many, o->cpu, o->last);
+    printf("%-6s %6.0e %8zu %7lld %11lld", fidelity, rtol, n, o->slips, (long long)o->result.steps);
+    printf(" %9.1f %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", o->slip / many / 1e-5, steps / many,
+           (double)o->fast / many, 1e6 * o->cpu / steps, 1e3 * o->cpu / many, o->cpu, o->last);
     fflush(stdout);
 }
 
@@ -106,12 +108,12 @@ static void make(int levels, tree *t)
     tree_create(&def, t);
 }
 
-// Until a quarter as many slips as there are cells.
-static void grow(int levels)
+// Until a part as many slips as there are cells.
+static void grow(int levels, long long part)
 {
     tree t;
     make(levels, &t);
-    outcome events = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, 1e12, (long long)t.domain->n / 4);
+    outcome events = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, 1e12, (long long)t.domain->n / part);
     print("events", 1e-6, t.domain->n, &events);
     tree_clear(&t);
 }
@@ -136,10 +138,12 @@ int main(int count, char **given)
     int most_ode = count > 2 ? atoi(given[2]) : 7;
     int first = count > 3 ? atoi(given[3]) : 5;
     long long wanted = count > 4 ? atoll(given[4]) : 300;
-    printf("          rtol    cells   slips       steps   dc/slip  steps/slip    fast/slip   us/step     ms/slip     CPU s"
+    long long part = count > 5 ? atoll(given[5]) : 32;
+    printf("          rtol    cells   slips       steps   dc/slip  steps/slip    fast/slip   "
+           "us/step     ms/slip     CPU s"
            "  last slip s\n");
     for (int levels = first; levels <= most; levels++) {
-        grow(levels);
+        grow(levels, part);
     }
     for (int levels = first; levels <= most_ode; levels++) {
         compare(levels, wanted);

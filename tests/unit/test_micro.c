@@ -14,7 +14,7 @@
 #include "micro/tree.h"
 #include "support/trees.h"
 
-enum { LEVELS = 40, TREES = 40, ROUNDS = 60, CELLS = 60 };
+enum { LEVELS = 40, TREES = 24, ROUNDS = 60, CELLS = 60 };
 
 typedef struct scene {
     lac_domain *domain;
