@@ -386,7 +386,8 @@ const lac_indicator_kind lac_indicator_rg = {
     .about = {.name = "rg",
               .summary = "slipping cells and blocks of each level against the fixed point of the "
                          "renormalization map, and the longest slipping cluster",
-              .reference = "Borri-Brunetto, Carpinteri and Chiaia (2004)",
+              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
+                           "37, 117; docs/theory/rg-in-time.md",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(lac_analysis_rg),

@@ -94,6 +94,17 @@ static void check_elastic(lac_reader *reader, const lac_case *c, bool material_r
     }
 }
 
+// A spread is about one pressure.
+static void check_file_pressures(lac_reader *reader, const lac_case *c)
+{
+    const lac_domain_file *file = c->domain.params;
+    if (c->domain.about == &lac_domain_from_file.about && c->interface_spread.count > 0 &&
+        file->pressures != LAC_PRESSURES_EQUAL) {
+        lac_blame_key(reader, "interface.spread",
+                      "needs interface.domain.file.pressures: equal to vary");
+    }
+}
+
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
     const lac_descriptor *about = c->transfer.about;
@@ -269,6 +280,9 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
+    if (lac_clean(reader, "interface")) {
+        check_file_pressures(reader, c);
+    }
     check_statics(reader, c);
     check_load(reader, c);
     check_back_slip(reader, c);
@@ -277,6 +291,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);
+    lac_check_inertia(reader, c, normal_stress(reader, c));
     lac_check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);

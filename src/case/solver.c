@@ -8,7 +8,7 @@
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
 static const char *const fidelities[] = {"ode", "events", "static", NULL};
-static const char *const formulations[] = {"auto", "rate", "traction", "slip", NULL};
+static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", NULL};
 
@@ -43,8 +43,9 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .type = LAC_CHOICE,
      .choices = formulations,
      .offset = FIELD(formulation),
-     .doc = "unknown besides ln theta: rate (ln v), traction, slip; auto: what was measured to be "
-            "best for the method"},
+     .doc =
+         "unknown besides ln theta: rate (ln v), traction, slip; inertia (slip and its rate) goes "
+         "with the section inertia; auto: what was measured to be best for the method"},
     {.key = "projection",
      .unit = "1",
      .fallback = 0,
@@ -75,7 +76,7 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .max = 1e15,
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
      .offset = FIELD(run.first_step),
-     .doc = "first step; from the problem's own time scales if absent"},
+     .doc = "first step, at most a thousand of the problem's own; that if absent"},
     {.key = "max_steps",
      .unit = "1",
      .fallback = 1e7,
@@ -99,6 +100,10 @@ static void check_events(lac_reader *reader, lac_case *c)
     bool rate = c->formulation == LAC_FORMULATION_AUTO || c->formulation == LAC_FORMULATION_RATE;
     c->formulation = LAC_FORMULATION_RATE;
     if (!lac_clean(reader, "solver")) {
+        return;
+    }
+    if (lac_present(reader, "inertia")) {
+        lac_blame_key(reader, "solver.fidelity", "knows no inertia: leave one of them out");
         return;
     }
     if (!rate) {

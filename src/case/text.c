@@ -425,6 +425,10 @@ char *lac_case_text(const lac_case *c)
     put_spreads(&w, &c->interface_spread);
     put(&w, "material:\n");
     put_section(&w, 1, LAC_SECTION_MATERIAL, c);
+    if (lac_inertia_mass(c) > 0.0) {
+        put(&w, "inertia:\n");
+        put_section(&w, 1, LAC_SECTION_INERTIA, c);
+    }
     put(&w, "load:\n");
     put_slot(&w, 1, "normal", &c->normal);
     put_slots(&w, 1, "shear", &c->shear);

@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "cli/command.h"
 #include "cli/inputs.h"
@@ -51,17 +50,7 @@ static void job_clear(run_job *job)
 // --until as seconds since the start of the run.
 static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
 {
-    double date;
-    if (c->dated && lac_date_parse(text, &date)) {
-        *until = date - c->start_date;
-        return LAC_OK;
-    }
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, "s", until, err);
-    }
-    lac_units_free(units);
+    lac_status status = cli_parse_time(text, c, until, err);
     return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
 }
 

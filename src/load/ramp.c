@@ -73,7 +73,8 @@ static const lac_param params[] = {
 const lac_load_kind lac_shear_ramp = {
     .about = {.name = "ramp",
               .summary = "shear stress that changes at a constant rate between two times",
-              .reference = "",
+              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
+                           "10.1029/93JB02581 (constant stressing rate)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),
@@ -86,7 +87,7 @@ const lac_load_kind lac_shear_ramp = {
 const lac_load_kind lac_pore_ramp = {
     .about = {.name = "ramp",
               .summary = "pore pressure that changes at a constant rate between two times",
-              .reference = "",
+              .reference = "docs/theory/loads.md, \"Pore pressure\"",
               .params = params,
               .param_count =
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike

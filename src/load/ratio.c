@@ -27,7 +27,8 @@ static const lac_param params[] = {
 const lac_load_kind lac_shear_ratio = {
     .about = {.name = "ratio",
               .summary = "constant shear force, as a fraction of the total normal force",
-              .reference = "",
+              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
+                           "37, 117; docs/theory/loads.md, \"Shear loads\"",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ratio_params)},

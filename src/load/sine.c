@@ -89,7 +89,8 @@ static const lac_param params[] = {
 const lac_load_kind lac_shear_sine = {
     .about = {.name = "sine",
               .summary = "shear stress that swings, as tides and machines make it",
-              .reference = "",
+              .reference = "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi "
+                           "10.1029/2001JB001518",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(sine_params),
@@ -101,7 +102,8 @@ const lac_load_kind lac_shear_sine = {
 const lac_load_kind lac_pore_sine = {
     .about = {.name = "sine",
               .summary = "pore pressure that swings, as the seasons make it",
-              .reference = "",
+              .reference = "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi "
+                           "10.1029/2000JB900366",
               .params = params,
               .param_count =
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike

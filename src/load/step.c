@@ -69,7 +69,8 @@ static const lac_param params[] = {
 const lac_load_kind lac_shear_step = {
     .about = {.name = "step",
               .summary = "shear stress that comes at a stated time, for good or for a while",
-              .reference = "",
+              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
+                           "10.1029/93JB02581 (stress step)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
@@ -82,7 +83,7 @@ const lac_load_kind lac_shear_step = {
 const lac_load_kind lac_pore_step = {
     .about = {.name = "step",
               .summary = "pore pressure that comes at a stated time, for good or for a while",
-              .reference = "",
+              .reference = "docs/theory/loads.md, \"Triggering\"",
               .params = params,
               .param_count =
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike

@@ -53,7 +53,7 @@ static void fill_traction(lac_problem *problem, double share)
 static lac_status check_solvable(const lac_problem *problem, lac_error *err)
 {
     const double *a = problem->friction->column[LAC_A];
-    for (size_t i = 0; problem->kind->either_sign && i < problem->n; i++) {
+    for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
         if (!(a[i] > 0.0) && !(problem->damping > 0.0)) {
             return lac_fail(err, LAC_EINPUT,
                             "a = %g of cell %zu without radiation damping: the formulation "
@@ -130,6 +130,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
+    LAC_TRY(lac_inertia_init(problem, def, err));
     LAC_TRY(check_solvable(problem, err));
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(allocate(problem, def, err));
@@ -171,6 +172,16 @@ lac_formulation lac_problem_formulation(const lac_problem *problem) { return pro
 const char *lac_problem_unknown(const lac_problem *problem) { return problem->kind->unknown; }
 
 bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
+
+size_t lac_problem_unknowns(const lac_problem *problem)
+{
+    return problem->kind->unknowns * problem->n;
+}
+
+size_t lac_problem_slip_place(const lac_problem *problem)
+{
+    return (problem->kind->unknowns - 2) * 2 * problem->n;
+}
 
 void lac_problem_initial(const lac_problem *problem, double *y)
 {

@@ -215,6 +215,8 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 const lac_formulation_kind lac_formulation_rate = {.id = LAC_FORMULATION_RATE,
                                                    .name = "rate",
                                                    .unknown = "ln v",
+                                                   .unknowns = 2,
+                                                   .arrays = 3,
                                                    .start = start,
                                                    .move = move,
                                                    .derivative = derivative,

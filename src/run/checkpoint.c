@@ -30,7 +30,7 @@ bool lac_course_checkpoint_due(lac_course *r)
 static uint64_t sum_start(const lac_problem *problem, const double *y)
 {
     const unsigned char *bytes = (const unsigned char *)y;
-    size_t size = 2 * lac_problem_cells(problem) * sizeof *y;
+    size_t size = lac_problem_unknowns(problem) * sizeof *y;
     uint64_t sum = UINT64_C(0xcbf29ce484222325);
     for (size_t i = 0; i < size; i++) {
         sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
@@ -41,7 +41,7 @@ static uint64_t sum_start(const lac_problem *problem, const double *y)
 // Sum of the start; 0 where memory is short, which is no sum of anything.
 static uint64_t identify(const lac_problem *problem)
 {
-    double *y = calloc(2 * lac_problem_cells(problem), sizeof *y);
+    double *y = calloc(lac_problem_unknowns(problem), sizeof *y);
     if (y == NULL) {
         return 0;
     }
@@ -85,7 +85,7 @@ static void pass_engine(lac_tape *tape, lac_engine *engine)
     PASS(tape, engine->step);
     PASS(tape, engine->order);
     pass_counts(tape, &engine->counts);
-    lac_tape_pass(tape, engine->y, 2 * engine->n * sizeof *engine->y);
+    lac_tape_pass(tape, engine->y, engine->unknowns * sizeof *engine->y);
     lac_tape_pass(tape, engine->slip, engine->n * sizeof *engine->slip);
 }
 

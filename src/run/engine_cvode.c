@@ -141,14 +141,14 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(2 * engine->n, engine->sun);
+    c->y = lac_vector_create(engine->unknowns, engine->sun);
     c->scratch_y = c->y == NULL ? NULL : N_VClone(c->y);
     if (c->scratch_y == NULL) {
         return lac_fail_memory(err);
     }
     engine->y = lac_vector_data(c->y);
     if (lac_problem_has_slip(engine->problem)) {
-        engine->slip = engine->y;
+        engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
     c->slip = lac_vector_create(engine->n, engine->sun);
@@ -227,7 +227,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     (void)CVodeGetCurrentOrder(c->mem, &order);
     bool known = order > 0 && CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS;
     if (known) {
-        for (size_t i = 1; i < 2 * engine->n; i++) {
+        for (size_t i = 1; i < engine->unknowns; i++) {
             worst = fabs(e[i]) > fabs(e[worst]) ? i : worst;
         }
     }
@@ -239,8 +239,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu",
-                       worst < engine->n ? lac_problem_unknown(engine->problem) : "ln theta",
+                       "; worst unknown: %s of cell %zu", lac_engine_unknown(engine, worst),
                        worst % engine->n);
     }
     return status;
@@ -285,7 +284,7 @@ static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
         memcpy(y, found, 2 * engine->n * sizeof *y);
     }
     if (slip != NULL && slip_in_y) {
-        memcpy(slip, found, engine->n * sizeof *slip);
+        memcpy(slip, found + (engine->slip - engine->y), engine->n * sizeof *slip);
     } else if (slip != NULL) {
         if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
             return false;

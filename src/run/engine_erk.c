@@ -12,7 +12,7 @@
 typedef struct erk {
     void *mem;
     N_Vector y, scratch;
-    size_t size;   // of y: 3n, or 2n where slip is an unknown
+    size_t size;   // of y, with slip where it is no unknown
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
@@ -74,7 +74,7 @@ static void erk_free(lac_engine *engine)
 static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
     bool slip_in_y = lac_problem_has_slip(engine->problem);
-    c->size = (slip_in_y ? 2 : 3) * engine->n;
+    c->size = slip_in_y ? engine->unknowns : engine->unknowns + engine->n;
     c->y = lac_vector_create(c->size, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
     c->saved = malloc(c->size * sizeof *c->saved);
@@ -84,7 +84,8 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
     }
     N_VConst(0.0, c->y);
     engine->y = lac_vector_data(c->y);
-    engine->slip = slip_in_y ? engine->y : engine->y + 2 * engine->n;
+    size_t place = slip_in_y ? lac_problem_slip_place(engine->problem) : engine->unknowns;
+    engine->slip = engine->y + place;
     return LAC_OK;
 }
 

@@ -105,6 +105,8 @@ static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, 
                            .transfer = &scene->transfer,
                            .loads = scene->loads,
                            .damping = scene->damping,
+                           .mass = lac_inertia_mass(c),
+                           .columns = c->inertia.columns,
                            .log_rate = start,
                            .log_state = start + domain->n,
                            .formulation = (lac_formulation)c->formulation};

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/netcdf.h"
+#include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
 #include "store/part.h"
@@ -299,4 +301,15 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
 out:
     lac_input_close(&in);
     return status;
+}
+
+bool lac_stored_is_netcdf(const char *path)
+{
+    char head[4] = {0};
+    FILE *file = fopen(path, "rb");
+    size_t n = file != NULL ? fread(head, 1, sizeof head, file) : 0;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return lac_netcdf_begins(head, n);
 }

@@ -164,6 +164,8 @@ class Resume(unittest.TestCase):
         """Stops a run wherever it is, twice where that can be, and compares in the end."""
         words = ["-q", "--set", "solver.method=" + method,
                  "--set", "solver.formulation=" + formulation]
+        if formulation == "inertia":
+            words += ["--set", "inertia.mass_per_area=5e5 kg/m2"]
         self.compare_stopped(number, words, method + formulation)
 
     def compare_stopped(self, number, words, seed):
@@ -182,7 +184,7 @@ class Resume(unittest.TestCase):
 
     def test_killed_or_ended_at_any_moment(self):
         for method, formulation in (("bdf", "rate"), ("bdf", "slip"), ("adams", "slip"),
-                                    ("erk", "traction")):
+                                    ("erk", "traction"), ("bdf", "inertia")):
             for number in (signal.SIGKILL, signal.SIGTERM):
                 with self.subTest(method=method, formulation=formulation, signal=number):
                     self.setUp()

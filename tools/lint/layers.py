@@ -58,7 +58,8 @@ HEADERS = {
 # Where a library may be used, by its headers.
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
-    (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c", "src/series/read_netcdf.c")),
+    (r"netcdf\w*\.h", ("src/store/", "src/base/netcdf.c", "src/surface/read_netcdf.c",
+                        "src/series/read_netcdf.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
     (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),
