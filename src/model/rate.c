@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/vmath.h"
+#include "base/vsum.h"
 #include "model/internal.h"
 
 double lac_problem_exp_sum(size_t n, const double *u, double *v)
@@ -12,11 +13,7 @@ double lac_problem_exp_sum(size_t n, const double *u, double *v)
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         lac_vexp(length, u + first, v + first);
-        double part = 0.0;
-        for (size_t i = first; i < first + length; i++) {
-            part += v[i];
-        }
-        total += part;
+        total += lac_vsum(length, v + first);
     }
     return total;
 }
@@ -43,8 +40,8 @@ typedef struct rate_field {
     double *ydot;
 } rate_field;
 
-// The rates of one block of cells. Gives back 0 where all are finite, NaN elsewhere.
-static double block_rates(const lac_problem *problem, const lac_drive *drive,
+// The rates of one block of cells; false where one is not finite.
+static bool block_rates(const lac_problem *problem, const lac_drive *drive,
                           const rate_field *field, size_t first)
 {
     lac_block s;
@@ -53,7 +50,6 @@ static double block_rates(const lac_problem *problem, const lac_drive *drive,
     const double *kv = field->kv + first;
     double *du = field->ydot + first;
     double *dw = field->ydot + problem->n + first;
-    double check = 0.0;
 
     // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
     for (size_t i = 0; i < length; i++) {
@@ -62,9 +58,8 @@ static double block_rates(const lac_problem *problem, const lac_drive *drive,
         double force = p[i] * drive->ratio_rate + field->loading - drop;
         du[i] = force / (pe * s.f_u[i] + problem->damping * s.speed[i]);
         dw[i] = s.g[i];
-        check += du[i] * 0.0 + dw[i] * 0.0;
     }
-    return check;
+    return lac_vfinite(length, du) && lac_vfinite(length, dw);
 }
 
 static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -77,11 +72,11 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
                         .kv = ws->kv,
                         .loading = drive->spring_rate - drive->spring_stiffness * motion.mean,
                         .ydot = ydot};
-    double check = 0.0;
+    bool good = true;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        check += block_rates(problem, drive, &field, first);
+        good = block_rates(problem, drive, &field, first) && good;
     }
-    return check == 0.0;
+    return good;
 }
 
 // One cell's row of (1 - gamma J) x = b with ln theta eliminated; docs/theory/creep.md.

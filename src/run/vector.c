@@ -3,11 +3,13 @@
 
 #include <math.h>
 
+#include "base/clones.h"
+
 double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
 
 static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
 
-static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
+LAC_CLONES static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -39,7 +41,7 @@ static void v_const(sunrealtype c, N_Vector zv)
     }
 }
 
-static void v_prod(N_Vector xv, N_Vector yv, N_Vector zv)
+LAC_CLONES static void v_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -50,7 +52,7 @@ static void v_prod(N_Vector xv, N_Vector yv, N_Vector zv)
     }
 }
 
-static void v_div(N_Vector xv, N_Vector yv, N_Vector zv)
+LAC_CLONES static void v_div(N_Vector xv, N_Vector yv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -61,7 +63,7 @@ static void v_div(N_Vector xv, N_Vector yv, N_Vector zv)
     }
 }
 
-static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
+LAC_CLONES static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -71,7 +73,7 @@ static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
     }
 }
 
-static void v_abs(N_Vector xv, N_Vector zv)
+LAC_CLONES static void v_abs(N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -81,7 +83,7 @@ static void v_abs(N_Vector xv, N_Vector zv)
     }
 }
 
-static void v_inv(N_Vector xv, N_Vector zv)
+LAC_CLONES static void v_inv(N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -109,7 +111,7 @@ static double lanes_sum(const double s[LANES])
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-static sunrealtype v_dot(N_Vector xv, N_Vector yv)
+LAC_CLONES static sunrealtype v_dot(N_Vector xv, N_Vector yv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -127,7 +129,7 @@ static sunrealtype v_dot(N_Vector xv, N_Vector yv)
     return lanes_sum(s);
 }
 
-static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
+LAC_CLONES static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
 {
     const double *x = NV_DATA_S(xv);
     const double *w = NV_DATA_S(wv);
@@ -152,7 +154,7 @@ static sunrealtype v_wrms_norm(N_Vector xv, N_Vector wv)
     return sqrt(v_weighted_squares(xv, wv) / (double)length(xv));
 }
 
-static sunrealtype v_max_norm(N_Vector xv)
+LAC_CLONES static sunrealtype v_max_norm(N_Vector xv)
 {
     const double *x = NV_DATA_S(xv);
     size_t n = length(xv);
@@ -165,27 +167,73 @@ static sunrealtype v_max_norm(N_Vector xv)
     return most;
 }
 
-// z = sum_j c_j x_j; z may be x_0.
+// z = sum_j c_j x_j of 2 to 8 vectors, each read once; z may be x_0. Added in the order of j.
+enum { MOST_TERMS = 8 };
+
+typedef struct terms {
+    const double *x[MOST_TERMS];
+    double c[MOST_TERMS];
+} terms;
+
+static inline __attribute__((always_inline)) void combine(int count, size_t n, const terms *from,
+                                                          double *z)
+{
+    const terms t = *from;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double sum = t.c[0] * t.x[0][i] + t.c[1] * t.x[1][i];
+        for (int j = 2; j < count; j++) {
+            sum += t.c[j] * t.x[j][i];
+        }
+        z[i] = sum;
+    }
+}
+
+LAC_CLONES static void combine_terms(int count, size_t n, const terms *t, double *z)
+{
+    switch (count) { // so that each loop is unrolled
+    case 2:
+        combine(2, n, t, z);
+        break;
+    case 3:
+        combine(3, n, t, z);
+        break;
+    case 4:
+        combine(4, n, t, z);
+        break;
+    case 5:
+        combine(5, n, t, z);
+        break;
+    case 6:
+        combine(6, n, t, z);
+        break;
+    case 7:
+        combine(7, n, t, z);
+        break;
+    default:
+        combine(8, n, t, z);
+    }
+}
+
+// z = c_0 x_0 + c_1 x_1 + ..., eight at first and then seven more at a time
 static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector zv)
 {
     double *z = NV_DATA_S(zv);
-    size_t n = length(zv);
-    const double *x0 = NV_DATA_S(xv[0]);
-    double c0 = c[0];
     if (count == 1) {
-        v_scale(c0, xv[0], zv);
+        v_scale(c[0], xv[0], zv);
         return 0;
     }
-    const double *x1 = NV_DATA_S(xv[1]);
-    double c1 = c[1];
-    for (size_t i = 0; i < n; i++) {
-        z[i] = c0 * x0[i] + c1 * x1[i];
-    }
-    for (int j = 2; j < count; j++) {
-        const double *x = NV_DATA_S(xv[j]);
-        double cj = c[j];
-        for (size_t i = 0; i < n; i++) {
-            z[i] += cj * x[i];
+    terms t;
+    int used = 0;
+    for (int j = 0; j < count; j++) {
+        t.x[used] = NV_DATA_S(xv[j]);
+        t.c[used] = c[j];
+        used++;
+        if (used == MOST_TERMS || j + 1 == count) {
+            combine_terms(used, length(zv), &t, z);
+            t.x[0] = z;
+            t.c[0] = 1.0;
+            used = 1;
         }
     }
     return 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/vmath_copies.h"
 
-#define LAC_VMATH_TARGETS
+#define LAC_CLONES
 #define lac_vexp test_default_vexp
 #define lac_vlog test_default_vlog
 #define lac_vasinh test_default_vasinh
