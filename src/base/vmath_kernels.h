@@ -39,7 +39,10 @@ LAC_KERNEL lac_double_of(uint64_t bits)
 }
 
 // 2^k for an integral k in [-1022, 1023]: adding the bias leaves k + 1023 in the lowest bits.
-LAC_KERNEL lac_power_of_two(double k) { return lac_double_of(lac_bits_of(k + (LAC_ROUNDING + 1023)) << LAC_MANTISSA_BITS); }
+LAC_KERNEL lac_power_of_two(double k)
+{
+    return lac_double_of(lac_bits_of(k + (LAC_ROUNDING + 1023)) << LAC_MANTISSA_BITS);
+}
 
 // exp(x) = 2^k exp(r), |r| <= ln(2)/2;  exp(r) = 1 + r + r^2 q(r)
 LAC_KERNEL lac_exp_one(double x)
@@ -66,11 +69,12 @@ LAC_KERNEL lac_exp_one(double x)
 LAC_KERNEL lac_log_normal(double x, double shift, double more)
 {
     const double offset = 1024; // keeps the exponent positive, for lack of a signed shift
-    uint64_t from_root = lac_bits_of(x) - LAC_SQRT_HALF_BITS + (UINT64_C(1024) << LAC_MANTISSA_BITS);
+    uint64_t from_root =
+        lac_bits_of(x) - LAC_SQRT_HALF_BITS + (UINT64_C(1024) << LAC_MANTISSA_BITS);
     uint64_t exponent = from_root >> LAC_MANTISSA_BITS;
     double k = (lac_double_of(exponent | lac_bits_of(0x1p52)) - (0x1p52 + offset)) + shift;
-    double m =
-        lac_double_of(lac_bits_of(x) + (UINT64_C(1024) << LAC_MANTISSA_BITS) - (exponent << LAC_MANTISSA_BITS));
+    double m = lac_double_of(lac_bits_of(x) + (UINT64_C(1024) << LAC_MANTISSA_BITS) -
+                             (exponent << LAC_MANTISSA_BITS));
     double f = m - 1;
     double s = f / (2 + f);
     double z = s * s, w = z * z;
@@ -78,7 +82,8 @@ LAC_KERNEL lac_log_normal(double x, double shift, double more)
     double odd = 0x1.24924935479c3p-2 + w * (0x1.7464605d2dae5p-3 + w * 0x1.2d4beb4aa90fbp-3);
     double rest = z * (0x1.5555555555560p-1 + (z * even + w * odd));
     double half_square = 0.5 * f * f;
-    return k * LAC_LN_2_HIGH - ((half_square - (s * (half_square + rest) + (k * LAC_LN_2_LOW + more))) - f);
+    return k * LAC_LN_2_HIGH -
+           ((half_square - (s * (half_square + rest) + (k * LAC_LN_2_LOW + more))) - f);
 }
 
 LAC_KERNEL lac_log_one(double x)

@@ -101,7 +101,7 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
 }
 
 bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
-                          const lac_motion *motion, const double *w, double *wdot)
+                        const lac_motion *motion, const double *w, double *wdot)
 {
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         double speed[LAC_FRICTION_BLOCK];

@@ -116,7 +116,7 @@ lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, con
 
 // dw/dt of every cell; false where one is not finite.
 bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
-                          const lac_motion *motion, const double *w, double *wdot);
+                        const lac_motion *motion, const double *w, double *wdot);
 
 // Scratch of one block of cells for the friction kernels, on the caller's stack.
 typedef struct lac_block {

@@ -41,8 +41,8 @@ typedef struct rate_field {
 } rate_field;
 
 // The rates of one block of cells; false where one is not finite.
-static bool block_rates(const lac_problem *problem, const lac_drive *drive,
-                          const rate_field *field, size_t first)
+static bool block_rates(const lac_problem *problem, const lac_drive *drive, const rate_field *field,
+                        size_t first)
 {
     lac_block s;
     size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, NULL);

@@ -25,7 +25,7 @@ static inline void lac_sun_silent(int line, const char *function, const char *fi
 #define LAC_SUN_SILENCE_ERK(mem) ((void)(mem))
 typedef SUNErrCode lac_sun_status;
 #include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
-#define LAC_SUN_ERK_CONTROL(mem, sun, keep)    \
+#define LAC_SUN_ERK_CONTROL(mem, sun, keep)     \
     (*(keep) = SUNAdaptController_ImExGus(sun), \
      *(keep) == NULL ? -1 : ERKStepSetAdaptController((mem), *(keep)))
 #define LAC_SUN_ERK_CONTROL_FREE(control) ((void)SUNAdaptController_Destroy(control))

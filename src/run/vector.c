@@ -9,7 +9,8 @@ double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
 
 static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
 
-LAC_CLONES static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
+LAC_CLONES static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv,
+                                    N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);

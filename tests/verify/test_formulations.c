@@ -72,7 +72,7 @@ static void spring_slider(void **state)
         double fine = slider_error(formulation, methods[m], 1e-10, &many);
         printf("%-5s rtol %.0e: %.1e in %lld evaluations; 1e-10: %.1e in %lld\n", method_names[m],
                coarse[m], error, (long long)few, fine, (long long)many);
-        assert_true(error < 1e-6 && few <= 12500);
+        assert_true(error < 1e-6 && few <= 12000);
         assert_true(fine < 5e-9);
     }
 }
