@@ -11,6 +11,14 @@ LAC_CLONES void lac_vexp(size_t n, const double *x, double *y)
     }
 }
 
+LAC_CLONES void lac_vexp_minus(size_t n, const double *x, double *y)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        y[i] = lac_exp_one(-x[i]);
+    }
+}
+
 LAC_CLONES void lac_vlog(size_t n, const double *x, double *y)
 {
     LAC_INDEPENDENT

@@ -55,3 +55,11 @@ LAC_CLONES bool lac_vfinite(size_t n, const double *x)
     }
     return count == 0;
 }
+
+LAC_CLONES void lac_vabs(size_t n, const double *x, double *y)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        y[i] = fabs(x[i]);
+    }
+}

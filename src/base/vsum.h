@@ -12,6 +12,8 @@
 double lac_vsum(size_t n, const double *x);
 /// Largest |x|, numbers that are none left out; 0 of nothing.
 double lac_vmost(size_t n, const double *x);
+/// y_i = |x_i|
+void lac_vabs(size_t n, const double *x, double *y);
 /// Whether all x are finite.
 bool lac_vfinite(size_t n, const double *x);
 

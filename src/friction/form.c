@@ -2,7 +2,9 @@
 #include "friction/form.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "base/clones.h"
 #include "base/vmath.h"
 #include "friction/cutoff.h"
 #include "friction/law.h"
@@ -25,12 +27,13 @@
 const char *const lac_friction_form_names[] = {"plain", "regularised", NULL};
 
 // F = constant + a U + b W
-static void plain_coefficient(const lac_friction *friction, size_t first, size_t n, const double *u,
-                              const double *w, double *f)
+LAC_CLONES static void plain_coefficient(const lac_friction *friction, size_t first, size_t n,
+                                         const double *u, const double *w, double *f)
 {
     const double *constant = friction->constant + first;
     const double *a = friction->column[LAC_A] + first;
     const double *b = friction->column[LAC_B] + first;
+    LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         f[i] = constant[i] + a[i] * u[i] + b[i] * w[i];
     }
@@ -39,14 +42,12 @@ static void plain_coefficient(const lac_friction *friction, size_t first, size_t
 static void plain_slopes(const lac_friction *friction, size_t first, size_t n,
                          const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    for (size_t i = 0; i < n; i++) {
-        values->f_u[i] = friction->column[LAC_A][first + i];
-        values->f_w[i] = friction->column[LAC_B][first + i];
-    }
+    memcpy(values->f_u, friction->column[LAC_A] + first, n * sizeof(double));
+    memcpy(values->f_w, friction->column[LAC_B] + first, n * sizeof(double));
     if (slopes != NULL) {
-        for (size_t i = 0; i < n; i++) {
-            slopes->f_uu[i] = slopes->f_uw[i] = slopes->f_ww[i] = 0;
-        }
+        memset(slopes->f_uu, 0, n * sizeof(double));
+        memset(slopes->f_uw, 0, n * sizeof(double));
+        memset(slopes->f_ww, 0, n * sizeof(double));
     }
 }
 
@@ -54,8 +55,9 @@ static double at_least_smallest(double a) { return a > SMALLEST_A ? a : SMALLEST
 
 // With r = 1/sqrt(1 + X^2), s = X r and ds = ds/dlnX = s r^2:
 // f_uu = a ds,  f_uw = b ds,  f_ww = b^2/a ds
-static void regularised_slopes(const double *a, const double *b, size_t n, const double *s,
-                               const double *r, const lac_friction_slopes *slopes)
+LAC_CLONES static void regularised_slopes(const double *a, const double *b, size_t n,
+                                          const double *s, const double *r,
+                                          const lac_friction_slopes *slopes)
 {
     double *f_uu = slopes->f_uu, *f_uw = slopes->f_uw, *f_ww = slopes->f_ww;
     for (size_t i = 0; i < n; i++) {

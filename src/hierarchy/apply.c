@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/clones.h"
 #include "hierarchy/blocks.h"
 
 // sum_B = sum of x over the children of B. Blocks have 1 to 4 children in no order a processor
 // could foresee, so four are always read and those that are not children are multiplied by 0.
 // The partition of the parents follows that of the children.
-static void sum_children(const lac_partition *fine, const double *x, double *sum)
+LAC_CLONES static void sum_children(const lac_partition *fine, const double *x, double *sum)
 {
     const uint32_t *child = fine->child;
+    LAC_INDEPENDENT
     for (uint32_t b = 0; b < fine->whole; b++) {
         const double *c = x + child[b];
         const double *is = lac_is_child[child[b + 1] - child[b]];
@@ -22,17 +24,19 @@ static void sum_children(const lac_partition *fine, const double *x, double *sum
 }
 
 // force_c = force_B + k (mean_c - mean_B)
-static void pass_down(const lac_partition *fine, double k, const double *mean, const double *mean_b,
-                      const double *force_b, double *force)
+LAC_CLONES static void pass_down(const lac_partition *fine, double k, const double *mean,
+                                 const double *mean_b, const double *force_b, double *force)
 {
+    LAC_INDEPENDENT
     for (uint32_t c = 0; c < fine->count; c++) {
         uint32_t b = fine->parent[c];
         force[c] = force_b[b] + k * (mean[c] - mean_b[b]);
     }
 }
 
-static void take_means(const lac_partition *part, double *mean)
+LAC_CLONES static void take_means(const lac_partition *part, double *mean)
 {
+    LAC_INDEPENDENT
     for (uint32_t b = 0; b < part->count; b++) {
         mean[b] /= part->first[b + 1] - part->first[b];
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <float.h>
 
+#include "base/clones.h"
 #include "hierarchy/blocks.h"
 
 // The elimination of docs/theory/transfer.md, equations 5 to 8. A block stands for its cells as
@@ -10,9 +11,10 @@
 static bool good(double g) { return g > 0 && g <= DBL_MAX; }
 
 // g_c = 1/(t_c + k); returns how many are not finite and positive.
-static uint32_t invert_pivots(uint32_t count, double k, const double *t, double *g)
+LAC_CLONES static uint32_t invert_pivots(uint32_t count, double k, const double *t, double *g)
 {
     uint32_t bad = 0;
+    LAC_INDEPENDENT
     for (uint32_t c = 0; c < count; c++) {
         g[c] = 1 / (t[c] + k);
         bad += !good(g[c]);
@@ -22,10 +24,11 @@ static uint32_t invert_pivots(uint32_t count, double k, const double *t, double 
 
 // t_B = sum w_c t_c / sum w_c, y_B = sum w_c y_c / sum w_c over the children of B.
 // Four are always read, as in apply.c. The partition of the parents follows that of the children.
-static void average_children(const lac_partition *fine, const double *w, const double *t,
-                             const double *y, double *t_b, double *y_b)
+LAC_CLONES static void average_children(const lac_partition *fine, const double *w, const double *t,
+                                        const double *y, double *t_b, double *y_b)
 {
     const uint32_t *child = fine->child;
+    LAC_INDEPENDENT
     for (uint32_t b = 0; b < fine->whole; b++) {
         size_t c = child[b];
         const double *is = lac_is_child[child[b + 1] - child[b]];
@@ -65,16 +68,19 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 }
 
 // w_c = n_c g_c
-static void weigh(const lac_partition *part, const double *g, double *w)
+LAC_CLONES static void weigh(const lac_partition *part, const double *g, double *w)
 {
+    LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
         w[c] = (part->first[c + 1] - part->first[c]) * g[c];
     }
 }
 
 // b_B = mu_B + k m_B: all that the children of B need to know.
-static void offer(const lac_partition *part, double k, const double *m, const double *mu, double *b)
+LAC_CLONES static void offer(const lac_partition *part, double k, const double *m, const double *mu,
+                             double *b)
 {
+    LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
         b[c] = mu[c] + k * m[c];
     }
@@ -82,9 +88,11 @@ static void offer(const lac_partition *part, double k, const double *m, const do
 
 // m_c = g_c (y_c + b_B), mu_c = g_c (t_c b_B - k y_c); a single child has its parent's.
 // m replaces t and mu replaces y.
-static void pass_down(const lac_partition *part, double k, const double *g, const double *b,
-                      const double *m_b, const double *mu_b, double *t, double *y)
+LAC_CLONES static void pass_down(const lac_partition *part, double k, const double *g,
+                                 const double *b, const double *m_b, const double *mu_b, double *t,
+                                 double *y)
 {
+    LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
         double from_above = b[part->parent[c]];
         double m = g[c] * (y[c] + from_above);
@@ -99,9 +107,10 @@ static void pass_down(const lac_partition *part, double k, const double *g, cons
 }
 
 // The same for the cells: x_i = g_i (y_i + b_B).
-static void finish(const lac_partition *cells, const double *g, const double *b, const double *m_b,
-                   const double *y, double *x)
+LAC_CLONES static void finish(const lac_partition *cells, const double *g, const double *b,
+                              const double *m_b, const double *y, double *x)
 {
+    LAC_INDEPENDENT
     for (uint32_t i = 0; i < cells->count; i++) {
         x[i] = g[i] * (y[i] + b[cells->parent[i]]);
     }

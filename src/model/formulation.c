@@ -81,9 +81,7 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
                           lac_block_slopes *d)
 {
     size_t length = lac_block_length(problem->n, first);
-    for (size_t i = 0; i < length; i++) {
-        s->speed[i] = fabs(motion->v[first + i]);
-    }
+    lac_vabs(length, motion->v + first, s->speed);
     lac_friction_cells cells = {.first = first,
                                 .n = length,
                                 .u = motion->u + first,
@@ -106,9 +104,7 @@ bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         double speed[LAC_FRICTION_BLOCK];
         size_t length = lac_block_length(problem->n, first);
-        for (size_t i = 0; i < length; i++) {
-            speed[i] = fabs(motion->v[first + i]);
-        }
+        lac_vabs(length, motion->v + first, speed);
         lac_friction_cells cells = {.first = first,
                                     .n = length,
                                     .u = motion->u + first,
