@@ -3,7 +3,8 @@
 #define LACUNA_BASE_CLONES_H
 
 // Where the compiler and the C library can, each loop is compiled for three instruction sets and
-// the best one is picked when the program starts. Sanitizers run before that is possible.
+// the best one is picked when the program starts. Its name is then global, static or not: lac_...
+// Sanitizers run before that is possible.
 #ifndef LAC_CLONES
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     __GNUC__ >= 12 && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

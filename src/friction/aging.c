@@ -4,8 +4,8 @@
 #include "friction/law.h"
 
 // g_u = -v/dc, g_w = -exp(-w), which stands in g
-LAC_CLONES static void slopes(size_t n, const double *v, const double *inv_dc, const double *g,
-                              double *g_u, double *g_w)
+LAC_CLONES static void lac_aging_slopes(size_t n, const double *v, const double *inv_dc,
+                                        const double *g, double *g_u, double *g_w)
 {
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
@@ -14,7 +14,7 @@ LAC_CLONES static void slopes(size_t n, const double *v, const double *inv_dc, c
     }
 }
 
-LAC_CLONES static void renew(size_t n, const double *v, const double *inv_dc, double *g)
+LAC_CLONES static void lac_aging_renew(size_t n, const double *v, const double *inv_dc, double *g)
 {
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
@@ -29,9 +29,9 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     const double *inv_dc = friction->inv_dc + cells->first;
     lac_vexp_minus(cells->n, cells->w, g);
     if (g_u != NULL) {
-        slopes(cells->n, cells->v, inv_dc, g, g_u, g_w);
+        lac_aging_slopes(cells->n, cells->v, inv_dc, g, g_u, g_w);
     }
-    renew(cells->n, cells->v, inv_dc, g);
+    lac_aging_renew(cells->n, cells->v, inv_dc, g);
 }
 
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};

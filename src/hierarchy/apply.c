@@ -5,7 +5,8 @@
 // sum_B = sum of x over the children of B. Blocks have 1 to 4 children in no order a processor
 // could foresee, so four are always read and those that are not children are multiplied by 0.
 // The partition of the parents follows that of the children.
-LAC_CLONES static void sum_children(const lac_partition *fine, const double *x, double *sum)
+LAC_CLONES static void lac_apply_sum_children(const lac_partition *fine, const double *x,
+                                              double *sum)
 {
     const uint32_t *child = fine->child;
     LAC_INDEPENDENT
@@ -24,8 +25,9 @@ LAC_CLONES static void sum_children(const lac_partition *fine, const double *x, 
 }
 
 // force_c = force_B + k (mean_c - mean_B)
-LAC_CLONES static void pass_down(const lac_partition *fine, double k, const double *mean,
-                                 const double *mean_b, const double *force_b, double *force)
+LAC_CLONES static void lac_apply_pass_down(const lac_partition *fine, double k, const double *mean,
+                                           const double *mean_b, const double *force_b,
+                                           double *force)
 {
     LAC_INDEPENDENT
     for (uint32_t c = 0; c < fine->count; c++) {
@@ -34,7 +36,7 @@ LAC_CLONES static void pass_down(const lac_partition *fine, double k, const doub
     }
 }
 
-LAC_CLONES static void take_means(const lac_partition *part, double *mean)
+LAC_CLONES static void lac_apply_take_means(const lac_partition *part, double *mean)
 {
     LAC_INDEPENDENT
     for (uint32_t b = 0; b < part->count; b++) {
@@ -55,20 +57,20 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
     double *mean = work, *force = work + h->blocks;
     const double *below = x;
     for (size_t j = 0; j < root; j++) {
-        sum_children(&part[j], below, mean);
+        lac_apply_sum_children(&part[j], below, mean);
         below = mean;
         mean += part[j + 1].count;
     }
     mean = work + h->blocks - 1;
     force += h->blocks - 1;
-    take_means(&part[root], mean);
+    lac_apply_take_means(&part[root], mean);
     *force = 0;
     for (size_t j = root - 1; j > 0; j--) {
         double *mean_b = mean, *force_b = force;
         mean -= part[j].count;
         force -= part[j].count;
-        take_means(&part[j], mean);
-        pass_down(&part[j], k[part[j].level], mean, mean_b, force_b, force);
+        lac_apply_take_means(&part[j], mean);
+        lac_apply_pass_down(&part[j], k[part[j].level], mean, mean_b, force_b, force);
     }
-    pass_down(&part[0], k[part[0].level], x, mean, force, y);
+    lac_apply_pass_down(&part[0], k[part[0].level], x, mean, force, y);
 }

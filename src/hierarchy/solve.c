@@ -11,7 +11,8 @@
 static bool good(double g) { return g > 0 && g <= DBL_MAX; }
 
 // g_c = 1/(t_c + k); returns how many are not finite and positive.
-LAC_CLONES static uint32_t invert_pivots(uint32_t count, double k, const double *t, double *g)
+LAC_CLONES static uint32_t lac_solve_invert_pivots(uint32_t count, double k, const double *t,
+                                                   double *g)
 {
     uint32_t bad = 0;
     LAC_INDEPENDENT
@@ -24,8 +25,9 @@ LAC_CLONES static uint32_t invert_pivots(uint32_t count, double k, const double 
 
 // t_B = sum w_c t_c / sum w_c, y_B = sum w_c y_c / sum w_c over the children of B.
 // Four are always read, as in apply.c. The partition of the parents follows that of the children.
-LAC_CLONES static void average_children(const lac_partition *fine, const double *w, const double *t,
-                                        const double *y, double *t_b, double *y_b)
+LAC_CLONES static void lac_solve_average_children(const lac_partition *fine, const double *w,
+                                                  const double *t, const double *y, double *t_b,
+                                                  double *y_b)
 {
     const uint32_t *child = fine->child;
     LAC_INDEPENDENT
@@ -68,7 +70,7 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 }
 
 // w_c = n_c g_c
-LAC_CLONES static void weigh(const lac_partition *part, const double *g, double *w)
+LAC_CLONES static void lac_solve_weigh(const lac_partition *part, const double *g, double *w)
 {
     LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
@@ -77,8 +79,8 @@ LAC_CLONES static void weigh(const lac_partition *part, const double *g, double 
 }
 
 // b_B = mu_B + k m_B: all that the children of B need to know.
-LAC_CLONES static void offer(const lac_partition *part, double k, const double *m, const double *mu,
-                             double *b)
+LAC_CLONES static void lac_solve_offer(const lac_partition *part, double k, const double *m,
+                                       const double *mu, double *b)
 {
     LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
@@ -88,9 +90,9 @@ LAC_CLONES static void offer(const lac_partition *part, double k, const double *
 
 // m_c = g_c (y_c + b_B), mu_c = g_c (t_c b_B - k y_c); a single child has its parent's.
 // m replaces t and mu replaces y.
-LAC_CLONES static void pass_down(const lac_partition *part, double k, const double *g,
-                                 const double *b, const double *m_b, const double *mu_b, double *t,
-                                 double *y)
+LAC_CLONES static void lac_solve_pass_down(const lac_partition *part, double k, const double *g,
+                                           const double *b, const double *m_b, const double *mu_b,
+                                           double *t, double *y)
 {
     LAC_INDEPENDENT
     for (uint32_t c = 0; c < part->count; c++) {
@@ -107,8 +109,9 @@ LAC_CLONES static void pass_down(const lac_partition *part, double k, const doub
 }
 
 // The same for the cells: x_i = g_i (y_i + b_B).
-LAC_CLONES static void finish(const lac_partition *cells, const double *g, const double *b,
-                              const double *m_b, const double *y, double *x)
+LAC_CLONES static void lac_solve_finish(const lac_partition *cells, const double *g,
+                                        const double *b, const double *m_b, const double *y,
+                                        double *x)
 {
     LAC_INDEPENDENT
     for (uint32_t i = 0; i < cells->count; i++) {
@@ -124,11 +127,11 @@ LAC_CLONES static void finish(const lac_partition *cells, const double *g, const
 static bool eliminate(const lac_partition *fine, double k, const double *t, const double *y,
                       double *g, double *w, double *t_b, double *y_b)
 {
-    uint32_t bad = invert_pivots(fine->count, k, t, g);
+    uint32_t bad = lac_solve_invert_pivots(fine->count, k, t, g);
     if (w != NULL) {
-        weigh(fine, g, w);
+        lac_solve_weigh(fine, g, w);
     }
-    average_children(fine, w != NULL ? w : g, t, y, t_b, y_b);
+    lac_solve_average_children(fine, w != NULL ? w : g, t, y, t_b, y_b);
     return bad == adopt_singles(fine, t, y, g, t_b, y_b);
 }
 
@@ -167,11 +170,11 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
     for (size_t j = root - 1; j > 0; j--) {
         uint32_t count = part[j].count;
         g -= count;
-        offer(&part[j + 1], k[part[j].level], t, r, w);
-        pass_down(&part[j], k[part[j].level], g, w, t, r, t - count, r - count);
+        lac_solve_offer(&part[j + 1], k[part[j].level], t, r, w);
+        lac_solve_pass_down(&part[j], k[part[j].level], g, w, t, r, t - count, r - count);
         t -= count, r -= count;
     }
-    offer(&part[1], k[part[0].level], t, r, w);
-    finish(&part[0], g_cell, w, t, y, x);
+    lac_solve_offer(&part[1], k[part[0].level], t, r, w);
+    lac_solve_finish(&part[0], g_cell, w, t, y, x);
     return true;
 }

@@ -42,7 +42,7 @@ typedef struct rate_field {
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
-LAC_CLONES static void log_rate_rates(const lac_problem *problem, const lac_drive *drive,
+LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_drive *drive,
                                       const rate_field *field, size_t first, size_t length,
                                       const lac_block *s)
 {
@@ -71,7 +71,7 @@ static bool block_rates(const lac_problem *problem, const lac_drive *drive, cons
     size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, NULL);
     double *du = field->ydot + first;
     double *dw = field->ydot + problem->n + first;
-    log_rate_rates(problem, drive, field, first, length, &s);
+    lac_rate_rates(problem, drive, field, first, length, &s);
     memcpy(dw, s.g, length * sizeof *dw);
     return lac_vfinite(length, du) && lac_vfinite(length, dw);
 }
@@ -106,9 +106,9 @@ typedef struct solve_field {
 // dv = v x_u:  (D + K) dv = rhs,  x_w = back (b_w + gamma g_u x_u). D goes to ws->diagonal, the
 // right-hand side and back b_w to b; and for the way back 1/v and back gamma g_u to ws->kv and
 // ws->v, whose K v and v are used up. Gives back how many rows have back <= 0.
-LAC_CLONES static size_t reduce(const lac_problem *problem, const lac_drive *drive,
-                                const solve_field *field, size_t first, size_t length,
-                                const lac_block *s, const lac_block_slopes *d)
+LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem, const lac_drive *drive,
+                                         const solve_field *field, size_t first, size_t length,
+                                         const lac_block *s, const lac_block_slopes *d)
 {
     const double *pressure = problem->pressure + first;
     double *kv = field->ws->kv + first;
@@ -151,7 +151,7 @@ LAC_CLONES static size_t reduce(const lac_problem *problem, const lac_drive *dri
 }
 
 // x_u = dv/v, x_w = b_w + slope x_u
-LAC_CLONES static void bring_back(size_t n, const lac_workspace *ws, double *b)
+LAC_CLONES static void lac_rate_bring_back(size_t n, const lac_workspace *ws, double *b)
 {
     const double *inv_v = ws->kv;
     const double *slope = ws->v;
@@ -169,7 +169,7 @@ static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
     lac_block s;
     lac_block_slopes d;
     size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, &d);
-    return reduce(problem, drive, field, first, length, &s, &d) == 0;
+    return lac_rate_reduce(problem, drive, field, first, length, &s, &d) == 0;
 }
 
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -190,7 +190,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
                                         b, ws->scratch)) {
         return false;
     }
-    bring_back(n, ws, b);
+    lac_rate_bring_back(n, ws, b);
     return true;
 }
 

@@ -9,8 +9,8 @@ double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
 
 static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
 
-LAC_CLONES static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv,
-                                    N_Vector zv)
+LAC_CLONES static void lac_vector_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv,
+                                             N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -42,7 +42,7 @@ static void v_const(sunrealtype c, N_Vector zv)
     }
 }
 
-LAC_CLONES static void v_prod(N_Vector xv, N_Vector yv, N_Vector zv)
+LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -53,7 +53,7 @@ LAC_CLONES static void v_prod(N_Vector xv, N_Vector yv, N_Vector zv)
     }
 }
 
-LAC_CLONES static void v_div(N_Vector xv, N_Vector yv, N_Vector zv)
+LAC_CLONES static void lac_vector_div(N_Vector xv, N_Vector yv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -64,7 +64,7 @@ LAC_CLONES static void v_div(N_Vector xv, N_Vector yv, N_Vector zv)
     }
 }
 
-LAC_CLONES static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
+LAC_CLONES static void lac_vector_scale(sunrealtype c, N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -74,7 +74,7 @@ LAC_CLONES static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
     }
 }
 
-LAC_CLONES static void v_abs(N_Vector xv, N_Vector zv)
+LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -84,7 +84,7 @@ LAC_CLONES static void v_abs(N_Vector xv, N_Vector zv)
     }
 }
 
-LAC_CLONES static void v_inv(N_Vector xv, N_Vector zv)
+LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
 {
     const double *x = NV_DATA_S(xv);
     double *z = NV_DATA_S(zv);
@@ -112,7 +112,7 @@ static double lanes_sum(const double s[LANES])
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-LAC_CLONES static sunrealtype v_dot(N_Vector xv, N_Vector yv)
+LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
 {
     const double *x = NV_DATA_S(xv);
     const double *y = NV_DATA_S(yv);
@@ -130,7 +130,7 @@ LAC_CLONES static sunrealtype v_dot(N_Vector xv, N_Vector yv)
     return lanes_sum(s);
 }
 
-LAC_CLONES static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
+LAC_CLONES static sunrealtype lac_vector_weighted_squares(N_Vector xv, N_Vector wv)
 {
     const double *x = NV_DATA_S(xv);
     const double *w = NV_DATA_S(wv);
@@ -152,10 +152,10 @@ LAC_CLONES static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
 
 static sunrealtype v_wrms_norm(N_Vector xv, N_Vector wv)
 {
-    return sqrt(v_weighted_squares(xv, wv) / (double)length(xv));
+    return sqrt(lac_vector_weighted_squares(xv, wv) / (double)length(xv));
 }
 
-LAC_CLONES static sunrealtype v_max_norm(N_Vector xv)
+LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
 {
     const double *x = NV_DATA_S(xv);
     size_t n = length(xv);
@@ -190,7 +190,7 @@ static inline __attribute__((always_inline)) void combine(int count, size_t n, c
     }
 }
 
-LAC_CLONES static void combine_terms(int count, size_t n, const terms *t, double *z)
+LAC_CLONES static void lac_vector_combine_terms(int count, size_t n, const terms *t, double *z)
 {
     switch (count) { // so that each loop is unrolled
     case 2:
@@ -221,7 +221,7 @@ static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *
 {
     double *z = NV_DATA_S(zv);
     if (count == 1) {
-        v_scale(c[0], xv[0], zv);
+        lac_vector_scale(c[0], xv[0], zv);
         return 0;
     }
     terms t;
@@ -231,7 +231,7 @@ static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *
         t.c[used] = c[j];
         used++;
         if (used == MOST_TERMS || j + 1 == count) {
-            combine_terms(used, length(zv), &t, z);
+            lac_vector_combine_terms(used, length(zv), &t, z);
             t.x[0] = z;
             t.c[0] = 1.0;
             used = 1;
@@ -245,7 +245,7 @@ static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector xv, 
                                         N_Vector *zv)
 {
     for (int j = 0; j < count; j++) {
-        v_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
+        lac_vector_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
     }
     return 0;
 }
@@ -256,20 +256,20 @@ N_Vector lac_vector_create(size_t n, SUNContext sun)
     if (x == NULL) {
         return NULL;
     }
-    x->ops->nvlinearsum = v_linear_sum;
+    x->ops->nvlinearsum = lac_vector_linear_sum;
     x->ops->nvconst = v_const;
-    x->ops->nvprod = v_prod;
-    x->ops->nvdiv = v_div;
-    x->ops->nvscale = v_scale;
-    x->ops->nvabs = v_abs;
-    x->ops->nvinv = v_inv;
+    x->ops->nvprod = lac_vector_prod;
+    x->ops->nvdiv = lac_vector_div;
+    x->ops->nvscale = lac_vector_scale;
+    x->ops->nvabs = lac_vector_abs;
+    x->ops->nvinv = lac_vector_inv;
     x->ops->nvaddconst = v_add_const;
-    x->ops->nvdotprod = v_dot;
-    x->ops->nvmaxnorm = v_max_norm;
+    x->ops->nvdotprod = lac_vector_dot;
+    x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;
-    x->ops->nvwsqrsumlocal = v_weighted_squares;
-    x->ops->nvdotprodlocal = v_dot;
-    x->ops->nvmaxnormlocal = v_max_norm;
+    x->ops->nvwsqrsumlocal = lac_vector_weighted_squares;
+    x->ops->nvdotprodlocal = lac_vector_dot;
+    x->ops->nvmaxnormlocal = lac_vector_max_norm;
     x->ops->nvlinearcombination = v_linear_combination;
     x->ops->nvscaleaddmulti = v_scale_add_multi;
     return x;
