@@ -48,6 +48,13 @@ add_test(NAME case.test_extremes
 set_tests_properties(case.test_extremes PROPERTIES LABELS "case;extreme" TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
+# Runs that are stopped and go on.
+add_test(NAME case.test_resume
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_resume.py
+                 $<TARGET_FILE:lacuna_program>)
+set_tests_properties(case.test_resume PROPERTIES LABELS case TIMEOUT 600
+                     ENVIRONMENT ${case_environment})
+
 # Histories of load, and the commands of the tutorials with what they print.
 add_test(NAME case.test_history
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_history.py

@@ -308,6 +308,10 @@ static const lac_param output_rows[] = {
      .doc = "how often the fields are kept, as `every`; once per decade of the mean slip rate if "
             "absent",
      OWN},
+    {.key = "checkpoint",
+     .doc = "how often the run saves what --resume goes on from, as `every`; only when a signal "
+            "ends it if absent",
+     OWN},
     {.key = "compression",
      .unit = "1",
      .fallback = 1,
@@ -318,7 +322,7 @@ static const lac_param output_rows[] = {
      .doc = "deflate level of the fields"},
 };
 
-static const char *const output_own[] = {"every", "fields", "fields_every", NULL};
+static const char *const output_own[] = {"every", "fields", "fields_every", "checkpoint", NULL};
 
 static const lac_param cadence_rows[] = {
     {.key = "time",

@@ -316,6 +316,10 @@ static void put_output(writer *w, const lac_case *c)
     put(w, "output:\n");
     put_section(w, 1, LAC_SECTION_OUTPUT, c);
     put_cadence(w, "every", &c->run.record);
+    const lac_cadence *save = &c->run.checkpoint;
+    if (!isnan(save->time) || save->steps > 0 || !isnan(save->per_decade)) {
+        put_cadence(w, "checkpoint", save);
+    }
     if (c->fields == 0) {
         return;
     }

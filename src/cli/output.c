@@ -65,7 +65,7 @@ static lac_status check_existing(const cli_request *request, const lac_case *c, 
     if (is_input(c, file)) {
         return lac_fail(err, LAC_EINPUT, "%s: is read by this case, must not be the output", path);
     }
-    if (!cli_given(request, CLI_OPT_FORCE)) {
+    if (!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME)) {
         return lac_fail(err, LAC_EINPUT,
                         "%s: exists already; --force replaces it, -o names another file", path);
     }
@@ -105,7 +105,9 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
     if (errno != ENOENT) {
         return lac_fail(err, LAC_EIO, "%s: %s", *path, strerror(errno));
     }
-    return check_folder(*path, err);
+    return cli_given(request, CLI_OPT_RESUME)
+               ? lac_fail(err, LAC_EIO, "--resume: %s: %s", *path, strerror(errno))
+               : check_folder(*path, err);
 }
 
 // The seed of the surface or domain, wherever its table keeps it.

@@ -56,8 +56,8 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
                         def->rtol, def->failure_rate);
     }
-    const lac_cadence *every[] = {&def->record, &def->snapshot};
-    for (size_t i = 0; i < 2; i++) {
+    const lac_cadence *every[] = {&def->record, &def->snapshot, &def->checkpoint};
+    for (size_t i = 0; i < 3; i++) {
         // NaN, not given, passes.
         if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
             return lac_fail(err, LAC_EINPUT,

@@ -21,6 +21,7 @@ typedef struct lac_engine {
     double *slip;          // [n] slip at the time reached [m]; part of y where slip is an unknown
     double *work;          // lac_problem_work
     lac_run_result counts; // only the counters are kept here
+    lac_run_result before; // those up to the last restart
     SUNContext sun;
     void *inner; // the kind's own
 } lac_engine;

@@ -14,8 +14,6 @@ typedef struct cvode {
     N_Vector scratch_y, scratch_slip;
     SUNLinearSolver linear;
     SUNNonlinearSolver fixed_point;
-    int64_t linear_solves;
-    int64_t before[5]; // counters of the segments before the last restart
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -62,7 +60,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
         CV_SUCCESS) {
         return SUNLS_MEM_NULL;
     }
-    c->linear_solves++;
+    engine->counts.linear_solves++;
     N_VScale(1.0, b, x);
     bool good = lac_problem_newton(engine->problem, lac_engine_clock(engine, t), lac_vector_data(y),
                                    gamma, lac_vector_data(x), engine->work);
@@ -196,22 +194,18 @@ static void cvode_count(lac_engine *engine)
     (void)CVodeGetNumNonlinSolvIters(c->mem, &now[2]);
     (void)CVodeGetNumErrTestFails(c->mem, &now[3]);
     (void)CVodeGetNumNonlinSolvConvFails(c->mem, &now[4]);
-    engine->counts.steps = c->before[0] + now[0];
-    engine->counts.rhs_evaluations = c->before[1] + now[1];
-    engine->counts.newton_iterations = c->before[2] + now[2];
-    engine->counts.error_test_fails = c->before[3] + now[3];
-    engine->counts.nonlinear_fails = c->before[4] + now[4];
-    engine->counts.linear_solves = c->linear_solves;
+    engine->counts.steps = engine->before.steps + now[0];
+    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
+    engine->counts.newton_iterations = engine->before.newton_iterations + now[2];
+    engine->counts.error_test_fails = engine->before.error_test_fails + now[3];
+    engine->counts.nonlinear_fails = engine->before.nonlinear_fails + now[4];
 }
 
 static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
     cvode_count(engine);
-    const lac_run_result *counts = &engine->counts;
-    int64_t now[5] = {counts->steps, counts->rhs_evaluations, counts->newton_iterations,
-                      counts->error_test_fails, counts->nonlinear_fails};
-    memcpy(c->before, now, sizeof now);
+    engine->before = engine->counts;
     if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
         (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
         CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {

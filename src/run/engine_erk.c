@@ -17,7 +17,6 @@ typedef struct erk {
     double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
     void *control; // of the step; freed by LAC_SUN_ERK_CONTROL_FREE
-    int64_t before[3];
 } erk;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -134,9 +133,9 @@ static void erk_count(lac_engine *engine)
     (void)ERKStepGetNumSteps(c->mem, &now[0]);
     (void)ERKStepGetNumRhsEvals(c->mem, &now[1]);
     (void)ERKStepGetNumErrTestFails(c->mem, &now[2]);
-    engine->counts.steps = c->before[0] + now[0];
-    engine->counts.rhs_evaluations = c->before[1] + now[1];
-    engine->counts.error_test_fails = c->before[2] + now[2];
+    engine->counts.steps = engine->before.steps + now[0];
+    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
+    engine->counts.error_test_fails = engine->before.error_test_fails + now[2];
     engine->order = engine->def->max_order > 0 ? engine->def->max_order : 5;
 }
 
@@ -144,9 +143,8 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
 {
     erk *c = engine->inner;
     erk_count(engine);
-    const lac_run_result *counts = &engine->counts;
-    int64_t now[3] = {counts->steps, counts->rhs_evaluations, counts->error_test_fails};
-    memcpy(c->before, now, sizeof now);
+    engine->before = engine->counts;
+    lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
         ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "store/nc.h"
+#include "store/part.h"
 
 enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
 
@@ -44,21 +45,10 @@ static char *resolve(const char *path, bool exists)
     return exists ? realpath(path, NULL) : strdup(path);
 }
 
-static char *part_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    int folder = slash != NULL ? (int)(slash - path) + 1 : 0;
-    size_t size = (size_t)folder + 48;
-    char *part = malloc(size);
-    if (part != NULL) {
-        (void)snprintf(part, size, "%.*s.lacuna-%ld.part", folder, path, (long)getpid());
-    }
-    return part;
-}
-
-// Takes the temporary name for this process; what a killed one with its number left is removed.
+// Takes the temporary name for this process; what killed ones left of this file is removed.
 static lac_status take_part(lac_nc *file, lac_error *err)
 {
+    lac_part_sweep(file->path);
     (void)unlink(file->part);
     file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     return file->fd >= 0
@@ -124,7 +114,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
         return lac_fail(err, LAC_EIO, "%s: cannot replace: %s", path, strerror(errno));
     }
     file->path = resolve(path, exists);
-    file->part = file->path != NULL ? part_name(file->path) : NULL;
+    file->part = file->path != NULL ? lac_part_name(file->path) : NULL;
     if (file->part == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }

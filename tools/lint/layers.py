@@ -45,10 +45,12 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_checkpoint": "store",
     "store_rg": "store",
     "spread": "case",
     "store_map": "store",
     "tangential": "contact",
+    "tape": "base",
     "lacuna": "cli",
 }
 
@@ -70,8 +72,8 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    dirent.h fcntl.h getopt.h pthread.h strings.h sys/ioctl.h sys/resource.h sys/stat.h sys/time.h
-    sys/types.h sys/wait.h termios.h unistd.h""".split()
+    dirent.h fcntl.h getopt.h pthread.h strings.h sys/file.h sys/ioctl.h sys/resource.h sys/stat.h
+    sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
