@@ -4,19 +4,34 @@
 #include <string.h>
 
 #include "base/clones.h"
+#include "base/parts.h"
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
+typedef struct speeds {
+    const double *u;
+    double *v;
+    double sum[LAC_PARTS];
+} speeds;
+
+static void add_speeds(void *context, size_t part, size_t from, size_t end)
+{
+    speeds *s = context;
+    double total = 0.0;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(end, first);
+        lac_vexp(length, s->u + first, s->v + first);
+        total += lac_vsum(length, s->v + first);
+    }
+    s->sum[part] = total;
+}
+
 double lac_problem_exp_sum(size_t n, const double *u, double *v)
 {
-    double total = 0.0;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        lac_vexp(length, u + first, v + first);
-        total += lac_vsum(length, v + first);
-    }
-    return total;
+    speeds s = {.u = u, .v = v};
+    size_t parts = lac_parts_run(n, add_speeds, &s);
+    return lac_parts_sum(parts, s.sum);
 }
 
 static void start(const lac_problem *problem, double *x)
@@ -39,6 +54,9 @@ typedef struct rate_field {
     const double *w, *kv; // [n] ln theta, K v
     double loading;       // dq/dt that all cells have in common [Pa/s]
     double *ydot;
+    const lac_problem *problem;
+    const lac_drive *drive;
+    bool good[LAC_PARTS];
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
@@ -76,6 +94,25 @@ static bool block_rates(const lac_problem *problem, const lac_drive *drive, cons
     return lac_vfinite(length, du) && lac_vfinite(length, dw);
 }
 
+static void part_rates(void *context, size_t part, size_t from, size_t end)
+{
+    rate_field *field = context;
+    field->good[part] = true;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        bool good = block_rates(field->problem, field->drive, field, first);
+        field->good[part] = good && field->good[part];
+    }
+}
+
+static bool all_good(size_t parts, const bool *good)
+{
+    bool all = true;
+    for (size_t i = 0; i < parts; i++) {
+        all = all && good[i];
+    }
+    return all;
+}
+
 static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
                        double *ydot, const lac_workspace *ws)
 {
@@ -85,12 +122,11 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
                         .w = y + problem->n,
                         .kv = ws->kv,
                         .loading = drive->spring_rate - drive->spring_stiffness * motion.mean,
-                        .ydot = ydot};
-    bool good = true;
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        good = block_rates(problem, drive, &field, first) && good;
-    }
-    return good;
+                        .ydot = ydot,
+                        .problem = problem,
+                        .drive = drive};
+    size_t parts = lac_parts_run(problem->n, part_rates, &field);
+    return all_good(parts, field.good);
 }
 
 // What one solve works on.
@@ -100,6 +136,9 @@ typedef struct solve_field {
     const lac_workspace *ws;
     double *b;
     double loading, gamma;
+    const lac_problem *problem;
+    const lac_drive *drive;
+    bool good[LAC_PARTS];
 } solve_field;
 
 // Rows of (1 - gamma J) x = b with ln theta eliminated; docs/theory/creep.md. The unknown is
@@ -151,14 +190,18 @@ LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem, const lac_d
 }
 
 // x_u = dv/v, x_w = b_w + slope x_u
-LAC_CLONES static void lac_rate_bring_back(size_t n, const lac_workspace *ws, double *b)
+LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t first, size_t end)
 {
-    const double *inv_v = ws->kv;
-    const double *slope = ws->v;
+    const solve_field *field = context;
+    const double *inv_v = field->ws->kv;
+    const double *slope = field->ws->v;
+    double *b = field->b;
+    double *b_w = b + field->problem->n;
+    (void)part;
     LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = first; i < end; i++) {
         b[i] *= inv_v[i];
-        b[n + i] += slope[i] * b[i];
+        b_w[i] += slope[i] * b[i];
     }
 }
 
@@ -172,6 +215,16 @@ static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
     return lac_rate_reduce(problem, drive, field, first, length, &s, &d) == 0;
 }
 
+static void reduce_part(void *context, size_t part, size_t from, size_t end)
+{
+    solve_field *field = context;
+    field->good[part] = true;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        bool good = reduce_block(field->problem, field->drive, field, first);
+        field->good[part] = good && field->good[part];
+    }
+}
+
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
@@ -179,18 +232,22 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     const lac_transfer *transfer = &problem->transfer;
     lac_motion motion = move(problem, drive, y, ws, true);
     lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
-    solve_field field = {.motion = &motion, .w = y + n, .ws = ws, .b = b, .gamma = gamma};
+    solve_field field = {.motion = &motion,
+                         .w = y + n,
+                         .ws = ws,
+                         .b = b,
+                         .gamma = gamma,
+                         .problem = problem,
+                         .drive = drive};
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
 
-    bool good = true;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        good = reduce_block(problem, drive, &field, first) && good;
-    }
-    if (!good || !transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b,
-                                        b, ws->scratch)) {
+    size_t parts = lac_parts_run(n, reduce_part, &field);
+    if (!all_good(parts, field.good) ||
+        !transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b, b,
+                               ws->scratch)) {
         return false;
     }
-    lac_rate_bring_back(n, ws, b);
+    (void)lac_parts_run(n, lac_rate_bring_back, &field);
     return true;
 }
 

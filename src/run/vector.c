@@ -4,33 +4,40 @@
 #include <math.h>
 
 #include "base/clones.h"
+#include "base/parts.h"
 
 double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
 
 static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
 
-LAC_CLONES static void lac_vector_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv,
-                                             N_Vector zv)
+// The arrays and numbers of one operation, for its parts.
+typedef struct operation {
+    double a, b;
+    const double *x, *y;
+    double *z;
+    double sum[LAC_PARTS];
+} operation;
+
+LAC_CLONES static void lac_vector_sum_part(void *context, size_t part, size_t first, size_t end)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
-    double *z = NV_DATA_S(zv);
-    size_t n = length(xv);
-    if (a == 1.0) {
-        for (size_t i = 0; i < n; i++) {
-            z[i] = x[i] + b * y[i];
-        }
-        return;
-    }
-    if (b == 1.0) {
-        for (size_t i = 0; i < n; i++) {
-            z[i] = a * x[i] + y[i];
-        }
-        return;
-    }
-    for (size_t i = 0; i < n; i++) {
+    const operation *o = context;
+    double a = o->a;
+    double b = o->b;
+    const double *x = o->x;
+    const double *y = o->y;
+    double *z = o->z;
+    (void)part;
+    // a factor of 1 changes no bit of the product
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
         z[i] = a * x[i] + b * y[i];
     }
+}
+
+static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
+{
+    operation o = {.a = a, .b = b, .x = NV_DATA_S(xv), .y = NV_DATA_S(yv), .z = NV_DATA_S(zv)};
+    (void)lac_parts_run(length(xv), lac_vector_sum_part, &o);
 }
 
 static void v_const(sunrealtype c, N_Vector zv)
@@ -64,14 +71,23 @@ LAC_CLONES static void lac_vector_div(N_Vector xv, N_Vector yv, N_Vector zv)
     }
 }
 
-LAC_CLONES static void lac_vector_scale(sunrealtype c, N_Vector xv, N_Vector zv)
+LAC_CLONES static void lac_vector_scale_part(void *context, size_t part, size_t first, size_t end)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = c * x[i];
+    const operation *o = context;
+    double a = o->a;
+    const double *x = o->x;
+    double *z = o->z;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
+        z[i] = a * x[i];
     }
+}
+
+static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
+{
+    operation o = {.a = c, .x = NV_DATA_S(xv), .z = NV_DATA_S(zv)};
+    (void)lac_parts_run(length(xv), lac_vector_scale_part, &o);
 }
 
 LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
@@ -130,29 +146,36 @@ LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
     return lanes_sum(s);
 }
 
-LAC_CLONES static sunrealtype lac_vector_weighted_squares(N_Vector xv, N_Vector wv)
+LAC_CLONES static void lac_vector_squares_part(void *context, size_t part, size_t first, size_t end)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *w = NV_DATA_S(wv);
-    size_t n = length(xv);
-    size_t whole = n - n % LANES;
+    operation *o = context;
+    const double *x = o->x;
+    const double *w = o->y;
+    size_t whole = end - (end - first) % LANES;
     double s[LANES] = {0};
-    for (size_t i = 0; i < whole; i += LANES) {
+    for (size_t i = first; i < whole; i += LANES) {
         for (size_t k = 0; k < LANES; k++) {
             double term = x[i + k] * w[i + k];
             s[k] += term * term;
         }
     }
-    for (size_t i = whole; i < n; i++) {
+    for (size_t i = whole; i < end; i++) {
         double term = x[i] * w[i];
         s[i - whole] += term * term;
     }
-    return lanes_sum(s);
+    o->sum[part] = lanes_sum(s);
+}
+
+static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
+{
+    operation o = {.x = NV_DATA_S(xv), .y = NV_DATA_S(wv)};
+    size_t parts = lac_parts_run(length(xv), lac_vector_squares_part, &o);
+    return lac_parts_sum(parts, o.sum);
 }
 
 static sunrealtype v_wrms_norm(N_Vector xv, N_Vector wv)
 {
-    return sqrt(lac_vector_weighted_squares(xv, wv) / (double)length(xv));
+    return sqrt(v_weighted_squares(xv, wv) / (double)length(xv));
 }
 
 LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
@@ -174,14 +197,17 @@ enum { MOST_TERMS = 8 };
 typedef struct terms {
     const double *x[MOST_TERMS];
     double c[MOST_TERMS];
+    int count;
+    double *z;
 } terms;
 
-static inline __attribute__((always_inline)) void combine(int count, size_t n, const terms *from,
-                                                          double *z)
+static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
+                                                          const terms *from)
 {
     const terms t = *from;
+    double *z = t.z;
     LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = first; i < end; i++) {
         double sum = t.c[0] * t.x[0][i] + t.c[1] * t.x[1][i];
         for (int j = 2; j < count; j++) {
             sum += t.c[j] * t.x[j][i];
@@ -190,29 +216,31 @@ static inline __attribute__((always_inline)) void combine(int count, size_t n, c
     }
 }
 
-LAC_CLONES static void lac_vector_combine_terms(int count, size_t n, const terms *t, double *z)
+LAC_CLONES static void lac_vector_combine_part(void *context, size_t part, size_t first, size_t end)
 {
-    switch (count) { // so that each loop is unrolled
+    const terms *t = context;
+    (void)part;
+    switch (t->count) { // so that each loop is unrolled
     case 2:
-        combine(2, n, t, z);
+        combine(2, first, end, t);
         break;
     case 3:
-        combine(3, n, t, z);
+        combine(3, first, end, t);
         break;
     case 4:
-        combine(4, n, t, z);
+        combine(4, first, end, t);
         break;
     case 5:
-        combine(5, n, t, z);
+        combine(5, first, end, t);
         break;
     case 6:
-        combine(6, n, t, z);
+        combine(6, first, end, t);
         break;
     case 7:
-        combine(7, n, t, z);
+        combine(7, first, end, t);
         break;
     default:
-        combine(8, n, t, z);
+        combine(8, first, end, t);
     }
 }
 
@@ -221,17 +249,18 @@ static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *
 {
     double *z = NV_DATA_S(zv);
     if (count == 1) {
-        lac_vector_scale(c[0], xv[0], zv);
+        v_scale(c[0], xv[0], zv);
         return 0;
     }
-    terms t;
+    terms t = {.z = z};
     int used = 0;
     for (int j = 0; j < count; j++) {
         t.x[used] = NV_DATA_S(xv[j]);
         t.c[used] = c[j];
         used++;
         if (used == MOST_TERMS || j + 1 == count) {
-            lac_vector_combine_terms(used, length(zv), &t, z);
+            t.count = used;
+            (void)lac_parts_run(length(zv), lac_vector_combine_part, &t);
             t.x[0] = z;
             t.c[0] = 1.0;
             used = 1;
@@ -245,7 +274,7 @@ static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector xv, 
                                         N_Vector *zv)
 {
     for (int j = 0; j < count; j++) {
-        lac_vector_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
+        v_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
     }
     return 0;
 }
@@ -256,18 +285,18 @@ N_Vector lac_vector_create(size_t n, SUNContext sun)
     if (x == NULL) {
         return NULL;
     }
-    x->ops->nvlinearsum = lac_vector_linear_sum;
+    x->ops->nvlinearsum = v_linear_sum;
     x->ops->nvconst = v_const;
     x->ops->nvprod = lac_vector_prod;
     x->ops->nvdiv = lac_vector_div;
-    x->ops->nvscale = lac_vector_scale;
+    x->ops->nvscale = v_scale;
     x->ops->nvabs = lac_vector_abs;
     x->ops->nvinv = lac_vector_inv;
     x->ops->nvaddconst = v_add_const;
     x->ops->nvdotprod = lac_vector_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;
-    x->ops->nvwsqrsumlocal = lac_vector_weighted_squares;
+    x->ops->nvwsqrsumlocal = v_weighted_squares;
     x->ops->nvdotprodlocal = lac_vector_dot;
     x->ops->nvmaxnormlocal = lac_vector_max_norm;
     x->ops->nvlinearcombination = v_linear_combination;
