@@ -3,7 +3,7 @@
 // to the first cell at 0.5 m/s by bdf at rtol 1e-5: beside what the hardware allows and beside the
 // same physics on SUNDIALS as installed; what a right-hand side and a Newton solve cost a cell;
 // what a second thread brings at a million cells; memory. docs/speed.md says how it is counted.
-//   bench_creep [FILE.csv [COMMIT [MOST_SECONDS]]]   the stock run ends after so many seconds
+//   bench_creep [FILE.csv COMMIT MACHINE [MOST_SECONDS]]   the stock run ends after so many seconds
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -65,7 +65,7 @@ static void put(FILE *csv, const char *what, double value, const char *unit, con
     (void)printf("%-52s %12.4g %-10s %s\n", what, value, unit, bar);
     (void)fflush(stdout);
     if (csv != NULL) {
-        (void)fprintf(csv, "%s,%.6g,%s,%s\n", what, value, unit, bar);
+        (void)fprintf(csv, "\"%s\",%.6g,%s,%s\n", what, value, unit, bar);
     }
 }
 
@@ -224,11 +224,12 @@ static void run_threads(FILE *csv)
 int main(int argc, char **argv)
 {
     FILE *csv = argc > 1 ? fopen(argv[1], "w") : NULL;
-    double most = argc > 3 ? atof(argv[3]) : 1e4;
+    double most = argc > 4 ? atof(argv[4]) : 1e4;
     tree_def def = tree_default(10, 82);
     tree t;
     if (csv != NULL) {
-        (void)fprintf(csv, "what,value,unit,bar\ncommit,%s,,\n", argc > 2 ? argv[2] : "unknown");
+        (void)fprintf(csv, "what,value,unit,bar\ncommit,%s,,\nmachine,\"%s\",,\n",
+                      argc > 2 ? argv[2] : "unknown", argc > 3 ? argv[3] : "unknown");
     }
     omp_set_num_threads(1);
     reset_peak();
