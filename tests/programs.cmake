@@ -41,6 +41,19 @@ add_test(NAME case.test_loads
 set_tests_properties(case.test_loads PROPERTIES LABELS case TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
+# Elastic rock: what slip takes off the cells and how loads reach them.
+add_test(NAME case.test_elastic
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
+add_test(NAME case.test_elastic_limits
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 300
+                     ENVIRONMENT ${case_environment})
+
 # Numbers of extreme size, through the program.
 add_test(NAME case.test_extremes
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_extremes.py
@@ -51,7 +64,7 @@ set_tests_properties(case.test_extremes PROPERTIES LABELS "case;extreme" TIMEOUT
 # Runs that are stopped and go on.
 add_test(NAME case.test_resume
          COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_resume.py
-                 $<TARGET_FILE:lacuna_program>)
+                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
 set_tests_properties(case.test_resume PROPERTIES LABELS case TIMEOUT 600
                      ENVIRONMENT ${case_environment})
 

@@ -32,8 +32,9 @@ typedef struct lac_store_def {
     int64_t compression; ///< deflate level of the snapshots, 0 to 9
     int64_t sync_every;  ///< records between syncs
     size_t extras;
-    const lac_extra *extra;            ///< [extras] what records carry beyond; outlives the store
-    bool events;                       ///< a catalogue of events comes along
+    const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
+    bool events;            ///< a catalogue of events comes along
+    const char *inputs;     ///< what a checkpoint keeps of the files that the run reads; NULL
     const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
 } lac_store_def;
 

@@ -11,6 +11,7 @@ enum { LINE = 200 };
 // A resolved case, line by line, without what may differ.
 typedef struct lines {
     const char *at;
+    const char *rest;               // follows where `at` ends; NULL
     char section[LINE], line[LINE]; // as much of them as messages show
     size_t length;                  // of the whole line
     const char *start;
@@ -18,14 +19,24 @@ typedef struct lines {
 
 static bool may_differ(const lines *l)
 {
-    return (strcmp(l->section, "time:") == 0 && strncmp(l->line, "  end:", 6) == 0) ||
-           (strcmp(l->section, "output:") == 0 && strncmp(l->line, "  file:", 7) == 0);
+    static const char *const free_lines[][2] = {
+        {"time:", "  end:"}, {"solver:", "  max_steps:"}, {"output:", "  file:"}};
+    bool differs = false;
+    for (size_t i = 0; i < sizeof free_lines / sizeof free_lines[0]; i++) {
+        differs |= strcmp(l->section, free_lines[i][0]) == 0 &&
+                   strncmp(l->line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
+    }
+    return differs;
 }
 
 // The next line; "" at the end.
 static void next(lines *l)
 {
     do {
+        if (*l->at == '\0' && l->rest != NULL) {
+            l->at = l->rest;
+            l->rest = NULL;
+        }
         l->start = l->at;
         l->length = strcspn(l->at, "\n");
         (void)snprintf(l->line, sizeof l->line, "%.*s", (int)(l->length < LINE ? l->length : LINE),
@@ -47,10 +58,11 @@ static const char *shown(const lines *l)
     return l->length == 0 ? "(nothing)" : l->line + strspn(l->line, " ");
 }
 
-static lac_status compare_cases(const char *path, const char *then, const char *now, lac_error *err)
+static lac_status compare_cases(const char *path, const char *then, const char *now,
+                                const char *inputs, lac_error *err)
 {
     lines a = {.at = then};
-    lines b = {.at = now};
+    lines b = {.at = now, .rest = inputs};
     do {
         next(&a);
         next(&b);
@@ -75,19 +87,20 @@ static lac_status compare_programs(const char *path, const lac_kept_checkpoint *
                     from->program, from->libraries, program, libraries);
 }
 
-lac_status cli_resume_read(const char *path, const char *case_text, const char *libraries,
-                           lac_kept_checkpoint *out, lac_error *err)
+lac_status cli_resume_read(const char *path, const char *case_text, const char *inputs,
+                           const char *libraries, lac_kept_checkpoint *out, lac_error *err)
 {
     char status_word[32];
     lac_status status;
     *out = (lac_kept_checkpoint){.records = 0};
+    lac_store_mend(path);
     LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     if (strcmp(status_word, "complete") == 0) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "--resume: %s is complete", path));
     }
     LAC_TRY(lac_kept_checkpoint_read(path, out, err));
     LAC_TRY(compare_programs(path, out, libraries, err));
-    LAC_TRY(compare_cases(path, out->case_text, case_text, err));
+    LAC_TRY(compare_cases(path, out->case_text, case_text, inputs, err));
 out:
     return status;
 }

@@ -5,6 +5,7 @@
 #include "base/date.h"
 #include "base/units.h"
 #include "cli/command.h"
+#include "cli/inputs.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/progress.h"
@@ -27,7 +28,7 @@ typedef struct run_job {
     lac_store *store;
     cli_history history;
     cli_progress progress;
-    char *path, *case_text;
+    char *path, *case_text, *inputs;
     char libraries[256];
     lac_kept_checkpoint resume; // with --resume
     double started;
@@ -43,6 +44,7 @@ static void job_clear(run_job *job)
     lac_kept_checkpoint_clear(&job->resume);
     free(job->path);
     free(job->case_text);
+    free(job->inputs);
     lac_case_free(job->source);
 }
 
@@ -87,7 +89,7 @@ static lac_status read_checkpoint(run_job *job, lac_error *err)
 {
     char time[64];
     lac_status status =
-        cli_resume_read(job->path, job->case_text, job->libraries, &job->resume, err);
+        cli_resume_read(job->path, job->case_text, job->inputs, job->libraries, &job->resume, err);
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,
                         "--resume: the checkpoint of %s is at %s, not before the end of the run",
@@ -113,7 +115,8 @@ static lac_status prepare(run_job *job, lac_error *err)
                             err));
     LAC_TRY(cli_compare_read(job->source, &job->compare, err));
     job->case_text = lac_case_text(job->source);
-    if (job->case_text == NULL) {
+    job->inputs = cli_inputs_sums(job->source);
+    if (job->case_text == NULL || job->inputs == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
     (void)cli_libraries(job->libraries, sizeof job->libraries);
@@ -141,6 +144,7 @@ static lac_status open_store(run_job *job, lac_error *err)
         .compression = c->compression,
         .sync_every = RECORDS_BETWEEN_SYNCS,
         .events = lac_analysis_has_events(job->analysis),
+        .inputs = job->inputs,
         .resume = goes_on(job) ? &job->resume : NULL,
     };
     const double *once = NULL;

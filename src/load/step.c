@@ -6,6 +6,7 @@ typedef struct step_params {
     double value; // [Pa]
     double at;    // [s]
     double until; // [s]; NaN: for good
+    int share;    // lac_share; of shear only
 } step_params;
 
 // value from `at` to `until`
@@ -18,7 +19,7 @@ static lac_signal step_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, step_at(load, t));
+    lac_add_stress(load, sum, step_at(load, t));
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -62,6 +63,7 @@ static const lac_param params[] = {
      .offset = offsetof(step_params, until),
      .flags = LAC_OPTIONAL,
      .doc = "when it goes again, since the start of the run; stays if absent"},
+    LAC_SHARE_ROW(step_params, share),
 };
 
 const lac_load_kind lac_shear_step = {
@@ -81,7 +83,8 @@ const lac_load_kind lac_pore_step = {
               .summary = "pore pressure that comes at a stated time, for good or for a while",
               .reference = "",
               .params = params,
-              .param_count = sizeof params / sizeof params[0],
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(step_params),
               .fault = fault},
     .add = add_pore,

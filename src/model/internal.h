@@ -25,6 +25,12 @@ struct lac_problem {
     double *log_rate0, *log_state0; // [n]
 };
 
+// What acts on the cells neither alike nor as their pressures do.
+typedef struct lac_far {
+    double back;    // slip of the rock around, since the start [m]
+    double elastic; // mean traction of what is shared as C^-1 1, since the start [Pa]
+} lac_far;
+
 // What the loads do at one time, as the cells feel it.
 typedef struct lac_drive {
     double ratio;            // (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
@@ -32,8 +38,7 @@ typedef struct lac_drive {
     double spring;           // traction of each cell from the far ends' travel [Pa]
     double spring_rate;      // [Pa/s]
     double spring_stiffness; // traction lost per metre of mean slip [Pa/m]
-    double back;             // slip of the rock around, since the start [m]
-    double back_rate;        // [m/s]
+    lac_far far, far_rate;   // and its rate
     double share;            // effective over total normal pressure: p_i -> p_i share
     double share_rate;       // [1/s]
 } lac_drive;
@@ -60,11 +65,18 @@ typedef struct lac_motion {
     double mean;         // of v [m/s]
 } lac_motion;
 
-// What a jump of the loads puts on the cells: q_i gains p_i ratio + spring.
+// What a jump of the loads puts on the cells.
 typedef struct lac_jump {
-    double ratio, spring;
+    double ratio, spring, elastic; // lac_problem_gain
     double share_before, share_after;
 } lac_jump;
+
+// What q_i gains by it [Pa].
+static inline double lac_problem_gain(const lac_problem *problem, const lac_jump *jump, size_t i)
+{
+    double shaped = problem->loads.shape == NULL ? 0.0 : problem->loads.shape[i] * jump->elastic;
+    return problem->pressure[i] * jump->ratio + jump->spring + shaped;
+}
 
 // A choice of unknowns y = (x, ln theta), one x a cell; docs/theory/creep.md.
 typedef struct lac_formulation_kind {
@@ -98,9 +110,9 @@ extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction
 // Finds out what the transfer does to uniform slip.
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
 
-// force = K (x - back): what a slip, or a rate, takes off each cell where the rock around has gone
-// `back` itself. @param work  of the transfer
-void lac_problem_couple(const lac_problem *problem, double back, const double *x, double *force,
+// force = K (x - back) - shape elastic: what a slip, or a rate, takes off each cell where the rock
+// around has gone `back` itself, less what comes from afar. @param work  of the transfer
+void lac_problem_couple(const lac_problem *problem, lac_far far, const double *x, double *force,
                         double *work);
 
 // Sum over the cells of K (slip - back): what the rock around holds [Pa].

@@ -31,7 +31,7 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 {
     double mean = lac_vsum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
-    lac_problem_couple(problem, drive->back, slip, traction, scratch);
+    lac_problem_couple(problem, drive->far, slip, traction, scratch);
     for (size_t i = 0; i < problem->n; i++) {
         double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
         traction[i] = q - traction[i];
@@ -86,9 +86,9 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     seen->mean_slip = lac_vsum(n, slip) / (double)n;
 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * spring;
-    total -= lac_problem_held(problem, drive.back, slip);
+    double alike = spring + drive.far.elastic; // the mean of the shape is 1
+    double total = problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * alike;
+    total -= lac_problem_held(problem, drive.far.back, slip);
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;
@@ -137,12 +137,14 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,
                      .spring = after.spring - before.spring,
+                     .elastic = after.far.elastic - before.far.elastic,
                      .share_before = before.share,
                      .share_after = after.share};
     // A load that only bends has changed by no more than its rate times one rounding of t.
     double slack = 16.0 * (nextafter(fabs(t), INFINITY) - fabs(t));
     bool jumps = fabs(jump.ratio) > slack * fabs(before.ratio_rate) ||
                  fabs(jump.spring) > slack * fabs(before.spring_rate) ||
+                 fabs(jump.elastic) > slack * fabs(before.far_rate.elastic) ||
                  fabs(after.share - before.share) > slack * fabs(before.share_rate);
     if (!jumps) {
         return true;

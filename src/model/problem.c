@@ -57,6 +57,17 @@ static lac_status check_solvable(const lac_problem *problem, lac_error *err)
     return LAC_OK;
 }
 
+// Whoever made the loads knows the contact, and with it how elastic rock shares a force.
+static lac_status check_shape(const lac_problem *problem, lac_error *err)
+{
+    if (lac_load_set_is_shaped(&problem->loads) && problem->loads.shape == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a load is shared as elastic rock does, but its shape over "
+                        "the cells is not given");
+    }
+    return LAC_OK;
+}
+
 // How much traction a metre of slip takes off a cell whose neighbours slip the other way.
 static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 {
@@ -112,6 +123,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
 
     LAC_TRY(check_initial(def, err));
     LAC_TRY(check_solvable(problem, err));
+    LAC_TRY(check_shape(problem, err));
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
     lac_drive drive;
@@ -175,8 +187,10 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
     drive->spring = problem->spring_share * (now.spring_stress - start->spring_stress);
     drive->spring_rate = problem->spring_share * now.spring_rate;
     drive->spring_stiffness = problem->spring_share * now.spring_stiffness;
-    drive->back = now.back_slip - start->back_slip;
-    drive->back_rate = now.back_rate;
+    drive->far.back = now.back_slip - start->back_slip;
+    drive->far_rate.back = now.back_rate;
+    drive->far.elastic = problem->spring_share * (now.elastic - start->elastic);
+    drive->far_rate.elastic = problem->spring_share * now.elastic_rate;
     drive->share = 1.0 - now.pore / mean;
     drive->share_rate = -now.pore_rate / mean;
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);

@@ -25,7 +25,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
     double loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
     bool good = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
     for (size_t i = 0; i < n; i++) {
@@ -68,7 +68,7 @@ static double scale(const lac_problem *problem, size_t cell)
 static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
     for (size_t i = 0; i < problem->n; i++) {
-        y[i] += problem->pressure[i] * jump->ratio + jump->spring;
+        y[i] += lac_problem_gain(problem, jump, i);
     }
     return true;
 }

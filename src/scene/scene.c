@@ -116,6 +116,21 @@ out:
     return status;
 }
 
+// How the loads that go through the rock reach the cells.
+static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
+                              lac_load_set *loads, lac_error *err)
+{
+    if (!lac_load_set_is_shaped(loads)) {
+        return LAC_OK;
+    }
+    loads->shape = malloc(from->domain->n * sizeof *loads->shape);
+    if (loads->shape == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_transfer_tied(&c->transfer, from, loads->shape, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "load.shear: share: elastic");
+}
+
 lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -148,6 +163,7 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
         (void)lac_fail_within(err, status, "transfer");
         goto out;
     }
+    LAC_TRY(share_loads(c, &from, &scene->loads, err));
     const lac_spread_place place = {scene->contact.domain, scene->hierarchy};
     LAC_TRY(make_friction(c, &place, &scene->friction, err));
     LAC_TRY(make_problem(scene, &place, err));

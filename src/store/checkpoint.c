@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The checkpoint beside a run's file: mark, size and checksum of what follows, then who made it of
 // what, how much of the file it counts on, and the state.
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -18,7 +19,7 @@ typedef struct head {
     uint64_t size, sum; // of what follows
 } head;
 
-static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '1'};
+static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '2'};
 
 const char *lac_kept_checkpoint_program(void) { return "Lacuna " LACUNA_VERSION; }
 
@@ -62,6 +63,9 @@ static void pass_about(lac_tape *tape, lac_kept_checkpoint *c)
     lac_tape_pass(tape, &c->from.time, sizeof c->from.time);
     lac_tape_pass(tape, &c->records, sizeof c->records);
     lac_tape_pass(tape, &c->snapshots, sizeof c->snapshots);
+    lac_tape_pass(tape, &c->events, sizeof c->events);
+    lac_tape_pass(tape, &c->begun, sizeof c->begun);
+    lac_tape_pass(tape, &c->last_time, sizeof c->last_time);
     pass_text(tape, &c->program);
     pass_text(tape, &c->libraries);
     pass_text(tape, &c->case_text);
@@ -133,6 +137,9 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
     lac_kept_checkpoint about = {.from = *checkpoint,
                                  .records = s->written + s->buffered,
                                  .snapshots = s->snapshots,
+                                 .events = s->events_written + s->events_buffered,
+                                 .begun = s->begun,
+                                 .last_time = s->last_origin + s->last_local,
                                  .program = (char *)lac_kept_checkpoint_program(),
                                  .libraries = s->libraries,
                                  .case_text = s->case_text};
@@ -166,6 +173,23 @@ void lac_store_remove_checkpoint(const char *path)
     }
 }
 
+// Whether the head is one, and of a format that is read here.
+static lac_status check_head(const char *name, const head *h, lac_error *err)
+{
+    const size_t word = sizeof mark - 1;
+    if (memcmp(h->mark, mark, word) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    }
+    if (h->mark[word] != mark[word]) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: is a checkpoint of another version of Lacuna: its format is '%c', "
+                        "'%c' is read here",
+                        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?',
+                        mark[word]);
+    }
+    return LAC_OK;
+}
+
 // The bytes after the head, sound or not at all.
 static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out, size_t *size,
                              lac_error *err)
@@ -175,9 +199,12 @@ static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out,
     if (fstat(fd, &info) != 0) {
         return lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno));
     }
-    if (!S_ISREG(info.st_mode) || (size_t)info.st_size < sizeof h ||
-        pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h || memcmp(h.mark, mark, sizeof mark) != 0) {
+    if (!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h) {
         return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    }
+    lac_status status = check_head(name, &h, err);
+    if (status != LAC_OK) {
+        return status;
     }
     *size = (size_t)info.st_size - sizeof h;
     out->bytes = malloc(*size + 1);
@@ -190,7 +217,11 @@ static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out,
         whole = got > 0;
         at += whole ? (size_t)got : 0;
     }
-    if (!whole || sum_of(out->bytes, *size) != h.sum) {
+    if (!whole) {
+        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
+                        (unsigned long long)h.size + sizeof h);
+    }
+    if (sum_of(out->bytes, *size) != h.sum) {
         return lac_fail(err, LAC_EIO, "%s: is damaged: differs from its checksum", name);
     }
     return LAC_OK;

@@ -60,9 +60,9 @@ static pid_t maker_of(const char *part, const char *name)
 
 static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
 
-static bool is_locked(int folder, const char *part)
+bool lac_part_locked(int folder, const char *path)
 {
-    int fd = openat(folder, part, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) {
         return false;
     }
@@ -79,7 +79,7 @@ void lac_part_sweep(const char *path)
     const struct dirent *entry = NULL;
     while (folder != NULL && (entry = readdir(folder)) != NULL) {
         pid_t pid = maker_of(entry->d_name, path + length);
-        if (pid > 0 && is_dead(pid) && !is_locked(dirfd(folder), entry->d_name)) {
+        if (pid > 0 && is_dead(pid) && !lac_part_locked(dirfd(folder), entry->d_name)) {
             (void)unlinkat(dirfd(folder), entry->d_name, 0);
         }
     }

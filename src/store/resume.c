@@ -2,16 +2,18 @@
 // A file that goes on: netCDF cannot take records back, so that those up to the checkpoint are
 // copied into a new file, which then takes the old one's name.
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/date.h"
 #include "store/input.h"
 #include "store/store.h"
 
 enum { BLOCK = 1 << 16 }; // values copied at once, or one row
 
-// One variable over time or over snapshots.
+// One variable over time, snapshots or events.
 typedef struct series {
     char name[NC_MAX_NAME + 1];
     int to, from; // its number in the new file and in the old one
@@ -55,13 +57,16 @@ static lac_status find_series(const lac_store *s, const lac_input *in,
         code = nc_inq_dimname(s->file.id, dims[0], first);
     }
     *grows = code == NC_NOERR && (v->rank == 1 || v->rank == 2) &&
-             (strcmp(first, "time") == 0 || strcmp(first, "snapshot") == 0);
+             (strcmp(first, "time") == 0 || strcmp(first, "snapshot") == 0 ||
+              strcmp(first, "event") == 0);
     if (!*grows) {
         return lac_nc_check(s->file.path, code, err, "read", v->name);
     }
     v->width = 1;
     code = v->rank == 2 ? nc_inq_dimlen(s->file.id, dims[1], &v->width) : NC_NOERR;
-    v->rows = (size_t)(first[0] == 't' ? from->records : from->snapshots);
+    v->rows = (size_t)(first[0] == 't'   ? from->records
+                       : first[0] == 's' ? from->snapshots
+                                         : from->events);
     v->never_missing = is_time_column(s, v->to, v->name);
     code = code == NC_NOERR ? nc_inq_varid(in->id, v->name, &v->from) : code;
     code = code == NC_NOERR ? nc_inq_varndims(in->id, v->from, &old_rank) : code;
@@ -190,16 +195,53 @@ out:
     return status;
 }
 
+// Whether the file is the one that the checkpoint was made beside. It may have grown since.
+static lac_status check_pair(const lac_input *in, const lac_kept_checkpoint *from, lac_error *err)
+{
+    char date[32];
+    double last = NAN;
+    size_t records = 0;
+    int id = 0;
+    const size_t at = from->records > 0 ? (size_t)from->records - 1 : 0;
+    char *made = attribute(in->id, "date_created", in->size);
+    (void)lac_date_format(from->begun, date, sizeof date);
+    bool same = made != NULL && strcmp(made, date) == 0;
+    free(made);
+    if (made == NULL) {
+        return lac_fail_memory(err);
+    }
+    int code = nc_inq_dimid(in->id, "time", &id);
+    code = code == NC_NOERR ? nc_inq_dimlen(in->id, id, &records) : code;
+    if (same && code == NC_NOERR && records <= at && from->records > 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: is older than its checkpoint: %zu records of %llu",
+                        in->path, records, (unsigned long long)from->records);
+    }
+    code = code == NC_NOERR ? nc_inq_varid(in->id, "time", &id) : code;
+    code =
+        code == NC_NOERR && from->records > 0 ? nc_get_var1_double(in->id, id, &at, &last) : code;
+    if (code != NC_NOERR) {
+        return lac_input_fail(in, code, err, "time");
+    }
+    if (!same || (from->records > 0 && last != from->last_time && last != NC_FILL_DOUBLE)) {
+        return lac_fail(err, LAC_EINPUT, "%s: its checkpoint is of another run, begun %s", in->path,
+                        date);
+    }
+    return LAC_OK;
+}
+
 lac_status lac_store_take_over(lac_store *s, const lac_kept_checkpoint *from, lac_error *err)
 {
-    lac_input in;
+    lac_input in = {.open = false};
     lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_pin_old(&s->file, err));
     LAC_TRY(lac_input_open(&in, s->file.path, err));
+    LAC_TRY(check_pair(&in, from, err));
     LAC_TRY(lac_nc_reserve(&s->file, in.size, err));
     LAC_TRY(copy_all(s, &in, from, err));
     LAC_TRY(put_past(s, &in, from, err));
     s->written = (size_t)from->records;
     s->snapshots = (size_t)from->snapshots;
+    s->events_written = (size_t)from->events;
     s->has_checkpoint = true;
 out:
     lac_input_close(&in);

@@ -47,11 +47,19 @@ static lac_status sync_file(lac_store *s, lac_error *err)
 }
 
 // What a checkpoint says of who made it.
-static lac_status keep_provenance(lac_store *s, const lac_provenance *from, lac_error *err)
+static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
 {
+    const lac_provenance *from = &def->provenance;
+    const char *parts[] = {from->case_text != NULL ? from->case_text : "",
+                           def->inputs != NULL ? def->inputs : ""};
+    size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
     s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
-    s->case_text = strdup(from->case_text != NULL ? from->case_text : "");
-    return s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err);
+    s->case_text = malloc(size);
+    if (s->libraries == NULL || s->case_text == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
+    return LAC_OK;
 }
 
 // A new file, or the one that is there up to its checkpoint.
@@ -87,6 +95,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     s->dated = def->dated;
     s->start_date = def->start_date;
     s->now = def->provenance.now;
+    s->begun = def->resume != NULL ? def->resume->begun : s->now;
     s->sync_every = def->sync_every > 1 ? (size_t)def->sync_every : 1;
     s->capacity = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX;
     s->file.fd = -1;
@@ -98,7 +107,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     if (def->events) {
         LAC_TRY(lac_store_create_events(s, err));
     }
-    LAC_TRY(keep_provenance(s, &def->provenance, err));
+    LAC_TRY(keep_provenance(s, def, err));
     LAC_TRY(begin_file(s, def, err));
     *out = s;
     s = NULL;
@@ -270,12 +279,15 @@ static void keep(void *context, lac_tape *tape)
     lac_store *s = context;
     uint64_t records = s->written + s->buffered;
     uint64_t snapshots = s->snapshots;
+    uint64_t events = s->events_written + s->events_buffered;
     lac_tape_pass(tape, &records, sizeof records);
     lac_tape_pass(tape, &snapshots, sizeof snapshots);
+    lac_tape_pass(tape, &events, sizeof events);
     lac_tape_pass(tape, &s->has_last, sizeof s->has_last);
     lac_tape_pass(tape, &s->last_origin, sizeof s->last_origin);
     lac_tape_pass(tape, &s->last_local, sizeof s->last_local);
-    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots;
+    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots ||
+                      events != s->events_written + s->events_buffered;
 }
 
 // What was put out before is on disk before the checkpoint counts on it.
@@ -284,7 +296,9 @@ static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint
     lac_store *s = context;
     lac_status status = LAC_OK;
     LAC_TRY(write_rows(s, err));
+    LAC_TRY(lac_store_write_events(s, err));
     LAC_TRY(sync_file(s, err));
+    LAC_TRY(lac_nc_check_place(&s->file, err));
     errno = 0;
     if (s->file.fd >= 0 && fsync(s->file.fd) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", s->file.path, strerror(errno)));

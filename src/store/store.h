@@ -31,7 +31,8 @@ struct lac_store {
     int event_ids[LAC_EVENT_COLUMNS];
     size_t events_buffered, events_written;
     char *libraries, *case_text; ///< owned; for the checkpoint
-    bool has_checkpoint;         ///< one of this run is beside the file
+    double begun; ///< when the file, or the one it goes on from, was made; seconds since 1970
+    bool has_checkpoint; ///< one of this run is beside the file
 };
 
 /// Room for a catalogue of events; `capacity` is set.
