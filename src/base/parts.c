@@ -16,8 +16,7 @@ size_t lac_parts_run(size_t n, lac_parts_body *body, void *context)
         body(context, 0, 0, n);
         return 1;
     }
-    int threads = omp_get_max_threads();
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+#pragma omp parallel for schedule(static) if (omp_get_max_threads() > 1)
     for (int part = 0; part < LAC_PARTS; part++) {
         size_t k = (size_t)part;
         body(context, k, begin_of(n, k), begin_of(n, k + 1));
