@@ -30,7 +30,8 @@ USES = {
     "store": ["run", "fractal", "rg"],
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
-    "cli": ["scene"],
+    "fit": ["scene"],
+    "cli": ["fit"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -45,7 +46,10 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_fit": "store",
     "store_rg": "store",
+    "sampler": "fit",
+    "sensitivity": "run",
     "spread": "case",
     "store_map": "store",
     "tangential": "contact",
