@@ -20,6 +20,7 @@ typedef struct lac_fit_model {
     lac_load_files *files;
     lac_fit_variant base;
     lac_fit_variant *nudged; // [2 parameters] a little less, a little more of each; NULL: not made
+    double rtol;             // of its runs
     double *scratch;         // [5 readings] of the likelihood
 } lac_fit_model;
 

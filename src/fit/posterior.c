@@ -158,6 +158,7 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
                            .steps = (size_t)fit->def->steps,
                            .burn = (size_t)fit->def->burn,
                            .seed = (uint64_t)fit->def->seed,
+                           .stretching = 0.5,
                            .threads = fit->threads,
                            .log_density = relay_density,
                            .interrupted = relay_interrupted,

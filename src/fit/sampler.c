@@ -69,27 +69,59 @@ static double density(const lac_sampler_def *def, const double *x)
 // Uniform in (0, 1).
 static double uniform(uint64_t bits) { return ((double)(bits >> 11) + 0.5) * 0x1p-53; }
 
-// One walker's move along the line to a walker of the other half, whose place does not change
-// meanwhile: Y = X_j + z (X_k - X_j), z from g(z) ~ 1/sqrt(z), taken with probability
-// min(1, z^(d-1) p(Y)/p(X_k)).
-static void move(ensemble *e, uint64_t step, size_t k, size_t other)
+// Y = X_j + z (X_k - X_j), z from g(z) ~ 1/sqrt(z): along the line to a walker of the other half.
+// @return ln z^(d-1), by which the chance is raised
+static double stretch_to(const ensemble *e, const uint64_t bits[4], size_t k, size_t other,
+                         double *proposal)
 {
-    const lac_sampler_def *def = e->def;
-    size_t d = def->dimension;
-    size_t half = def->walkers / 2;
-    uint64_t bits[4];
-    lac_random(def->seed, LAC_STREAM_SAMPLER, step, k, bits);
+    size_t d = e->def->dimension;
     const double *from = e->x + k * d;
-    const double *to = e->x + (other + (size_t)(bits[0] % half)) * d;
+    const double *to = e->x + (other + (size_t)(bits[0] % (e->def->walkers / 2))) * d;
     double root = 1.0 / sqrt(stretch) + uniform(bits[1]) * (sqrt(stretch) - 1.0 / sqrt(stretch));
     double z = root * root;
-    double *proposal = e->proposal + k * d;
     for (size_t i = 0; i < d; i++) {
         proposal[i] = to[i] + z * (from[i] - to[i]);
     }
+    return (double)(d - 1) * log(z);
+}
+
+// Y = X_k + g (X_i - X_j): by the difference of two walkers of the other half, which the reverse
+// move takes as likely; g scatters about 2.38/sqrt(2 d) and is 1 now and then.
+static void differ_by(const ensemble *e, const uint64_t bits[4], size_t k, size_t other,
+                      double *proposal)
+{
+    size_t d = e->def->dimension;
+    size_t half = e->def->walkers / 2;
+    size_t i = (size_t)(bits[0] % half);
+    size_t j = (i + 1 + (size_t)(bits[1] % (half - 1))) % half;
+    const double *plus = e->x + (other + i) * d;
+    const double *minus = e->x + (other + j) * d;
+    double share = uniform(bits[3]);
+    double g = share < 0.1 ? 1.0 : 2.38 / sqrt(2.0 * (double)d) * (0.5 + (share - 0.1) / 0.9);
+    for (size_t c = 0; c < d; c++) {
+        proposal[c] = e->x[k * d + c] + g * (plus[c] - minus[c]);
+    }
+}
+
+// One walker's move, taken with probability min(1, p(Y)/p(X_k)), of a stretch with z^(d-1) before.
+// The walkers of the other half do not move meanwhile.
+static void move(ensemble *e, uint64_t step, size_t k, size_t other)
+{
+    const lac_sampler_def *def = e->def;
+    uint64_t bits[4];
+    uint64_t choice[4];
+    double *proposal = e->proposal + k * def->dimension;
+    double bonus = 0.0;
+    lac_random(def->seed, LAC_STREAM_SAMPLER, step, 2 * k, bits);
+    lac_random(def->seed, LAC_STREAM_SAMPLER, step, 2 * k + 1, choice);
+    if (uniform(choice[0]) < def->stretching) {
+        bonus = stretch_to(e, bits, k, other, proposal);
+    } else {
+        differ_by(e, bits, k, other, proposal);
+    }
     double found = density(def, proposal);
-    double ratio = (double)(d - 1) * log(z) + found - e->log_density[k];
-    e->moved[k] = isfinite(found) && log(uniform(bits[2])) < ratio;
+    e->moved[k] =
+        isfinite(found) && log(uniform(bits[2])) < bonus + found - e->log_density[k];
     if (e->moved[k]) {
         e->log_density[k] = found;
     }
