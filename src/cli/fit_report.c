@@ -48,17 +48,30 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
             cli_quantity(r->failure_error, "s", error, sizeof error));
 }
 
-static void print_unknowns(const lac_fit_result *r)
+// The standard error of the least squares and how the derivatives were had.
+static void print_error(const lac_fit_unknown *x)
 {
     static const char *const by[] = {"sensitivities", "differences of runs", "-"};
+    const double nothing = 10.0; // e-folds
+    if (isnan(x->error)) {
+        puts("-");
+    } else if (x->log && !(x->error < nothing)) {
+        printf("not told by the data; by %s\n", by[x->by]);
+    } else {
+        printf("%s %.3g; by %s\n", x->log ? "a factor of" : "+-", x->log ? exp(x->error) : x->error,
+               by[x->by]);
+    }
+}
+
+static void print_unknowns(const lac_fit_result *r)
+{
     printf("\n  %-36s %-12s %-12s %s\n", "estimate", "best", "median", "90 % of the posterior; R-hat, ESS");
     for (size_t k = 0; k < r->unknowns; k++) {
         const lac_fit_unknown *x = &r->unknown[k];
         char best[32], middle[32], low[32], high[32];
         printf("  %-36s %-12s ", x->key, cli_quantity(x->best, x->unit, best, sizeof best));
         if (!r->sampled) {
-            printf("%s %.3g; by %s\n", x->log ? "factor of" : "+-", x->log ? exp(x->error) : x->error,
-                   by[x->by]);
+            print_error(x);
             continue;
         }
         printf("%-12s %s to %s; %.3f, %.0f\n",
@@ -79,7 +92,8 @@ static void print_axis(const char *label, const lac_fit_result *r, const lac_fit
                            r->unknown[k].key, axis->power[k]);
         }
     }
-    cli_row(label, "%s, to a factor of %.3g", text, exp(axis->sigma));
+    cli_row(label, axis->sigma < 10.0 ? "%s, to a factor of %.4g" : "%s, not told by the data",
+            text, exp(axis->sigma));
 }
 
 static void print_pairs(const lac_fit_result *r, bool all)

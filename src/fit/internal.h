@@ -90,6 +90,9 @@ void lac_fit_model_clear(lac_fit_model *model);
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_follow *out, lac_error *err);
 
+// Whether its runs are as exact as derivatives need them, or as exact as readings do.
+void lac_fit_model_tighten(lac_fit_model *model, bool exact);
+
 // The readings with derivatives by every coordinate. @param by  [parameters] set: how
 // @return LAC_OK; LAC_ENUMERIC where the run fails before the last reading; as above
 lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_fit_seen *out,

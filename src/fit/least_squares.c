@@ -440,6 +440,7 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     size_t kept = find_starts(&s, start, &result->alive);
     result->tried = (size_t)fit->def->starts;
+    lac_fit_model_tighten(&fit->model[0], true);
     for (size_t i = 0; i < kept && !interrupted(watch); i++) {
         double found = refine(&s, start[i]);
         if (found > best) {
@@ -462,6 +463,7 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
         (void)rate_start(&s, fit->best);
         status = find_covariance(&s, err);
     }
+    lac_fit_model_tighten(&fit->model[0], false);
     (void)gsl_set_error_handler(handler);
     free(s.room);
     return status;

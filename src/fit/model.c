@@ -55,6 +55,11 @@ lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_er
     return status == LAC_OK ? variant_create(fit, &model->base, err) : status;
 }
 
+void lac_fit_model_tighten(lac_fit_model *model, bool exact)
+{
+    model->rtol = exact ? tight : loose;
+}
+
 void lac_fit_model_clear(lac_fit_model *model)
 {
     variant_clear(&model->base);
@@ -234,6 +239,7 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
     double moved[LAC_MOST_FITTED];
     double step = large * unit_of(model->fit, k, u[k]);
     lac_status status = LAC_OK;
+    const double before = model->rtol;
     model->rtol = tight;
     lac_follow seen = {.slip = model->scratch, .log_rate = model->scratch + data->n};
     for (int side = -1; side <= 1; side += 2) {
@@ -253,7 +259,7 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
     }
     out->failure_by[k] = NAN;
 out:
-    model->rtol = loose;
+    model->rtol = before;
     return status;
 }
 

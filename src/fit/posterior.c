@@ -54,6 +54,14 @@ static void find_spread(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_F
     }
 }
 
+// A number turned back into its range where it has left it: a best fit may stand at an end.
+static double reflect(double x, double low, double high)
+{
+    x = x > high ? 2.0 * high - x : x;
+    x = x < low ? 2.0 * low - x : x;
+    return fmin(x, high);
+}
+
 // A place near the best fit, nearer with every try.
 static void draw_start(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FITTED],
                        uint64_t which, double nearness, double *x)
@@ -68,7 +76,7 @@ static void draw_start(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FI
         for (size_t j = 0; k < fit->def->count && j <= k; j++) {
             move += l[k][j] * z[j];
         }
-        x[k] = fit->best[k] + nearness * move;
+        x[k] = reflect(fit->best[k] + nearness * move, fit->low[k], fit->high[k]);
     }
 }
 
