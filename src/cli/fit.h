@@ -14,6 +14,9 @@ typedef struct cli_fit_view {
     double wall_time;
 } cli_fit_view;
 
+/// Whether the draws can be relied on: R-hat of every unknown below 1.05.
+bool cli_fit_converged(const lac_fit_result *result);
+
 /// Prints it on stdout.
 void cli_fit_print(const cli_fit_view *view, bool verbose);
 

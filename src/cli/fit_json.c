@@ -111,6 +111,7 @@ static void put_sampler(cli_json *json, const cli_fit_view *view)
     cli_json_integer(json, "steps", (int64_t)chain->steps);
     cli_json_integer(json, "burn", view->source->fit.burn);
     cli_json_integer(json, "seed", view->source->fit.seed);
+    cli_json_boolean(json, "converged", cli_fit_converged(view->result));
     cli_json_number(json, "acceptance", view->result->acceptance);
     cli_json_close(json, '}');
 }

@@ -92,8 +92,11 @@ static void print_axis(const char *label, const lac_fit_result *r, const lac_fit
                            r->unknown[k].key, axis->power[k]);
         }
     }
-    cli_row(label, axis->sigma < 10.0 ? "%s, to a factor of %.4g" : "%s, not told by the data",
-            text, exp(axis->sigma));
+    if (axis->sigma < 10.0) {
+        cli_row(label, "%s, to a factor of %.4g", text, exp(axis->sigma));
+    } else {
+        cli_row(label, "%s, not told by the data", text);
+    }
 }
 
 static void print_pairs(const lac_fit_result *r, bool all)
@@ -127,6 +130,15 @@ static void print_identifiability(const lac_fit_result *r, bool verbose)
     }
 }
 
+bool cli_fit_converged(const lac_fit_result *r)
+{
+    bool good = r->sampled;
+    for (size_t k = 0; k < r->unknowns; k++) {
+        good = good && r->unknown[k].converged.rhat < 1.05;
+    }
+    return good;
+}
+
 static void print_posterior(const lac_case *c, const lac_fit_result *r)
 {
     char text[LAC_FIT_QUANTILES][64];
@@ -135,6 +147,10 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     }
     cli_row("sampler", "%zu walkers, %zu steps kept, acceptance %.2f", r->chain->walkers,
             r->chain->steps, r->acceptance);
+    if (!cli_fit_converged(r)) {
+        cli_row("", "has not converged (R-hat above 1.05): take more fit.steps, or fix what trades "
+                "off");
+    }
     for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
         (void)when(c, r->failures.quantile[q], text[q], sizeof text[q]);
     }

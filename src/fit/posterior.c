@@ -59,7 +59,8 @@ static double reflect(double x, double low, double high)
 {
     x = x > high ? 2.0 * high - x : x;
     x = x < low ? 2.0 * low - x : x;
-    return fmin(x, high);
+    double edge = isfinite(high - low) ? 1e-6 * (high - low) : 0.0; // where ln(share) has digits
+    return fmin(fmax(x, low + edge), high - edge);
 }
 
 // A place near the best fit, nearer with every try.
@@ -109,9 +110,51 @@ typedef struct relay {
     const lac_fit_watch *watch;
 } relay;
 
-static double relay_density(void *context, int thread, const double *x)
+// The walkers live where a bounded coordinate goes over the whole line, u = low + width/(1 +
+// exp(-z)): no move is lost beyond an end, and valleys that run along one are straighter.
+// @return ln of |du/dz|
+static double from_line(const lac_fit *fit, const double *z, double *u)
 {
-    return lac_fit_log_posterior(((relay *)context)->fit, thread, x);
+    double log_slope = 0.0;
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        double width = fit->high[k] - fit->low[k];
+        u[k] = z[k];
+        if (isfinite(width)) {
+            double e = exp(-fabs(z[k]));
+            double share = (z[k] > 0.0 ? 1.0 : e) / (1.0 + e);
+            u[k] = fit->low[k] + share * width;
+            log_slope += log(width) - fabs(z[k]) - 2.0 * log1p(e);
+        }
+    }
+    return log_slope;
+}
+
+static void to_line(const lac_fit *fit, const double *u, double *z)
+{
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        double width = fit->high[k] - fit->low[k];
+        z[k] = isfinite(width) ? log((u[k] - fit->low[k]) / (fit->high[k] - u[k])) : u[k];
+    }
+}
+
+static double relay_density(void *context, int thread, const double *z)
+{
+    double u[LAC_FIT_UNKNOWNS];
+    lac_fit *fit = ((relay *)context)->fit;
+    double log_slope = from_line(fit, z, u);
+    return lac_fit_log_posterior(fit, thread, u) + log_slope;
+}
+
+// The draws as coordinates.
+static void return_chain(const lac_fit *fit)
+{
+    lac_chain *chain = fit->chain;
+    for (size_t i = 0; i < chain->walkers * chain->steps; i++) {
+        double u[LAC_FIT_UNKNOWNS];
+        double *x = chain->x + i * chain->dimension;
+        chain->log_density[i] -= from_line(fit, x, u);
+        memcpy(x, u, chain->dimension * sizeof *x);
+    }
 }
 
 static bool relay_interrupted(void *context)
@@ -177,8 +220,16 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
         return lac_fail_memory(err);
     }
     LAC_TRY(find_starts(fit, start, err));
+    for (size_t w = 0; w < def.walkers; w++) {
+        double u[LAC_FIT_UNKNOWNS];
+        memcpy(u, start + w * def.dimension, def.dimension * sizeof *u);
+        to_line(fit, u, start + w * def.dimension);
+    }
     status = lac_sampler_run(&def, start, &fit->chain, err);
     fit->runs += (int64_t)((def.steps + def.burn + 1) * def.walkers);
+    if (fit->chain != NULL) {
+        return_chain(fit);
+    }
     bool enough = fit->chain != NULL && fit->chain->steps >= 8;
     if (status == LAC_OK || (status == LAC_EINTERRUPT && enough)) {
         lac_status summed = sum_up(fit, result, status == LAC_OK ? err : NULL);

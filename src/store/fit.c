@@ -66,8 +66,7 @@ static lac_status put_unknown(writer *w, size_t k, lac_error *err)
     const lac_nc_var var = {.name = name,
                             .unit = of->unit,
                             .long_name = title,
-                            .type = NC_DOUBLE,
-                            .fill = true};
+                            .type = NC_DOUBLE};
     const struct {
         const char *name;
         double value;
@@ -103,13 +102,11 @@ static lac_status put_chain(writer *w, lac_error *err)
                                 .unit = "1",
                                 .long_name = "logarithm of the posterior density of the coordinates, "
                                              "up to a constant",
-                                .type = NC_DOUBLE,
-                                .fill = true};
+                                .type = NC_DOUBLE};
     const lac_nc_var acceptance = {.name = "acceptance",
                                    .unit = "1",
                                    .long_name = "share of a walker's moves that were accepted",
-                                   .type = NC_DOUBLE,
-                                   .fill = true};
+                                   .type = NC_DOUBLE};
     int id = 0;
     for (size_t c = 0; c < view->chains; c++) {
         for (size_t i = 0; i < view->draws; i++) {
@@ -131,6 +128,7 @@ typedef struct series_row {
     size_t n;
     double shift;
     int rank, dims[2]; // indices of the writer's
+    bool whole;        // nothing is ever missing
 } series_row;
 
 static lac_status put_series(writer *w, lac_error *err)
@@ -138,26 +136,26 @@ static lac_status put_series(writer *w, lac_error *err)
     const lac_fit_view *v = w->view;
     const size_t all = v->quantiles * v->times;
     const series_row rows[] = {
-        {"quantile", "1", "share of the posterior below", v->quantile, v->quantiles, 0.0, 1, {QUANTILE}},
+        {"quantile", "1", "share of the posterior below", v->quantile, v->quantiles, 0.0, 1, {QUANTILE}, true},
         {"prediction_time", w->time_unit, "time of a prediction", v->time, v->times, w->time_shift, 1,
-         {PREDICTION}},
+         {PREDICTION}, true},
         {"best_displacement", "m", "displacement of the best fit, its zero that of the data",
-         v->fitted, v->times, 0.0, 1, {PREDICTION}},
+         v->fitted, v->times, 0.0, 1, {PREDICTION}, false},
         {"predicted_displacement", "m",
          "quantiles of the posterior's displacement; missing beyond failure", v->displacement, all,
-         0.0, 2, {QUANTILE, PREDICTION}},
+         0.0, 2, {QUANTILE, PREDICTION}, false},
         {"predicted_slip_rate", "m s-1",
          "quantiles of the posterior's slip rate; missing beyond failure", v->rate, all, 0.0, 2,
-         {QUANTILE, PREDICTION}},
+         {QUANTILE, PREDICTION}, false},
         {"reading_time", w->time_unit, "time of a reading", v->reading_time, v->readings,
-         w->time_shift, 1, {READING}},
+         w->time_shift, 1, {READING}, true},
         {"observed_displacement", "m", "displacement that was read", v->observed, v->readings, 0.0, 1,
-         {READING}},
+         {READING}, false},
         {"observed_slip_rate", "m s-1", "velocity that was read", v->observed_rate, v->readings, 0.0,
-         1, {READING}},
+         1, {READING}, false},
         {"failure_time", w->time_unit,
          "time of failure of draws that were run on; missing where none by the end of the run",
-         v->failure, v->failures, w->time_shift, 1, {SAMPLE}},
+         v->failure, v->failures, w->time_shift, 1, {SAMPLE}, false},
     };
     lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -166,7 +164,7 @@ static lac_status put_series(writer *w, lac_error *err)
                                 .unit = row->unit,
                                 .long_name = row->long_name,
                                 .type = NC_DOUBLE,
-                                .fill = true};
+                                .fill = !row->whole};
         int dims[2] = {w->dim[row->dims[0]], w->dim[row->dims[1]]};
         int id = 0;
         if (row->from == NULL || row->n == 0) {
