@@ -105,8 +105,8 @@ typedef struct lac_fit_def {
     double displacement_error; ///< [m]; NaN: estimated (with a column sigma: its factor is)
     double velocity_error;     ///< of ln(velocity) [1]; NaN: estimated
     int errors;                ///< lac_fit_errors, of displacements
-    int offset;                ///< 1: displacements have an unknown zero; 0: they start with the run
-    int64_t starts;            ///< places at which the least squares begin
+    int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
+    int64_t starts; ///< places at which the least squares begin
     int64_t walkers, steps, burn, seed;
 } lac_fit_def;
 

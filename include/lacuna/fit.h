@@ -63,7 +63,7 @@ typedef struct lac_fit_result {
     int64_t runs;           ///< integrations made
     size_t tried, alive;    ///< places tried before the least squares, those with a likelihood
     bool sampled;
-    double acceptance; ///< of the sampler [1]
+    double acceptance;                                    ///< of the sampler [1]
     double correlation[LAC_MOST_FITTED][LAC_MOST_FITTED]; ///< of the coordinates
     lac_fit_combination axis[LAC_MOST_FITTED];            ///< [parameters] the loosest first
     bool one_block;             ///< `shape` holds: a block under the aging law, its ratio given
@@ -78,11 +78,11 @@ typedef struct lac_fit_result {
     const double *rate;         ///< [LAC_FIT_QUANTILES][times] [m/s]
     const double *fitted;       ///< [times] displacement of the best fit [m]; NaN beyond failure
     size_t readings;
-    const double *reading_time; ///< [readings] [s] since the start
-    const double *observed;     ///< [readings] displacement [m]; NaN
+    const double *reading_time;  ///< [readings] [s] since the start
+    const double *observed;      ///< [readings] displacement [m]; NaN
     const double *observed_rate; ///< [readings] [m/s]; NaN
-    const double *draw_failure; ///< [draws] [s]; NaN: not by time.end
-    const lac_chain *chain;     ///< of the coordinates; NULL
+    const double *draw_failure;  ///< [draws] [s]; NaN: not by time.end
+    const lac_chain *chain;      ///< of the coordinates; NULL
 } lac_fit_result;
 
 /// Who watches a fit. Members may be NULL.

@@ -52,9 +52,9 @@ void lac_load_files_free(lac_load_files *files);
 
 /// The run that loads belong to.
 typedef struct lac_load_clock {
-    bool dated;   ///< the run starts at a date
-    double start; ///< that date [s since 1970 UTC]
-    double end;   ///< of the run, since its start [s]; NaN where nothing is run
+    bool dated;            ///< the run starts at a date
+    double start;          ///< that date [s since 1970 UTC]
+    double end;            ///< of the run, since its start [s]; NaN where nothing is run
     lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
 } lac_load_clock;
 

@@ -29,7 +29,7 @@ typedef struct lac_fit_view {
     const double *rate;         ///< [quantiles][times] [m/s]; NULL
     const double *fitted;       ///< [times] of the best fit [m]
     size_t readings;
-    const double *reading_time;            ///< [readings] [s]
+    const double *reading_time;             ///< [readings] [s]
     const double *observed, *observed_rate; ///< [readings] [m], [m/s]
     size_t failures;
     const double *failure; ///< [failures] of draws that were run on [s]

@@ -21,7 +21,8 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
     {.key = "time", .doc = "column of times", .offset = FIELD(time), TEXT},
     {.key = "displacement", .doc = "column of displacements, as \"column:unit\"", TEXT},
     {.key = "velocity", .doc = "column of velocities, as \"column:unit\"", TEXT},
-    {.key = "sigma", .doc = "column of the displacements' standard errors, as \"column:unit\"",
+    {.key = "sigma",
+     .doc = "column of the displacements' standard errors, as \"column:unit\"",
      TEXT},
     {.key = "displacement_error",
      .unit = "m",
@@ -131,7 +132,8 @@ static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_
     const char *known[] = {centre, "sigma"};
     p->log = log;
     p->prior = LAC_PRIOR_NORMAL;
-    if (!lac_expect_map(reader, node, log ? "{median: VALUE, sigma: NUMBER}" : "{mean: VALUE, sigma: VALUE}")) {
+    if (!lac_expect_map(reader, node,
+                        log ? "{median: VALUE, sigma: NUMBER}" : "{mean: VALUE, sigma: VALUE}")) {
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
@@ -289,7 +291,7 @@ static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *
 // Whether what the keys of parameters name was read without errors: else they cannot be found.
 static bool rest_is_clean(const lac_reader *reader)
 {
-    static const char *const needed[] = {"friction", "initial", "load",
+    static const char *const needed[] = {"friction", "initial",  "load",
                                          "transfer", "material", "interface"};
     bool clean = true;
     for (size_t i = 0; i < COUNT(needed); i++) {

@@ -47,7 +47,8 @@ char *lac_fit_text(const lac_fit_def *fit)
     }
     used = (size_t)snprintf(text, size, "  parameters:%s\n", fit->count == 0 ? " {}" : "");
     for (size_t i = 0; i < fit->count; i++) {
-        used += put_parameter(&fit->parameter[i], text + used, size - used < LINE ? size - used : LINE);
+        used +=
+            put_parameter(&fit->parameter[i], text + used, size - used < LINE ? size - used : LINE);
     }
     return text;
 }

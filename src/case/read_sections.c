@@ -40,7 +40,8 @@ bool lac_needs_run(const lac_reader *reader)
     bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL ||
                      lac_node_at(reader->root, "load.normal.dimension") != NULL ||
                      (timeless && statics);
-    return reader->purpose == LAC_FOR_RUN || reader->purpose == LAC_FOR_FIT || (reader->purpose == LAC_FOR_CHECK && !is_static);
+    return reader->purpose == LAC_FOR_RUN || reader->purpose == LAC_FOR_FIT ||
+           (reader->purpose == LAC_FOR_CHECK && !is_static);
 }
 
 static void read_version(lac_reader *reader)

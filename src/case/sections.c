@@ -24,10 +24,9 @@ static const lac_param case_rows[] = {
     {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
 };
 
-static const char *const case_own[] = {"lacuna",  "interface", "material", "load",   "friction",
-                                       "initial", "transfer",  "time",     "solver", "output",
-                                       "rg",      "analysis",  "fit",      "compare",
-                                       NULL};
+static const char *const case_own[] = {"lacuna",  "interface", "material", "load",    "friction",
+                                       "initial", "transfer",  "time",     "solver",  "output",
+                                       "rg",      "analysis",  "fit",      "compare", NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",

@@ -69,8 +69,8 @@ static bool find_in_section(int section, const char *key, lac_case *c, lac_case_
 static bool find_state(lac_case *c, const char *key, lac_case_value *out)
 {
     bool time = c->initial.state == LAC_STATE_TIME && strcmp(key, "initial.state") == 0;
-    bool ratio = c->initial.state == LAC_STATE_RATIO &&
-                 strcmp(key, "initial.state.ratio_to_steady") == 0;
+    bool ratio =
+        c->initial.state == LAC_STATE_RATIO && strcmp(key, "initial.state.ratio_to_steady") == 0;
     out->at = &c->initial.state_value;
     out->param = time ? &state_time : &state_ratio;
     return time || ratio;

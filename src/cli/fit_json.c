@@ -82,8 +82,7 @@ static void put_date(cli_json *json, const char *key, const lac_case *c, double 
 {
     char date[32] = "";
     bool known = c->dated && isfinite(t);
-    cli_json_text(json, key,
-                  known ? lac_date_format(c->start_date + t, date, sizeof date) : NULL);
+    cli_json_text(json, key, known ? lac_date_format(c->start_date + t, date, sizeof date) : NULL);
 }
 
 static void put_failure(cli_json *json, const cli_fit_view *view)

@@ -22,8 +22,10 @@ static const char *when(const lac_case *c, double t, char *text, size_t size)
 
 static void print_data(const lac_fit_result *r)
 {
-    cli_row("readings", "%zu displacements, %zu velocities; left out: %zu outside the run, %zu "
-            "missing", r->displacements, r->velocities, r->outside, r->missing);
+    cli_row("readings",
+            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu "
+            "missing",
+            r->displacements, r->velocities, r->outside, r->missing);
     if (r->not_positive > 0) {
         cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);
     }
@@ -65,7 +67,8 @@ static void print_error(const lac_fit_unknown *x)
 
 static void print_unknowns(const lac_fit_result *r)
 {
-    printf("\n  %-36s %-12s %-12s %s\n", "estimate", "best", "median", "90 % of the posterior; R-hat, ESS");
+    printf("\n  %-36s %-12s %-12s %s\n", "estimate", "best", "median",
+           "90 % of the posterior; R-hat, ESS");
     for (size_t k = 0; k < r->unknowns; k++) {
         const lac_fit_unknown *x = &r->unknown[k];
         char best[32], middle[32], low[32], high[32];
@@ -149,7 +152,7 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
             r->chain->steps, r->acceptance);
     if (!cli_fit_converged(r)) {
         cli_row("", "has not converged (R-hat above 1.05): take more fit.steps, or fix what trades "
-                "off");
+                    "off");
     }
     for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
         (void)when(c, r->failures.quantile[q], text[q], sizeof text[q]);

@@ -59,8 +59,8 @@ lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, l
     lac_provenance provenance =
         cli_provenance(request, view->source, text, cli_libraries(libraries, sizeof libraries));
     provenance.seed = view->source->fit.seed;
-    lac_status status = lac_store_fit(view->output, cli_given(request, CLI_OPT_FORCE), &provenance,
-                                      &out, err);
+    lac_status status =
+        lac_store_fit(view->output, cli_given(request, CLI_OPT_FORCE), &provenance, &out, err);
     free(text);
     return status;
 }

@@ -26,7 +26,8 @@ static double rhat_of(const double *x, size_t m, size_t n)
     return within > 0.0 ? sqrt(pooled / within) : between > 0.0 ? INFINITY : 1.0;
 }
 
-// Values by their ranks, of equal ones the mean, on a normal scale: z = Phi^-1((r - 3/8)/(S + 1/4)).
+// Values by their ranks, of equal ones the mean, on a normal scale: z = Phi^-1((r - 3/8)/(S +
+// 1/4)).
 static void rank_normalise(size_t n, const double *x, size_t *order, double *z)
 {
     gsl_sort_index(order, x, 1, n);
@@ -49,7 +50,8 @@ static size_t split(const lac_chain *chain, size_t coordinate, double *x)
     size_t half = chain->steps / 2;
     for (size_t k = 0; k < chain->walkers; k++) {
         for (size_t i = 0; i < 2 * half; i++) {
-            x[k * 2 * half + i] = chain->x[(i * chain->walkers + k) * chain->dimension + coordinate];
+            x[k * 2 * half + i] =
+                chain->x[(i * chain->walkers + k) * chain->dimension + coordinate];
         }
     }
     return half;
@@ -80,8 +82,8 @@ static double covariance(const lac_chain *chain, size_t coordinate, double mean,
 
 static double autocorrelation_time(const lac_chain *chain, size_t coordinate)
 {
-    double mean = gsl_stats_mean(chain->x + coordinate, chain->dimension,
-                                 chain->walkers * chain->steps);
+    double mean =
+        gsl_stats_mean(chain->x + coordinate, chain->dimension, chain->walkers * chain->steps);
     double variance = covariance(chain, coordinate, mean, 0);
     double time = 1.0;
     if (!(variance > 0.0)) {

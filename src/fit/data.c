@@ -60,8 +60,8 @@ lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fi
 {
     *out = (lac_fit_data){.missing = series->missing};
     if (series->dated && !c->dated) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the series has dates, so time.start of %s must be a date", c->path);
+        return lac_fail(err, LAC_EINPUT, "the series has dates, so time.start of %s must be a date",
+                        c->path);
     }
     out->time = malloc(4 * (series->n + 1) * sizeof *out->time);
     if (out->time == NULL) {

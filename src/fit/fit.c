@@ -144,7 +144,7 @@ static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
         const lac_fit_parameter *p = k < def->count ? &def->parameter[k] : NULL;
         bool displacement = (int)k == fit->unknown_displacement;
         bool time = (int)k == fit->unknown_time;
-        x->key = p != NULL ? p->key
+        x->key = p != NULL      ? p->key
                  : displacement ? "error.displacement"
                  : time         ? "error.time"
                                 : "error.velocity";

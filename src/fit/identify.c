@@ -125,7 +125,9 @@ lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err
     for (size_t k = 0; k < n; k++) {
         for (size_t l = 0; l < n; l++) {
             double product = c[k][k] * c[l][l];
-            result->correlation[k][l] = product > 0.0 ? c[k][l] / sqrt(product) : k == l ? 1.0 : 0.0;
+            result->correlation[k][l] = product > 0.0 ? c[k][l] / sqrt(product)
+                                        : k == l      ? 1.0
+                                                      : 0.0;
         }
     }
     lac_status status = find_axes(fit, c, result, err);

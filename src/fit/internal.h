@@ -86,7 +86,8 @@ lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_er
 void lac_fit_model_clear(lac_fit_model *model);
 
 // Runs the case at coordinates u up to `end` and looks at given times.
-// @return LAC_OK (also where it fails on the way: out->reached tells); what a scene or a run returns
+// @return LAC_OK (also where it fails on the way: out->reached tells); what a scene or a run
+// returns
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_follow *out, lac_error *err);
 

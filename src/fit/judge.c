@@ -32,8 +32,8 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     double log_squares = 0.0;
     lac_fit_errors_at errors = lac_fit_errors_of(fit, fit->best);
     errors.time = 0.0;
-    lac_fit_misfit misfit = lac_fit_likelihood(fit, &errors, slip, log_rate,
-                                               fit->model[0].scratch + 2 * data->n);
+    lac_fit_misfit misfit =
+        lac_fit_likelihood(fit, &errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
     result->log_likelihood = misfit.log_likelihood;
     result->offset = misfit.offset;
     for (size_t i = 0; i < data->n; i++) {
@@ -78,8 +78,14 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
     double *slip = fit->model[0].scratch;
     double *log_rate = slip + data->n;
     lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    // As exact as it was found: it may fail close behind the last reading.
+    lac_fit_model_tighten(&fit->model[0], true);
     lac_status status = lac_fit_model_run(&fit->model[0], fit->best, data->time[data->n - 1],
                                           data->n, data->time, &seen, err);
+    lac_fit_model_tighten(&fit->model[0], false);
+    if (status == LAC_OK && seen.reached < data->n) {
+        status = lac_fail(err, LAC_ENUMERIC, "the best fit fails before the last reading");
+    }
     if (status != LAC_OK) {
         return status;
     }

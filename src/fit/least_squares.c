@@ -152,8 +152,8 @@ static void derivative(search *s, size_t k, gsl_vector *out)
     size_t n = fit->data.n;
     size_t count = fit->def->count;
     double prior[LAC_MOST_FITTED] = {0};
-    prior[k] = fit->def->parameter[k].prior == LAC_PRIOR_NORMAL ? 1.0 / fit->def->parameter[k].sigma
-                                                                 : 0.0;
+    prior[k] =
+        fit->def->parameter[k].prior == LAC_PRIOR_NORMAL ? 1.0 / fit->def->parameter[k].sigma : 0.0;
     for (size_t i = 0; i < n; i++) {
         s->r[i] = s->seen.slip_by[i * count + k];
         s->seen.log_rate[i] = s->seen.log_rate_by[i * count + k];

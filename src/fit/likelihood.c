@@ -10,8 +10,8 @@ lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x)
 {
     const lac_fit_def *def = fit->def;
     return (lac_fit_errors_at){
-        .displacement =
-            fit->unknown_displacement < 0 ? def->displacement_error : exp(x[fit->unknown_displacement]),
+        .displacement = fit->unknown_displacement < 0 ? def->displacement_error
+                                                      : exp(x[fit->unknown_displacement]),
         .velocity = fit->unknown_velocity < 0 ? def->velocity_error : exp(x[fit->unknown_velocity]),
         .time = fit->unknown_time < 0 ? 0.0 : exp(x[fit->unknown_time]),
     };
@@ -73,7 +73,8 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
         r[i] = data->displacement[i] - slip[i];
     }
     double log_det = lac_fit_whiten(data, errors, r, w);
-    lac_fit_misfit out = {.log_likelihood = -0.5 * (log_det + (double)data->displacements * log_two_pi)};
+    lac_fit_misfit out = {.log_likelihood =
+                              -0.5 * (log_det + (double)data->displacements * log_two_pi)};
     if (fit->def->offset) {
         double ew = 0.0;
         double ee = 0.0;

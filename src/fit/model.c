@@ -103,7 +103,8 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
     return status;
 }
 
-static lac_follow_def follow_of(const lac_fit_model *model, double end, size_t n, const double *time)
+static lac_follow_def follow_of(const lac_fit_model *model, double end, size_t n,
+                                const double *time)
 {
     return (lac_follow_def){.problem = model->base.scene->problem,
                             .rtol = fmin(model->rtol, model->fit->source->run.rtol),
@@ -254,7 +255,8 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
             size_t at = i * count + k;
             double share = side / (2.0 * step);
             out->slip_by[at] = (side < 0 ? 0.0 : out->slip_by[at]) + share * seen.slip[i];
-            out->log_rate_by[at] = (side < 0 ? 0.0 : out->log_rate_by[at]) + share * seen.log_rate[i];
+            out->log_rate_by[at] =
+                (side < 0 ? 0.0 : out->log_rate_by[at]) + share * seen.log_rate[i];
         }
     }
     out->failure_by[k] = NAN;

@@ -14,10 +14,10 @@ static const double stretch = 2.0;
 // An ensemble on its way.
 typedef struct ensemble {
     const lac_sampler_def *def;
-    double *x;          // [walkers][dimension] where the walkers are
+    double *x;           // [walkers][dimension] where the walkers are
     double *log_density; // [walkers]
-    double *proposal;   // [walkers][dimension]
-    bool *moved;        // [walkers] in the step just made
+    double *proposal;    // [walkers][dimension]
+    bool *moved;         // [walkers] in the step just made
 } ensemble;
 
 void lac_chain_free(lac_chain *chain)
@@ -120,8 +120,7 @@ static void move(ensemble *e, uint64_t step, size_t k, size_t other)
         differ_by(e, bits, k, other, proposal);
     }
     double found = density(def, proposal);
-    e->moved[k] =
-        isfinite(found) && log(uniform(bits[2])) < bonus + found - e->log_density[k];
+    e->moved[k] = isfinite(found) && log(uniform(bits[2])) < bonus + found - e->log_density[k];
     if (e->moved[k]) {
         e->log_density[k] = found;
     }

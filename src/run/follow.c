@@ -12,8 +12,8 @@
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
     lac_follower *f = user;
-    bool good = lac_follower_derivative(f, f->def->problem, t, lac_vector_data(y),
-                                        lac_vector_data(ydot));
+    bool good =
+        lac_follower_derivative(f, f->def->problem, t, lac_vector_data(y), lac_vector_data(ydot));
     return good ? 0 : 1;
 }
 

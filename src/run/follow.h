@@ -10,18 +10,18 @@
 typedef struct lac_follower {
     const lac_follow_def *def;
     lac_follow *out;
-    size_t n, m;  // cells, components: 2 n + 1
+    size_t n, m; // cells, components: 2 n + 1
     SUNContext sun;
-    void *mem;    // CVODES
+    void *mem; // CVODES
     SUNLinearSolver linear;
-    N_Vector y, seen;   // the state reached, a state looked at
+    N_Vector y, seen;     // the state reached, a state looked at
     N_Vector *s, *seen_s; // [nudges] its derivatives; NULL: none
-    double *work;       // lac_problem_work of any of the problems
-    double *probe;      // [3 m]
-    double *scale;      // [m] what each component is worth an e-fold of rate or state
-    double slip_scale;  // slip that counts as an e-fold does [m]
+    double *work;         // lac_problem_work of any of the problems
+    double *probe;        // [3 m]
+    double *scale;        // [m] what each component is worth an e-fold of rate or state
+    double slip_scale;    // slip that counts as an e-fold does [m]
     double origin, limit;
-    double before;      // ln of the mean rate before the step
+    double before; // ln of the mean rate before the step
 } lac_follower;
 
 // The loads' time at an integrator's time: within a segment they are seen from below its end.

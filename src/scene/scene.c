@@ -119,15 +119,14 @@ out:
 static lac_status make_loads(lac_scene *scene, lac_load_files *files, lac_error *err)
 {
     const lac_case *c = scene->source;
-    return lac_load_set_create(&(lac_load_slots){.shear = c->shear.item,
-                                                 .shear_count = c->shear.count,
-                                                 .pore = c->pore.item,
-                                                 .pore_count = c->pore.count},
-                               &(lac_load_clock){.dated = c->dated,
-                                                 .start = c->start_date,
-                                                 .end = c->run.end,
-                                                 .files = files},
-                               &scene->loads, err);
+    return lac_load_set_create(
+        &(lac_load_slots){.shear = c->shear.item,
+                          .shear_count = c->shear.count,
+                          .pore = c->pore.item,
+                          .pore_count = c->pore.count},
+        &(lac_load_clock){
+            .dated = c->dated, .start = c->start_date, .end = c->run.end, .files = files},
+        &scene->loads, err);
 }
 
 // What follows from friction and initial values.

@@ -46,7 +46,8 @@ static lac_case *read_case(const char *tail)
     lac_error err = {""};
     const lac_case_request how = {LAC_FOR_FIT, NULL, 0};
     (void)snprintf(text, sizeof text, "%s%s", tail[0] == '#' ? stepped : head, tail);
-    lac_status status = lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, &err);
+    lac_status status =
+        lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, &err);
     lac_case_report_clear(&report);
     if (status != LAC_OK) {
         fail_msg("%s", err.message);
@@ -68,7 +69,8 @@ static double exact_slip(double dc, double rate, double x, double t)
     return dc * log((1.0 / now - 1.0) / (1.0 / x - 1.0));
 }
 
-static void make_readings(readings *r, double dc, double rate, double x, double noise, uint64_t seed)
+static void make_readings(readings *r, double dc, double rate, double x, double noise,
+                          uint64_t seed)
 {
     *r = (readings){0};
     for (size_t i = 0; i < READINGS; i++) {
@@ -184,7 +186,8 @@ static void least_squares_know_their_errors(void **state)
         readings r;
         lac_fit_result result;
         double dc = 0.08 * exp(0.5 * lac_random_uniform(9, LAC_STREAM_TEST, (uint64_t)i, 0));
-        double rate = 2e-3 / day * (0.8 + 0.4 * lac_random_uniform(9, LAC_STREAM_TEST, (uint64_t)i, 1));
+        double rate =
+            2e-3 / day * (0.8 + 0.4 * lac_random_uniform(9, LAC_STREAM_TEST, (uint64_t)i, 1));
         make_readings(&r, dc, rate, 0.8, 1e-3, 100 + (uint64_t)i);
         run_fit(two, &r, &result);
         assert_int_equal(result.unknown[0].by, LAC_BY_SENSITIVITY);
@@ -230,7 +233,8 @@ static void the_combination_is_known(void **state)
     double of_dc = log(result.unknown[0].quantile[4] / result.unknown[0].quantile[0]);
     double of_shape = log(result.shape.quantile[4] / result.shape.quantile[0]);
     if (!(of_shape < 0.5 * of_dc)) {
-        fail_msg("shape to %g, dc to %g; R-hat %g", of_shape, of_dc, result.unknown[0].converged.rhat);
+        fail_msg("shape to %g, dc to %g; R-hat %g", of_shape, of_dc,
+                 result.unknown[0].converged.rhat);
     }
     assert_true(result.shape.quantile[0] < true_shape && true_shape < result.shape.quantile[4]);
     assert_true(fabs(result.correlation[0][1]) > 0.8);

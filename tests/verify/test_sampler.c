@@ -174,10 +174,7 @@ static void convergence(void **state)
     }
 }
 
-static bool stop(void *context)
-{
-    return ++*(int *)context > 10;
-}
+static bool stop(void *context) { return ++*(int *)context > 10; }
 
 static void refusals(void **state)
 {
@@ -186,11 +183,8 @@ static void refusals(void **state)
     lac_error err;
     int asked = 0;
     double start[12] = {0.1, 0.2, 0.3, 0.1, 0.5, 0.9, 0.2, 0.8, 0.7, 0.4, 0.6, 0.35};
-    lac_sampler_def def = {.dimension = 2,
-                           .walkers = 5,
-                           .steps = 20,
-                           .log_density = banana,
-                           .context = &asked};
+    lac_sampler_def def = {
+        .dimension = 2, .walkers = 5, .steps = 20, .log_density = banana, .context = &asked};
     assert_int_equal(lac_sampler_run(&def, start, &chain, &err), LAC_EINPUT);
     assert_null(chain);
     def.walkers = 4;
@@ -210,8 +204,10 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_moments), cmocka_unit_test(walls),
-        cmocka_unit_test(any_number_of_threads), cmocka_unit_test(convergence),
+        cmocka_unit_test(known_moments),
+        cmocka_unit_test(walls),
+        cmocka_unit_test(any_number_of_threads),
+        cmocka_unit_test(convergence),
         cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -122,12 +122,13 @@ static void closed_forms(void **state)
             exact(minus, time[i], &by[0], &rate_by[0], &fails_by[0]);
             double slope = (by[1] - by[0]) / 2e-6;
             double rate_slope = (rate_by[1] - rate_by[0]) / 2e-6;
-            assert_near(got.slip_by[3 * i + k], slope, 1e-5 * near * (1.0 + fabs(slope)),
-                        "slip by", 3 * i + k);
+            assert_near(got.slip_by[3 * i + k], slope, 1e-5 * near * (1.0 + fabs(slope)), "slip by",
+                        3 * i + k);
             assert_near(got.log_rate_by[3 * i + k], rate_slope,
                         1e-5 * near * (1.0 + fabs(rate_slope)), "ln rate by", 3 * i + k);
             // The rate that counts as failure is not infinite: a millionth of theta_ss early.
-            assert_near(got.failure_by[k], (fails_by[1] - fails_by[0]) / 2e-6, 2e-4, "failure by", k);
+            assert_near(got.failure_by[k], (fails_by[1] - fails_by[0]) / 2e-6, 2e-4, "failure by",
+                        k);
         }
     }
     assert_near(got.failure, tc, 2e-5, "failure", 0);
