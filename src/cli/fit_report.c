@@ -46,6 +46,10 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
                 exp(r->log_rate_rms));
     }
+    if (isnan(r->failure)) {
+        cli_row("failure, best fit", "not by time.end");
+        return;
+    }
     cli_row("failure, best fit", "%s +- %s", when(c, r->failure, text, sizeof text),
             cli_quantity(r->failure_error, "s", error, sizeof error));
 }

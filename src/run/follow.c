@@ -17,9 +17,9 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     return good ? 0 : 1;
 }
 
-// CVODES prescribes the type.
-static int sensitivities(int count, sunrealtype t, N_Vector y, N_Vector ydot, N_Vector *s,
-                         N_Vector *sdot, void *user, N_Vector spare, N_Vector other)
+// CVODES prescribes the parameters.
+static int sensitivity_rates(int count, sunrealtype t, N_Vector y, N_Vector ydot, N_Vector *s,
+                             N_Vector *sdot, void *user, N_Vector spare, N_Vector other)
 {
     lac_follower *f = user;
     (void)ydot, (void)spare, (void)other;
@@ -190,7 +190,7 @@ static int set_sensitivities(lac_follower *f)
             tolerance[i] = f->def->rtol * f->scale[i];
         }
     }
-    int flag = CVodeSensInit(f->mem, count, CV_STAGGERED, sensitivities, f->s);
+    int flag = CVodeSensInit(f->mem, count, CV_STAGGERED, sensitivity_rates, f->s);
     flag |= CVodeSensSVtolerances(f->mem, f->def->rtol, f->seen_s);
     flag |= CVodeSetSensErrCon(f->mem, SUNTRUE);
     return flag;

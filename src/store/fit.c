@@ -119,117 +119,82 @@ static lac_status put_chain(writer *w, lac_error *err)
     return put(w, &acceptance, 1, dims, &id, err);
 }
 
-// One variable of the series.
+// One variable of the series, in the order of `series_of`.
 typedef struct series_row {
-    const char *name, *unit, *long_name;
-    const double *from;
-    size_t n;
-    double shift;
+    const char *name, *unit; // NULL: a time
+    const char *long_name;
     int rank, dims[2]; // indices of the writer's
     bool whole;        // nothing is ever missing
 } series_row;
 
+static const series_row series_rows[] = {
+    {"quantile", "1", "share of the posterior below", 1, {QUANTILE}, true},
+    {"prediction_time", NULL, "time of a prediction", 1, {PREDICTION}, true},
+    {"best_displacement",
+     "m",
+     "displacement of the best fit, its zero that of the data",
+     1,
+     {PREDICTION},
+     false},
+    {"predicted_displacement",
+     "m",
+     "quantiles of the posterior's displacement; missing beyond failure",
+     2,
+     {QUANTILE, PREDICTION},
+     false},
+    {"predicted_slip_rate",
+     "m s-1",
+     "quantiles of the posterior's slip rate; missing beyond failure",
+     2,
+     {QUANTILE, PREDICTION},
+     false},
+    {"reading_time", NULL, "time of a reading", 1, {READING}, true},
+    {"observed_displacement", "m", "displacement that was read", 1, {READING}, false},
+    {"observed_slip_rate", "m s-1", "velocity that was read", 1, {READING}, false},
+    {"failure_time",
+     NULL,
+     "time of failure of draws that were run on; missing where none by the end of the run",
+     1,
+     {SAMPLE},
+     false},
+};
+
+enum { SERIES_ROWS = sizeof series_rows / sizeof series_rows[0] };
+
+// What the rows hold; NULL: not there.
+static void series_of(const lac_fit_view *v, const double *from[SERIES_ROWS], size_t n[SERIES_ROWS])
+{
+    const size_t all = v->quantiles * v->times;
+    const double *const values[] = {v->quantile,     v->time,          v->fitted,
+                                    v->displacement, v->rate,          v->reading_time,
+                                    v->observed,     v->observed_rate, v->failure};
+    const size_t lengths[] = {v->quantiles, v->times,    v->times,    all,        all,
+                              v->readings,  v->readings, v->readings, v->failures};
+    for (size_t i = 0; i < SERIES_ROWS; i++) {
+        from[i] = values[i];
+        n[i] = lengths[i];
+    }
+}
+
 static lac_status put_series(writer *w, lac_error *err)
 {
-    const lac_fit_view *v = w->view;
-    const size_t all = v->quantiles * v->times;
-    const series_row rows[] = {
-        {"quantile",
-         "1",
-         "share of the posterior below",
-         v->quantile,
-         v->quantiles,
-         0.0,
-         1,
-         {QUANTILE},
-         true},
-        {"prediction_time",
-         w->time_unit,
-         "time of a prediction",
-         v->time,
-         v->times,
-         w->time_shift,
-         1,
-         {PREDICTION},
-         true},
-        {"best_displacement",
-         "m",
-         "displacement of the best fit, its zero that of the data",
-         v->fitted,
-         v->times,
-         0.0,
-         1,
-         {PREDICTION},
-         false},
-        {"predicted_displacement",
-         "m",
-         "quantiles of the posterior's displacement; missing beyond failure",
-         v->displacement,
-         all,
-         0.0,
-         2,
-         {QUANTILE, PREDICTION},
-         false},
-        {"predicted_slip_rate",
-         "m s-1",
-         "quantiles of the posterior's slip rate; missing beyond failure",
-         v->rate,
-         all,
-         0.0,
-         2,
-         {QUANTILE, PREDICTION},
-         false},
-        {"reading_time",
-         w->time_unit,
-         "time of a reading",
-         v->reading_time,
-         v->readings,
-         w->time_shift,
-         1,
-         {READING},
-         true},
-        {"observed_displacement",
-         "m",
-         "displacement that was read",
-         v->observed,
-         v->readings,
-         0.0,
-         1,
-         {READING},
-         false},
-        {"observed_slip_rate",
-         "m s-1",
-         "velocity that was read",
-         v->observed_rate,
-         v->readings,
-         0.0,
-         1,
-         {READING},
-         false},
-        {"failure_time",
-         w->time_unit,
-         "time of failure of draws that were run on; missing where none by the end of the run",
-         v->failure,
-         v->failures,
-         w->time_shift,
-         1,
-         {SAMPLE},
-         false},
-    };
+    const double *from[SERIES_ROWS];
+    size_t n[SERIES_ROWS];
     lac_status status = LAC_OK;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        const series_row *row = &rows[i];
+    series_of(w->view, from, n);
+    for (size_t i = 0; i < SERIES_ROWS; i++) {
+        const series_row *row = &series_rows[i];
         const lac_nc_var var = {.name = row->name,
-                                .unit = row->unit,
+                                .unit = row->unit != NULL ? row->unit : w->time_unit,
                                 .long_name = row->long_name,
                                 .type = NC_DOUBLE,
                                 .fill = !row->whole};
         int dims[2] = {w->dim[row->dims[0]], w->dim[row->dims[1]]};
         int id = 0;
-        if (row->from == NULL || row->n == 0) {
+        if (from[i] == NULL || n[i] == 0) {
             continue;
         }
-        copy(w, row->n, row->from, row->shift);
+        copy(w, n[i], from[i], row->unit == NULL ? w->time_shift : 0.0);
         LAC_TRY(put(w, &var, row->rank, dims, &id, err));
     }
 out:
