@@ -11,6 +11,7 @@ endfunction()
 lacuna_lint(selftest ${Python3_EXECUTABLE} ${lint}/selftest.py ${CMAKE_C_COMPILER})
 lacuna_lint(layers ${Python3_EXECUTABLE} ${lint}/layers.py)
 lacuna_lint(sizes ${Python3_EXECUTABLE} ${lint}/sizes.py)
+lacuna_lint(docs ${Python3_EXECUTABLE} ${lint}/docs.py)
 lacuna_lint(spdx ${Python3_EXECUTABLE} ${lint}/spdx.py)
 
 # Sanitizers, fuzzers and coverage add symbols of their own.

@@ -18,33 +18,10 @@ import subprocess
 import sys
 import tempfile
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-    from matplotlib import ticker
-    from matplotlib.colors import LightSource, LogNorm
-except ImportError as missing:
-    sys.exit(
-        f"figure1: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
-        "  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/figure1.py ..."
-    )
-
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# Okabe and Ito's colours, which the colour-blind tell apart.
-INK, QUIET, BLUE, RED, GREEN = "#1d2733", "#6b7785", "#0072b2", "#d55e00", "#009e73"
-STYLE = {
-    "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "xtick.labelsize": 7,
-    "ytick.labelsize": 7, "legend.fontsize": 7, "font.family": "DejaVu Sans",
-    "axes.edgecolor": QUIET, "axes.labelcolor": INK, "text.color": INK, "xtick.color": QUIET,
-    "ytick.color": QUIET, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-    "axes.linewidth": 0.6, "lines.linewidth": 1.0, "axes.spines.top": False,
-    "axes.spines.right": False, "savefig.dpi": 200,
-}
+# first: it says what is missing
+from figures import BLUE, INK, RED, ROOT, STYLE, matplotlib, np, plt, xarray
+from matplotlib import ticker
+from matplotlib.colors import LightSource, LogNorm
 
 
 def length(value):

@@ -18,38 +18,15 @@ import subprocess
 import sys
 import tempfile
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-    from matplotlib.colors import ListedColormap
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch, Rectangle
-except ImportError as missing:
-    sys.exit(
-        f"figure3: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
-        "  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/figure3.py ..."
-    )
+# first: it says what is missing
+from figures import BLUE, GREEN, INK, QUIET, RED, ROOT, SLIP, STYLE, np, plt, xarray
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
 
 import rg_table
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# Okabe and Ito's colours, which the colour-blind tell apart.
-INK, QUIET, BLUE, RED, GREEN = "#1d2733", "#6b7785", "#0072b2", "#d55e00", "#009e73"
 COLOURS = dict(zip(rg_table.BETAS, (GREEN, BLUE, RED)))
-SLIP = "#a9b0b8"  # grey, as in the paper; black sticks
-STYLE = {
-    "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "xtick.labelsize": 7,
-    "ytick.labelsize": 7, "legend.fontsize": 7, "font.family": "DejaVu Sans",
-    "axes.edgecolor": QUIET, "axes.labelcolor": INK, "text.color": INK, "xtick.color": QUIET,
-    "ytick.color": QUIET, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-    "axes.linewidth": 0.6, "lines.linewidth": 1.0, "axes.spines.top": False,
-    "axes.spines.right": False, "savefig.dpi": 200,
-}
 SPARSE = 1.39  # dimension of (a) to (d)
 LOADS = (0.3, 0.8)  # Q/Q_nom of (a) and (b)
 DIMENSIONS = (1.2, 1.3, 1.39, 1.45, 1.55, 1.65, 1.7, 1.8, 1.85, 1.9)  # of (g)

@@ -17,24 +17,10 @@ import subprocess
 import sys
 import tempfile
 
-try:
-    import matplotlib
+# first: it says what is missing
+from figures import BLUE, INK, QUIET, RED, ROOT, SLIP, STYLE, np, plt, xarray
+from matplotlib.patches import Patch, Rectangle
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-    from matplotlib.patches import Patch, Rectangle
-except ImportError as missing:
-    sys.exit(
-        f"rg_rules: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
-        "  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/rg_rules.py ..."
-    )
-
-from figure3 import BLUE, INK, QUIET, RED, SLIP, STYLE
-
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOUR = """lacuna: 1
 interface: {{size: "1 m", levels: 1, surface: {{file: {{path: {path}, unit: m, spacing: "0.5 m"}}}}}}
 material: {{shear_modulus: "{modulus} Pa", poisson: 0}}

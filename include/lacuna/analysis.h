@@ -91,6 +91,9 @@ typedef struct lac_indicator_kind {
     /// When the run is over: results, lines, the last values over nothing, the last events.
     lac_status (*finish)(lac_indicator *self, const lac_run_result *result, const lac_sink *next,
                          lac_error *err);
+    /// Passes what it has seen so far, to or from a checkpoint: all that observe and finish read
+    /// and observe changes. NULL: a run with it makes no checkpoints.
+    void (*keep)(lac_indicator *self, lac_tape *tape);
 } lac_indicator_kind;
 
 /// The index-th kind in the registry, NULL past the end.

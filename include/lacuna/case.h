@@ -49,6 +49,13 @@ typedef struct lac_material_def {
     double density;       ///< [kg/m3]; NaN
 } lac_material_def;
 
+/// The mass of the block that slides.
+typedef struct lac_inertia_def {
+    double thickness;     ///< [m]; NaN where the mass is given
+    double mass_per_area; ///< over the nominal area [kg/m2]; NaN where the thickness is given
+    double columns;       ///< part that stands on the cells as columns of their own [1]
+} lac_inertia_def;
+
 typedef struct lac_slot_list {
     size_t count;
     lac_slot *item;
@@ -164,6 +171,7 @@ typedef struct lac_case {
     lac_slot surface, domain;         ///< at most one is set
     lac_spread_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
+    lac_inertia_def inertia; ///< thickness and mass NaN: none
     lac_slot normal;
     lac_slot_list shear, pore;
     lac_history_def history;
@@ -225,6 +233,9 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
                               const lac_case_request *request, lac_case **out,
                               lac_case_report *report, lac_error *err);
 
+/// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
+double lac_inertia_mass(const lac_case *c);
+
 /// Frees a case; NULL is fine.
 void lac_case_free(lac_case *c);
 
@@ -259,6 +270,8 @@ typedef struct lac_kind {
     const char *name;    ///< "friction", "transfer", "surface" ...
     const char *section; ///< where in a case it stands: "friction", "load.shear"
     const char *summary;
+    bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
+                 ///< not as {MODEL: {...}}
     const lac_descriptor *(*at)(size_t index); ///< NULL past the end
 } lac_kind;
 

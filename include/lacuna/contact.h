@@ -74,6 +74,7 @@ uint64_t lac_morton(uint32_t ix, uint32_t iy);
 typedef struct lac_domain_source {
     lac_descriptor about;
     /// @param occupied  [ny * nx] set to 1 in contact cells, 0 elsewhere
+    /// NULL: the cells are read from a file, which is the scene's part
     lac_status (*fill)(const void *params, const lac_grid *grid, uint8_t *occupied, lac_error *err);
 } lac_domain_source;
 
@@ -83,12 +84,27 @@ typedef struct lac_cascade {
     int64_t seed;
 } lac_cascade;
 
+/// What becomes of the pressures of a file.
+typedef enum lac_file_pressures {
+    LAC_PRESSURES_KEPT = 0, ///< as they are
+    LAC_PRESSURES_SCALED,   ///< in proportion, to carry the load
+    LAC_PRESSURES_EQUAL,    ///< none of them: the load in equal parts
+} lac_file_pressures;
+
+/// Parameters of `file`: contact cells that were computed or measured elsewhere.
+typedef struct lac_domain_file {
+    char *path;
+    int pressures; ///< lac_file_pressures
+} lac_domain_file;
+
+extern const lac_domain_source lac_domain_from_file;
+
 /// The index-th domain source in the registry, NULL past the end.
 const lac_domain_source *lac_domain_source_at(size_t index);
 
 /// A domain from a source, every contact cell at the same pressure so that the load is held.
 /// @param mean_pressure  over the nominal area [Pa]
-/// @return LAC_OK; LAC_EINPUT (empty domain); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (empty domain, a source that is a file); LAC_ENOMEM
 lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
                                   lac_domain **domain, lac_error *err);
 

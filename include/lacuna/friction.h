@@ -81,6 +81,10 @@ typedef struct lac_friction_law {
 /// The index-th law in the registry, NULL past the end.
 const lac_friction_law *lac_friction_law_at(size_t index);
 
+/// The index-th thing that any law can have besides (cut-off ...), with those of the common
+/// parameters that say so; NULL past the end.
+const lac_descriptor *lac_friction_option_at(size_t index);
+
 /// Cells that all have the parameters of the slot.
 /// @param slot  a friction law and its parameters
 /// @param n     cells

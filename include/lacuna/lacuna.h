@@ -28,11 +28,13 @@
 #include "lacuna/spread.h"
 #include "lacuna/store.h"
 #include "lacuna/store_cells.h"
+#include "lacuna/store_checkpoint.h"
 #include "lacuna/store_fit.h"
 #include "lacuna/store_map.h"
 #include "lacuna/store_rg.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"
+#include "lacuna/tape.h"
 #include "lacuna/transfer.h"
 #include "lacuna/version.h"
 

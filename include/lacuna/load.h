@@ -6,11 +6,20 @@
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 
+/// How a shear force reaches the cells.
+typedef enum lac_share {
+    LAC_SHARE_PRESSURE = 0, ///< q_i in proportion to p_i
+    LAC_SHARE_EQUAL,        ///< the same q_i on all
+    LAC_SHARE_ELASTIC, ///< q in proportion to C^-1 1: as rock that slips as one puts it on them
+} lac_share;
+
 /// The load on the interface at one time, all shear and pore-pressure loads summed.
 typedef struct lac_load_state {
-    double ratio, ratio_rate;    ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
-    double stress, stress_rate;  ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
-    double spring_stiffness;     ///< of the mean slip, over the nominal area [Pa/m]
+    double ratio, ratio_rate;   ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
+    double stress, stress_rate; ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
+    double equal_ratio, elastic_ratio; ///< Q/P shared otherwise, constant in time [1]
+    double elastic, elastic_rate;      ///< stress shared as C^-1 1 [Pa], [Pa/s]
+    double spring_stiffness;           ///< of the mean slip, over the nominal area [Pa/m]
     double spring_stress;        ///< sum of stiffness * travel of the far ends, and of other loads
                                  ///< that put the same stress on every cell [Pa]
     double spring_rate;          ///< its rate [Pa/s]
@@ -38,6 +47,7 @@ struct lac_load_kind;
 typedef struct lac_load {
     const struct lac_load_kind *kind;
     const void *params; ///< borrowed from the slot
+    lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
     void *state;        ///< what `prepare` made; NULL
 } lac_load;
 
@@ -80,6 +90,8 @@ typedef struct lac_load_set {
     size_t shear_count;
     lac_load *pore; ///< [pore_count]
     size_t pore_count;
+    double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
+                   ///< is false. Whoever knows the contact fills it: lac_transfer_tied
 } lac_load_set;
 
 /// The loads that a case names.
@@ -96,6 +108,15 @@ typedef struct lac_load_slots {
 ///         names the load: "load.shear.0: ..."
 lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err);
+
+/// How the force of a load that a case names is shared by the cells.
+lac_share lac_load_slot_share(const lac_slot *slot);
+
+/// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
+bool lac_load_set_is_shaped(const lac_load_set *set);
+
+/// Q over the nominal area, springs' slip apart. @param pressure  mean normal stress [Pa]
+double lac_load_shear(const lac_load_state *state, double pressure);
 
 /// Frees what a set owns. The set is empty afterwards.
 void lac_load_set_clear(lac_load_set *set);

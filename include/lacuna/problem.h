@@ -12,6 +12,7 @@ typedef enum lac_formulation {
     LAC_FORMULATION_RATE,     ///< ln v: the balance is differentiated in time; needs v > 0
     LAC_FORMULATION_TRACTION, ///< tau = q - K slip, v solved from it, of either sign
     LAC_FORMULATION_SLIP,     ///< slip, v solved from q - K slip, of either sign
+    LAC_FORMULATION_INERTIA,  ///< v on a logarithmic scale, and slip, where a block has mass
 } lac_formulation;
 
 /// What a creep problem is made from; everything pointed at must outlive the problem, except the
@@ -22,13 +23,16 @@ typedef struct lac_problem_def {
     const lac_transfer *transfer;
     lac_load_set loads;
     double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none
+    double mass;             ///< of the sliding block, per nominal area [kg/m2]; 0: no inertia
+    double columns;          ///< part of it that stands on the cells as free columns, (0, 1]
     const double *log_rate;  ///< [n] ln v at the start
     const double *log_state; ///< [n] ln theta at the start
     lac_formulation formulation;
 } lac_problem_def;
 
 /// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
-/// says: docs/theory/creep.md. Immutable.
+/// says: docs/theory/creep.md. With a mass y = (x, ln theta, slip): docs/theory/momentum.md.
+/// Immutable.
 typedef struct lac_problem lac_problem;
 
 /// What is seen of a state.
@@ -39,19 +43,23 @@ typedef struct lac_observation {
     double shear_force;      ///< Q [N]
     double normal_force;     ///< P, total [N]
     double effective_force;  ///< P - u L^2 [N]
-    double balance_residual; ///< max |q - K slip - p f - eta v| / (f0 p) [1]
+    double balance_residual; ///< max |q - K slip - p f - eta v - inertia| / (f0 p) [1]
     size_t fastest;          ///< cell with the largest rate
 } lac_observation;
 
 /// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
-///         to be solved for where a = 0 and there is no damping); LAC_ENOMEM
+///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
+///         knows none); LAC_ENOMEM
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
 
 /// Frees a problem; NULL is fine.
 void lac_problem_free(lac_problem *problem);
 
-/// Contact cells n; y has 2n components: x of every cell, then ln theta.
+/// Contact cells n.
 size_t lac_problem_cells(const lac_problem *problem);
+
+/// Components of y: 2n, x of every cell, then ln theta; with a mass 3n, then slip.
+size_t lac_problem_unknowns(const lac_problem *problem);
 
 /// What a formulation is called in a case: "rate" ...
 const char *lac_formulation_name(lac_formulation formulation);
@@ -60,8 +68,11 @@ const char *lac_formulation_name(lac_formulation formulation);
 lac_formulation lac_problem_formulation(const lac_problem *problem);
 const char *lac_problem_unknown(const lac_problem *problem);
 
-/// Whether x is slip: it need not be integrated beside y then.
+/// Whether slip is among the unknowns: it need not be integrated beside y then.
 bool lac_problem_has_slip(const lac_problem *problem);
+
+/// Where slip begins in y, if it is there: 0, or 2n after x and ln theta.
+size_t lac_problem_slip_place(const lac_problem *problem);
 
 /// Doubles of scratch that the functions below need. Its contents carry over from call to call:
 /// where rates are solved for, each solve begins from the last rates. Hand new scratch to
@@ -71,15 +82,15 @@ size_t lac_problem_work(const lac_problem *problem);
 /// Makes the next solve begin afresh, so that what follows depends on y alone to the last bit.
 void lac_problem_forget(const lac_problem *problem, double *work);
 
-/// y at the start. @param y  [2n]
+/// y at the start. @param y  [unknowns], as below
 void lac_problem_initial(const lac_problem *problem, double *y);
 
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
 /// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
 /// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
-/// times finer, for ln v is b/a times as far off. An unknown counts no finer than a double resolves
-/// it.
-/// @param weight  [2n]; overwritten
+/// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a
+/// p over the stiffness. An unknown counts no finer than a double resolves it.
+/// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
 /// Slip errors that count, for slip integrated beside y: rtol dc where the rate is solved for,
@@ -90,8 +101,8 @@ bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double 
 
 /// dy/dt.
 /// @param t     time since the start [s]
-/// @param y     [2n]
-/// @param ydot  [2n]; overwritten
+/// @param y     [unknowns]
+/// @param ydot  [unknowns]; overwritten
 /// @param work  [lac_problem_work]; its first n doubles are then the slip rates
 /// @return true; false where a rate is not finite or the effective pressure not positive
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
@@ -99,19 +110,20 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
 
 /// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), exactly in
 /// O(n) where the transfer's solve is.
-/// @param b  [2n]; overwritten by x
+/// @param b  [unknowns]; overwritten by x
 /// @return false where the matrix is not positive definite: the step is too long
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work);
 
-/// Takes y across a jump of the loads at time t: the traction jumps, slip does not, and
-/// the state only where it responds to the normal pressure (alpha) and that jumps.
+/// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
+/// what has mass, and the state only where it responds to the normal pressure (alpha) and that
+/// jumps.
 /// @return true; false where no rate balances the traction
 bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
-/// Nothing where x is slip, whose balance holds.
+/// Nothing where slip is an unknown: the balance holds.
 /// @param slip  [n] since the start [m]
 /// @return true; false where the transfer's solve fails
 bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
@@ -150,6 +162,15 @@ bool lac_problem_pressed(const lac_problem *problem, double t);
 /// turns back, which ln v cannot do, nor the plain form of friction, infinite at v = 0.
 /// @param cell  the first that does not; untouched where all do
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work);
+
+/// ln|v| below which a cell with mass is at rest: slower, m/step^2 soon leaves the numbers.
+#define LAC_AT_REST (-300.0)
+
+/// Whether a cell with mass comes to rest for good: its friction, so little of it direct effect,
+/// would hold it below LAC_AT_REST only.
+/// @param cell  the first that does; untouched where none does
+bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);
 
 /// What is asked of the initial rate and state (a case's section `initial`).

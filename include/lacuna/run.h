@@ -3,6 +3,7 @@
 #define LACUNA_RUN_H
 
 #include "lacuna/problem.h"
+#include "lacuna/tape.h"
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 
@@ -82,6 +83,15 @@ typedef struct lac_event {
     int64_t cut;                    ///< LAC_EVENT_*; 0: whole
 } lac_event;
 
+/// Where a run stands: all that it needs to go on, in another process of the same program too.
+typedef struct lac_checkpoint {
+    bool planned; ///< the run begins anew there whether or not it is stopped, so that one that goes
+                  ///< on from it is the same to the last bit; else to the tolerance
+    double time;  ///< [s]
+    size_t size;  ///< [bytes]
+    const unsigned char *state; ///< the engine's, then the sinks'
+} lac_checkpoint;
+
 /// Where a run's results go. Members may be NULL.
 typedef struct lac_sink {
     void *context;
@@ -91,6 +101,10 @@ typedef struct lac_sink {
     lac_status (*step)(void *context, const lac_step *step, lac_error *err);
     /// As an event ends; from an analysis that keeps a catalogue.
     lac_status (*event)(void *context, const lac_event *event, lac_error *err);
+    /// Passes what the sink, then those behind it, must know to go on; NULL: nothing.
+    void (*keep)(void *context, lac_tape *tape);
+    /// Stores a checkpoint; NULL: none is made. All that was put out before must last as long.
+    lac_status (*checkpoint)(void *context, const lac_checkpoint *checkpoint, lac_error *err);
 } lac_sink;
 
 /// How far a run has come.
@@ -115,6 +129,8 @@ typedef struct lac_run_def {
     lac_cadence record;
     bool snapshots;
     lac_cadence snapshot;
+    lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
+    const lac_checkpoint *resume;       ///< go on from it; NULL: from the start
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;
@@ -148,12 +164,14 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
 /// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err);
 
-/// Integrates a problem in time.
+/// Integrates a problem in time. At planned checkpoints the integrator begins anew from what is
+/// saved. A run without planned ones that is interrupted makes a forced one.
 /// @param sink    gets the records, the first at t = 0; NULL drops them
 /// @param result  filled as far as the run came, whatever the status
 /// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
 ///         step, order and worst cell, or where a slip rate leaves the numbers; what the sink
-///         returns; LAC_ENOMEM
+///         returns; LAC_ENOMEM; LAC_EINPUT where the checkpoint to go on from is of another
+///         problem, or beyond the end
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
 

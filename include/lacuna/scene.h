@@ -66,6 +66,10 @@ typedef struct lac_history_sink {
     bool (*interrupted)(void *context);
 } lac_history_sink;
 
+/// The contact cells of a case that presses no surface, each with its pressure.
+/// @return LAC_OK; LAC_EINPUT (empty, a file of another grid or load); LAC_EIO; LAC_ENOMEM
+lac_status lac_scene_domain_create(const lac_case *c, lac_domain **domain, lac_error *err);
+
 /// Number of steps of a case's history, all increments counted.
 size_t lac_scene_history_steps(const lac_case *c);
 

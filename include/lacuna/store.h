@@ -3,7 +3,7 @@
 #define LACUNA_STORE_H
 
 #include "lacuna/fractal.h"
-#include "lacuna/run.h"
+#include "lacuna/store_checkpoint.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"
 
@@ -34,12 +34,15 @@ typedef struct lac_store_def {
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
     bool events;            ///< a catalogue of events comes along
+    const char *inputs;     ///< what a checkpoint keeps of the files that the run reads; NULL
+    const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
 } lac_store_def;
 
 /// A netCDF-4 file being written; docs/format.md.
 typedef struct lac_store lac_store;
 
-/// Creates the file with its metadata and status `running`.
+/// Creates the file with its metadata and status `running`. With `resume` it takes the place of
+/// the one that is there once it holds that one's records and snapshots up to the checkpoint.
 /// @return LAC_OK; LAC_EINPUT where the file exists and `force` is not set; LAC_EIO; LAC_ENOMEM
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err);
 
@@ -52,7 +55,8 @@ lac_sink lac_store_sink(lac_store *store);
 lac_status lac_store_once(lac_store *store, const double *once, lac_error *err);
 
 /// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
-/// the wall time, and closes the file. The store still has to be freed.
+/// the wall time, and closes the file. A complete one needs its checkpoint no more, which is
+/// removed. The store still has to be freed.
 /// @return LAC_OK; LAC_EIO (a full disk shows up here)
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
                             double wall_time, lac_error *err);

@@ -38,6 +38,15 @@ typedef struct lac_stored_cells {
 lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,
                                  lac_stored_cells *out, lac_error *err);
 
+/// The contact cells alone: of a run, of a contact, or of the last step of a history that kept its
+/// pressures.
+/// @param domain  pressures before pore pressure; NULL where it fails
+/// @return LAC_OK; LAC_EINPUT (no contact cell); LAC_EIO (not such a file, damaged); LAC_ENOMEM
+lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err);
+
+/// Whether what a file holds begins as a netCDF file does; false where it cannot be read.
+bool lac_stored_is_netcdf(const char *path);
+
 /// Frees what it holds.
 void lac_stored_cells_clear(lac_stored_cells *cells);
 

@@ -66,6 +66,17 @@ const lac_transfer_kind *lac_transfer_kind_at(size_t index);
 lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err);
 
+/// Tractions of cells tied to one another, which slip alike: C^-1 1, scaled to a mean of 1. How
+/// rock shares a force by the contact cells, gaps free; cells at edges carry more. 1 on full
+/// periodic contact. docs/theory/transfer.md, equation 21.
+/// @param slot   the transfer chosen: the rock is that of `elastic`; else half-spaces, slip along x
+/// @param share  [n] overwritten; its sum is n to rounding
+/// @return LAC_OK; LAC_EINPUT (no material ...); LAC_ENUMERIC (not within 1000 iterations);
+///         LAC_ENOMEM
+/// @cost   one inversion of the compliance: some 30 pairs of transforms, more where cells are many
+lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *scene, double *share,
+                             lac_error *err);
+
 /// Frees what a transfer owns.
 void lac_transfer_clear(lac_transfer *transfer);
 

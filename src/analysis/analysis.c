@@ -123,13 +123,37 @@ out:
     return status;
 }
 
+static void on_keep(void *context, lac_tape *tape)
+{
+    lac_analysis *a = context;
+    for (size_t i = 0; i < a->n; i++) {
+        lac_indicator *indicator = &a->indicator[i];
+        if (indicator->kind->keep == NULL) {
+            tape->refused = indicator->kind->about.name;
+            return;
+        }
+        indicator->kind->keep(indicator, tape);
+    }
+    if (a->next.keep != NULL) {
+        a->next.keep(a->next.context, tape);
+    }
+}
+
+static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
+{
+    lac_analysis *a = context;
+    return a->next.checkpoint(a->next.context, checkpoint, err);
+}
+
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
     analysis->next = *next;
     return (lac_sink){.context = analysis,
                       .record = on_record,
                       .snapshot = on_snapshot,
-                      .step = lac_analysis_has_events(analysis) ? on_step : NULL};
+                      .step = lac_analysis_has_events(analysis) ? on_step : NULL,
+                      .keep = on_keep,
+                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
 }
 
 bool lac_analysis_has_events(const lac_analysis *analysis)

@@ -4,6 +4,7 @@
 
 #include "lacuna/contact.h"
 #include "lacuna/run.h"
+#include "lacuna/tape.h"
 
 /// An event on its way.
 typedef struct lac_open_event {
@@ -62,6 +63,9 @@ void lac_catalogue_clear(lac_catalogue *c);
 ///         that begins to move
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err);
+
+/// Passes what it has seen so far; to a catalogue that was just made, where the tape is loading.
+void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape);
 
 /// Ends the events that are open at the last step.
 lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error *err);

@@ -74,6 +74,12 @@ static lac_status step(lac_indicator *self, const lac_step *step, const lac_sink
     return lac_catalogue_step(&e->catalogue, step, next, err);
 }
 
+static void keep(lac_indicator *self, lac_tape *tape)
+{
+    events *e = self->state;
+    lac_catalogue_keep(&e->catalogue, tape);
+}
+
 static void set_line(events *e, lac_analysis_line *line)
 {
     const lac_catalogue *c = &e->catalogue;
@@ -131,4 +137,5 @@ const lac_indicator_kind lac_indicator_events = {
     .free = destroy,
     .step = step,
     .finish = finish,
+    .keep = keep,
 };

@@ -360,11 +360,34 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
     return LAC_OK;
 }
 
+static void keep(lac_indicator *self, lac_tape *tape)
+{
+    rg *r = self->state;
+    lac_slipping_keep(&r->slipping, tape);
+    if (tape->loading && lac_tape_good(tape)) {
+        // Which blocks slip follows from which cells do.
+        for (size_t i = 0; i < r->cells; i++) {
+            if (r->slipping.slips[i]) {
+                lac_slip_blocks_change(&r->blocks, (uint32_t)i, true);
+            }
+        }
+    }
+    lac_slip_clusters_keep(&r->clusters, tape);
+    lac_run_map_keep(&r->map, tape);
+    lac_tape_pass(tape, &r->fraction, sizeof r->fraction);
+    lac_tape_pass(tape, &r->longest, sizeof r->longest);
+    lac_tape_pass(tape, &r->most, sizeof r->most);
+    lac_tape_pass(tape, &r->reached, sizeof r->reached);
+    lac_tape_pass(tape, &r->origin, sizeof r->origin);
+    lac_tape_pass(tape, &r->local, sizeof r->local);
+}
+
 const lac_indicator_kind lac_indicator_rg = {
     .about = {.name = "rg",
               .summary = "slipping cells and blocks of each level against the fixed point of the "
                          "renormalization map, and the longest slipping cluster",
-              .reference = "Borri-Brunetto, Carpinteri and Chiaia (2004)",
+              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
+                           "37, 117; docs/theory/rg-in-time.md",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(lac_analysis_rg),
@@ -373,4 +396,5 @@ const lac_indicator_kind lac_indicator_rg = {
     .free = destroy,
     .observe = observe,
     .finish = finish,
+    .keep = keep,
 };

@@ -45,6 +45,21 @@ void lac_run_map_look(lac_run_map *map, const lac_slip_blocks *blocks)
     map->first[++map->states] = n;
 }
 
+void lac_run_map_keep(lac_run_map *map, lac_tape *tape)
+{
+    lac_tape_pass(tape, &map->states, sizeof map->states);
+    lac_tape_pass(tape, &map->reached, sizeof map->reached);
+    lac_tape_pass(tape, map->first, sizeof map->first);
+    bool sound = map->states <= LAC_RUN_MAP_STATES;
+    size_t pairs = sound ? map->first[map->states] : 0;
+    if (!sound || pairs > LAC_RUN_MAP_STATES * map->levels) {
+        tape->short_of = true;
+        return;
+    }
+    lac_tape_pass(tape, map->s, pairs * sizeof *map->s);
+    lac_tape_pass(tape, map->s_next, pairs * sizeof *map->s_next);
+}
+
 lac_status lac_run_map_fit(const lac_run_map *map, lac_rg_fit *fit, lac_error *err)
 {
     size_t first[LAC_RUN_MAP_STATES / STRETCH + 2];

@@ -4,6 +4,7 @@
 
 #include "analysis/slip_blocks.h"
 #include "lacuna/rg_study.h"
+#include "lacuna/tape.h"
 
 enum { LAC_RUN_MAP_STATES = 64 };
 
@@ -22,6 +23,9 @@ void lac_run_map_clear(lac_run_map *map);
 
 /// Takes the pairs of levels with 8 blocks at least, where it is time to.
 void lac_run_map_look(lac_run_map *map, const lac_slip_blocks *blocks);
+
+/// Passes the pairs taken so far.
+void lac_run_map_keep(lac_run_map *map, lac_tape *tape);
 
 /// Fits the map, its intervals by resampling stretches of four states: neighbouring states of one
 /// run hang together.

@@ -19,8 +19,8 @@ lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters 
     const size_t n = domain->n;
     *out = (lac_slip_clusters){.grid = domain->grid, .n = n, .credit = MOST_CREDIT * n};
     out->neighbour = lac_neighbours_find(domain);
-    out->node = malloc(n * sizeof *out->node);
-    out->box = malloc(n * sizeof *out->box);
+    out->node = calloc(n, sizeof *out->node);
+    out->box = calloc(n, sizeof *out->box);
     out->in = calloc(n, sizeof *out->in);
     if (out->neighbour == NULL || out->node == NULL || out->box == NULL || out->in == NULL) {
         lac_slip_clusters_clear(out);
@@ -159,4 +159,14 @@ void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t
     } else {
         c->extent = NAN;
     }
+}
+
+void lac_slip_clusters_keep(lac_slip_clusters *c, lac_tape *tape)
+{
+    lac_tape_pass(tape, c->node, c->n * sizeof *c->node);
+    lac_tape_pass(tape, c->box, c->n * sizeof *c->box);
+    lac_tape_pass(tape, c->in, c->n * sizeof *c->in);
+    lac_tape_pass(tape, &c->credit, sizeof c->credit);
+    lac_tape_pass(tape, &c->stale, sizeof c->stale);
+    lac_tape_pass(tape, &c->extent, sizeof c->extent);
 }

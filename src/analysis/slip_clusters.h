@@ -3,6 +3,7 @@
 #define LACUNA_ANALYSIS_SLIP_CLUSTERS_H
 
 #include "lacuna/contact.h"
+#include "lacuna/tape.h"
 
 /// A cell in its cluster: the way to the root is a sum of steps, so that clusters round a periodic
 /// edge keep their shape.
@@ -44,5 +45,8 @@ void lac_slip_clusters_clear(lac_slip_clusters *c);
 /// @cost  8 neighbours of each cell that began; 4 of each that slips where any ceased
 void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t slipping,
                               const uint32_t *changed, size_t changes);
+
+/// Passes the clusters as they are.
+void lac_slip_clusters_keep(lac_slip_clusters *c, lac_tape *tape);
 
 #endif

@@ -83,6 +83,16 @@ void lac_slipping_look(lac_slipping *s, const lac_record *record)
                             : look_at_states(s, record->cells.log_state);
 }
 
+void lac_slipping_keep(lac_slipping *s, lac_tape *tape)
+{
+    lac_tape_pass(tape, &s->begun, sizeof s->begun);
+    lac_tape_pass(tape, &s->rate, sizeof s->rate);
+    lac_tape_pass(tape, s->slips, s->n * sizeof *s->slips);
+    if (!s->by_rate) {
+        lac_tape_pass(tape, s->most_state, s->n * sizeof *s->most_state);
+    }
+}
+
 const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size)
 {
     if (!s->by_rate) {

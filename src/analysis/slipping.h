@@ -29,6 +29,9 @@ void lac_slipping_clear(lac_slipping *s);
 /// coefficient at v0: f(v0, theta).
 void lac_slipping_look(lac_slipping *s, const lac_record *record);
 
+/// Passes what has been seen.
+void lac_slipping_keep(lac_slipping *s, lac_tape *tape);
+
 /// The definition in words.
 const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size);
 

@@ -94,6 +94,17 @@ static void check_elastic(lac_reader *reader, const lac_case *c, bool material_r
     }
 }
 
+// A spread is about one pressure.
+static void check_file_pressures(lac_reader *reader, const lac_case *c)
+{
+    const lac_domain_file *file = c->domain.params;
+    if (c->domain.about == &lac_domain_from_file.about && c->interface_spread.count > 0 &&
+        file->pressures != LAC_PRESSURES_EQUAL) {
+        lac_blame_key(reader, "interface.spread",
+                      "needs interface.domain.file.pressures: equal to vary");
+    }
+}
+
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
     const lac_descriptor *about = c->transfer.about;
@@ -119,6 +130,24 @@ static void check_back_slip(lac_reader *reader, const lac_case *c)
                           "thickness, or with outside: creeping",
                           kind->about.name);
         }
+    }
+}
+
+static void check_share(lac_reader *reader, const lac_case *c)
+{
+    bool cells = c->surface.about != NULL || c->domain.about != NULL;
+    bool modulus = lac_present(reader, "material.shear_modulus");
+    bool read = lac_clean(reader, "interface") && lac_clean(reader, "material");
+    for (size_t i = 0; read && i < c->shear.count && lac_clean(reader, "load"); i++) {
+        char key[100];
+        const lac_slot *slot = &c->shear.item[i];
+        if (lac_load_slot_share(slot) != LAC_SHARE_ELASTIC || (modulus && cells)) {
+            continue;
+        }
+        (void)snprintf(key, sizeof key, "load.shear.%zu.%s.share", i, slot->about->name);
+        lac_blame_key(reader, key, "needs %s",
+                      !cells ? "cells to be shared by: interface.domain or interface.surface"
+                             : "material.shear_modulus, such as \"20 GPa\"");
     }
 }
 
@@ -182,7 +211,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                       lac_units_format(sum.pore, "Pa", high, sizeof high),
                       lac_units_format(pressure, "Pa", low, sizeof low));
     }
-    double shear = sum.ratio * pressure + sum.stress + sum.spring_stress;
+    double shear = lac_load_shear(&sum, pressure);
     bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
     if (wanted && !(shear > 0.0)) {
         lac_blame_key(reader, "load.shear",
@@ -251,13 +280,18 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
+    if (lac_clean(reader, "interface")) {
+        check_file_pressures(reader, c);
+    }
     check_statics(reader, c);
     check_load(reader, c);
     check_back_slip(reader, c);
+    check_share(reader, c);
     if (c->history.count > 0 && lac_clean(reader, "load")) {
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);
+    lac_check_inertia(reader, c, normal_stress(reader, c));
     lac_check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);

@@ -105,6 +105,10 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c)
     const lac_node *every = lac_node_child(node, "every");
     const lac_node *fields = lac_node_child(node, "fields");
     const lac_node *fields_every = lac_node_child(node, "fields_every");
+    const lac_node *checkpoint = lac_node_child(node, "checkpoint");
+    if (checkpoint != NULL) {
+        read_cadence(reader, checkpoint, &c->run.checkpoint);
+    }
     if (every != NULL) {
         read_cadence(reader, every, &c->run.record);
     }

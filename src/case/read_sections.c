@@ -179,6 +179,7 @@ void lac_read_sections(lac_reader *reader, lac_case *c)
     read_version(reader);
     read_interface(reader, c);
     (void)read_section(reader, reader->root, "material", LAC_SECTION_MATERIAL, c);
+    (void)read_section(reader, reader->root, "inertia", LAC_SECTION_INERTIA, c);
     read_load(reader, c);
     read_friction(reader, c);
     read_time(reader, c);

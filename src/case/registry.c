@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case/schema.h"
+#include "case/sections.h"
 #include "lacuna/analysis.h"
 #include "lacuna/surface.h"
 
@@ -87,6 +88,31 @@ static const lac_kind kinds[] = {
                             .section = "analysis",
                             .summary = "what a run follows beside its own quantities",
                             .at = indicator_at},
+    [LAC_KIND_STRENGTH] = {.name = "strength",
+                           .section = "friction.LAW",
+                           .summary = "what any friction law can have besides",
+                           .option = true,
+                           .at = lac_friction_option_at},
+    [LAC_KIND_MOMENTUM] = {.name = "momentum",
+                           .section = "material",
+                           .summary = "what a cell that is out of balance is held back by",
+                           .option = true,
+                           .at = lac_momentum_at},
+    [LAC_KIND_METHOD] = {.name = "method",
+                         .section = "solver.method",
+                         .summary = "of integration in time",
+                         .option = true,
+                         .at = lac_method_at},
+    [LAC_KIND_FORMULATION] = {.name = "formulation",
+                              .section = "solver.formulation",
+                              .summary = "the unknown of a cell besides ln theta",
+                              .option = true,
+                              .at = lac_formulation_at},
+    [LAC_KIND_RULE] = {.name = "rule",
+                       .section = "rg.rule",
+                       .summary = "what a block that slips hands on in the cascade",
+                       .option = true,
+                       .at = lac_rule_at},
 };
 
 const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }

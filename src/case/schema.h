@@ -55,6 +55,12 @@ enum {
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
     LAC_KIND_INDICATOR,
+    LAC_KIND_STRENGTH, ///< from here on options, which no slot holds
+    LAC_KIND_MOMENTUM,
+    LAC_KIND_METHOD,
+    LAC_KIND_FORMULATION,
+    LAC_KIND_RULE,
+    LAC_KINDS,
 };
 
 /// Reads `{MODEL: {parameters}}`: exactly one model.

@@ -24,9 +24,9 @@ static const lac_param case_rows[] = {
     {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
 };
 
-static const char *const case_own[] = {"lacuna",  "interface", "material", "load",    "friction",
-                                       "initial", "transfer",  "time",     "solver",  "output",
-                                       "rg",      "analysis",  "fit",      "compare", NULL};
+static const char *const case_own[] = {
+    "lacuna", "interface", "material", "inertia", "load",     "friction", "initial", "transfer",
+    "time",   "solver",    "output",   "rg",      "analysis", "fit",      "compare", NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
@@ -93,7 +93,7 @@ static const lac_param interface_rows[] = {
 
 static const char *const interface_own[] = {"surface", "domain", "spread", NULL};
 
-static const lac_param material_rows[] = {
+const lac_param lac_material_rows[] = {
     {.key = "shear_modulus",
      .unit = "Pa",
      .fallback = NAN,
@@ -308,6 +308,10 @@ static const lac_param output_rows[] = {
      .doc = "how often the fields are kept, as `every`; once per decade of the mean slip rate if "
             "absent",
      OWN},
+    {.key = "checkpoint",
+     .doc = "how often the run saves what --resume goes on from, as `every`; only when a signal "
+            "ends it if absent",
+     OWN},
     {.key = "compression",
      .unit = "1",
      .fallback = 1,
@@ -318,7 +322,7 @@ static const lac_param output_rows[] = {
      .doc = "deflate level of the fields"},
 };
 
-static const char *const output_own[] = {"every", "fields", "fields_every", NULL};
+static const char *const output_own[] = {"every", "fields", "fields_every", "checkpoint", NULL};
 
 static const lac_param cadence_rows[] = {
     {.key = "time",
@@ -376,8 +380,11 @@ static const struct {
                                 COUNT(interface_rows)},
                                interface_own},
     [LAC_SECTION_MATERIAL] = {{"material", "the rock on both sides; no elasticity if absent",
-                               material_rows, COUNT(material_rows)},
+                               lac_material_rows, COUNT(lac_material_rows)},
                               NULL},
+    [LAC_SECTION_INERTIA] = {{"inertia", "mass of the block that slides; none if absent",
+                              lac_inertia_rows, LAC_INERTIA_ROWS},
+                             NULL},
     [LAC_SECTION_LOAD] = {{"load", "what presses and shears the interface", load_rows,
                            COUNT(load_rows)},
                           load_own},

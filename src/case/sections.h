@@ -8,6 +8,7 @@ enum {
     LAC_SECTION_CASE = 0, ///< indices of lac_section_at
     LAC_SECTION_INTERFACE,
     LAC_SECTION_MATERIAL,
+    LAC_SECTION_INERTIA,
     LAC_SECTION_LOAD,
     LAC_SECTION_HISTORY,
     LAC_SECTION_INITIAL,
@@ -30,6 +31,16 @@ lac_table lac_section_table(int section);
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
+/// The keys of `material`, of which shear_speed and density stand side by side.
+extern const lac_param lac_material_rows[];
+enum { LAC_MATERIAL_SHEAR_SPEED = 2 }; ///< its index
+
+/// What `describe` says of options that are chosen by the value of a key; NULL past the end.
+const lac_descriptor *lac_momentum_at(size_t index);
+const lac_descriptor *lac_method_at(size_t index);
+const lac_descriptor *lac_formulation_at(size_t index);
+const lac_descriptor *lac_rule_at(size_t index);
+
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
 
@@ -48,6 +59,14 @@ extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
 
 /// What is wrong with the solver; chooses the formulation where the case leaves it open.
 void lac_check_solver(lac_reader *reader, lac_case *c);
+
+/// The keys of `inertia`.
+enum { LAC_INERTIA_ROWS = 3 };
+extern const lac_param lac_inertia_rows[LAC_INERTIA_ROWS];
+
+/// What is wrong with the mass of the block; it chooses the formulation.
+/// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
+void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
 
 /// The keys of `rg`.
 enum { LAC_RG_ROWS = 9 };

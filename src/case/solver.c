@@ -7,7 +7,7 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const formulations[] = {"auto", "rate", "traction", "slip", NULL};
+static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", NULL};
 
@@ -25,8 +25,9 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .type = LAC_CHOICE,
      .choices = formulations,
      .offset = FIELD(formulation),
-     .doc = "unknown besides ln theta: rate (ln v), traction, slip; auto: what was measured to be "
-            "best for the method"},
+     .doc =
+         "unknown besides ln theta: rate (ln v), traction, slip; inertia (slip and its rate) goes "
+         "with the section inertia; auto: what was measured to be best for the method"},
     {.key = "projection",
      .unit = "1",
      .fallback = 0,
@@ -57,7 +58,7 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .max = 1e15,
      .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
      .offset = FIELD(run.first_step),
-     .doc = "first step; from the problem's own time scales if absent"},
+     .doc = "first step, at most a thousand of the problem's own; that if absent"},
     {.key = "max_steps",
      .unit = "1",
      .fallback = 1e7,

@@ -171,32 +171,40 @@ static const lac_param size_rows[] = {
     }
 
 static const lac_spread_kind lognormal = {
-    ABOUT("lognormal", "the nominal value times exp(sigma z), z standard normal", "",
+    ABOUT("lognormal", "the nominal value times exp(sigma z), z standard normal",
+          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 14",
           lognormal_rows, lac_spread_random),
     draw_lognormal};
 static const lac_spread_kind normal = {
-    ABOUT("normal", "the nominal value times 1 + sigma z, z standard normal", "", normal_rows,
-          lac_spread_random),
+    ABOUT("normal", "the nominal value times 1 + sigma z, z standard normal",
+          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 13",
+          normal_rows, lac_spread_random),
     draw_normal};
 static const lac_spread_kind flat = {
-    ABOUT("uniform", "the nominal value times 1 + half_width z, z uniform between -1 and 1", "",
+    ABOUT("uniform", "the nominal value times 1 + half_width z, z uniform between -1 and 1",
+          "Johnson, Kotz & Balakrishnan (1995) Continuous Univariate Distributions 2, ch. 26",
           uniform_rows, lac_spread_random),
     draw_uniform};
 static const lac_spread_kind weibull = {
-    ABOUT("weibull", "the nominal value, as the scale, times (-ln z)^(1/shape), z uniform", "",
-          weibull_rows, lac_spread_random),
+    ABOUT("weibull", "the nominal value, as the scale, times (-ln z)^(1/shape), z uniform",
+          "Weibull (1951) J. Appl. Mech. 18, 293, doi 10.1115/1.4010337", weibull_rows,
+          lac_spread_random),
     draw_weibull};
 static const lac_spread_kind exponential = {
-    ABOUT("exponential", "the nominal value, as the mean, times -ln z, z uniform", "",
+    ABOUT("exponential", "the nominal value, as the mean, times -ln z, z uniform",
+          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 19",
           exponential_rows, lac_spread_random),
     draw_exponential};
 static const lac_spread_kind pareto = {
-    ABOUT("pareto", "the nominal value, as the least, times z^(-1/exponent), z uniform", "",
+    ABOUT("pareto", "the nominal value, as the least, times z^(-1/exponent), z uniform",
+          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 20",
           pareto_rows, lac_spread_random),
     draw_pareto};
 
-const lac_spread_kind lac_spread_map_kind = {
-    ABOUT("map", "a field from a netCDF file", "", map_rows, lac_spread_map), NULL};
+const lac_spread_kind lac_spread_map_kind = {ABOUT("map", "a field from a netCDF file",
+                                                   "docs/theory/friction.md, \"From cell to cell\"",
+                                                   map_rows, lac_spread_map),
+                                             NULL};
 const lac_spread_kind lac_spread_size_kind = {
     ABOUT("size", "the nominal value times a power of the size of the cell's patch or block",
           "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that weakens "

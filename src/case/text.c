@@ -316,6 +316,10 @@ static void put_output(writer *w, const lac_case *c)
     put(w, "output:\n");
     put_section(w, 1, LAC_SECTION_OUTPUT, c);
     put_cadence(w, "every", &c->run.record);
+    const lac_cadence *save = &c->run.checkpoint;
+    if (!isnan(save->time) || save->steps > 0 || !isnan(save->per_decade)) {
+        put_cadence(w, "checkpoint", save);
+    }
     if (c->fields == 0) {
         return;
     }
@@ -440,6 +444,10 @@ char *lac_case_text(const lac_case *c)
     put_spreads(&w, &c->interface_spread);
     put(&w, "material:\n");
     put_section(&w, 1, LAC_SECTION_MATERIAL, c);
+    if (lac_inertia_mass(c) > 0.0) {
+        put(&w, "inertia:\n");
+        put_section(&w, 1, LAC_SECTION_INERTIA, c);
+    }
     put(&w, "load:\n");
     put_slot(&w, 1, "normal", &c->normal);
     put_slots(&w, 1, "shear", &c->shear);

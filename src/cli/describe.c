@@ -11,7 +11,9 @@ static const lac_kind *find_kind(const char *name)
 {
     const lac_kind *kind;
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        if (strcmp(kind->name, name) == 0 || strcmp(kind->section, name) == 0) {
+        // an option is found by its own name: its section has keys besides
+        bool stands_there = !kind->option && strcmp(kind->section, name) == 0;
+        if (strcmp(kind->name, name) == 0 || stands_there) {
             return kind;
         }
     }
@@ -71,7 +73,7 @@ static void print_kind(const lac_kind *kind)
     const lac_descriptor *model;
     printf("%s: %s\n", kind->section, kind->summary);
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
-        cli_row(model->name, "%s", model->summary);
+        cli_row_wrap(model->name, model->summary);
     }
 }
 
@@ -79,19 +81,35 @@ static void print_overview(void)
 {
     const lac_kind *kind;
     const lac_section *section;
-    puts("Models that a case can choose (lacuna describe KIND NAME has their parameters):\n");
+    puts("What a case can choose (lacuna describe KIND NAME has parameters and references):\n");
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
         print_kind(kind);
     }
     puts("\nSections of plain parameters (lacuna describe SECTION):");
     for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
-        cli_row(section->name, "%s", section->summary);
+        cli_row_wrap(section->name, section->summary);
+    }
+}
+
+// How a case names it: a model, the value of a key, or the keys that say it.
+static void print_use(const lac_kind *kind, const lac_descriptor *model)
+{
+    if (!kind->option) {
+        printf("%s: {%s: {...}}\n", kind->section, model->name);
+    } else if (model->param_count == 0) {
+        printf("%s: %s\n", kind->section, model->name);
+    } else {
+        printf("%s: {", kind->section);
+        for (size_t i = 0; i < model->param_count; i++) {
+            printf("%s%s: ...", i > 0 ? ", " : "", model->params[i].key);
+        }
+        puts("}");
     }
 }
 
 static void print_model(const lac_kind *kind, const lac_descriptor *model)
 {
-    printf("%s: {%s: {...}}\n", kind->section, model->name);
+    print_use(kind, model);
     cli_wrap("  ", model->summary);
     cli_parameters_print(model->params, model->param_count);
     if (model->reference != NULL && model->reference[0] != '\0') {
@@ -118,6 +136,7 @@ static void write_kind(cli_json *json, const lac_kind *kind, const lac_descripto
     cli_json_text(json, "name", kind->name);
     cli_json_text(json, "section", kind->section);
     cli_json_text(json, "summary", kind->summary);
+    cli_json_boolean(json, "option", kind->option);
     cli_json_open(json, "models", '[');
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         if (only == NULL || only == model) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/words.h"
 #include "lacuna/contact.h"
 #include "lacuna/friction.h"
 #include "lacuna/load.h"
@@ -14,7 +15,9 @@
 
 // Measured on one core: memory of the program with its libraries, of a contact cell while it is
 // integrated; time of a step of a contact cell.
-static const double base_bytes = 24e6, contact_cell_bytes = 550, cell_step_seconds = 0.2e-6;
+static const double base_bytes = 24e6, base_seconds = 0.02, contact_cell_bytes = 550,
+                    cell_step_seconds = 0.2e-6;
+static const double massive_factor = 3; // on the last where a block has mass
 
 // Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
 // that, and of the calibration of one level's elastic stiffness.
@@ -34,9 +37,19 @@ static const double filter_seconds = 0.1e-6, iteration_seconds = 0.6e-6;
 // Grids beyond the cache take longer a cell: twice as long at 4096 x 4096, found so.
 static double slowdown(double grid_cells) { return fmax(1, pow(grid_cells / 1e6, 0.25)); }
 
-// Steps of a run in which the cells move together, and of one cell that fails alone
-// (docs/theory/creep.md).
-enum { SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
+// Of the cascade: a contact along its path, for each cell of the grid; the blocks of one place and
+// one beta, for each contact cell. Contact cells where they are not known, as a part of the grid.
+static const double path_seconds = 0.4e-6, place_seconds = 3.5e-6, some_contact = 0.2;
+
+// Contacts that a search for a dimension solves, as multiples of one solved afresh.
+static const double search_least = 1.5, search_most = 6;
+
+// Steps of a run at rtol = 1e-6 in which the cells move together, under loads that do not change,
+// and of one cell that fails alone (docs/theory/creep.md); runs in cases/ took 11 to 490, and up to
+// 23 a cell. A cell is taken not to fail alone where its neighbours hold it so many times k_crit
+// (where a, b or dc are spread, the second): gaps and pressures leave some much less than G/cell.
+enum { FEWEST_STEPS = 10, SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
+static const double safe_ratio = 30, safe_spread_ratio = 300;
 
 static double mean_pressure(const lac_case *c)
 {
@@ -92,11 +105,10 @@ static lac_status estimate_surface(const lac_case *c, const lac_grid *grid, cli_
     return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.surface");
 }
 
-static lac_status count_domain(const lac_case *c, const lac_grid *grid, cli_estimate *e,
-                               lac_error *err)
+static lac_status count_domain(const lac_case *c, cli_estimate *e, lac_error *err)
 {
     lac_domain *domain = NULL;
-    lac_status status = lac_domain_from_source(&c->domain, grid, mean_pressure(c), &domain, err);
+    lac_status status = lac_scene_domain_create(c, &domain, err);
     if (status == LAC_OK) {
         e->contact_cells = (double)domain->n;
         e->exact = true;
@@ -150,7 +162,7 @@ static void count_memory(const lac_case *c, double cells, cli_estimate *e)
     double grid =
         grid_costs[boundary].bytes + (e->integrated ? 0 : grid_costs[boundary].kept_bytes);
     grid += follows_history(c, e) ? history_costs[boundary].bytes : 0;
-    double integration = e->integrated ? contact_cell_bytes * cells : 0;
+    double integration = e->integrated ? 0.5 * e->unknowns * contact_cell_bytes * cells : 0;
     e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
 }
 
@@ -181,21 +193,115 @@ static double finest_stiffness(const lac_case *c, const lac_grid *grid)
     return hierarchy ? params->k0 : 0;
 }
 
+// Whether the friction of cells differs in what decides how they hold.
+static bool spread_stability(const lac_case *c)
+{
+    return lac_spread_has(&c->friction_spread, "a") || lac_spread_has(&c->friction_spread, "b") ||
+           lac_spread_has(&c->friction_spread, "dc");
+}
+
 // A cell whose neighbours hold it less than k_crit = p (b - a)/dc fails on its own.
 static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimate *e)
 {
     const lac_friction_params *law = c->friction.params;
-    e->integrated = law != NULL;
+    e->integrated = law != NULL && !isnan(c->run.end);
     e->stable = true;
     if (!e->integrated) {
         return;
     }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
-    if (k_crit > 0 && !(e->contact_cells <= 1)) {
+    bool several = !(e->contact_cells <= 1);
+    double safe = spread_stability(c) ? safe_spread_ratio : safe_ratio;
+    if (k_crit > 0 && several) {
         e->stiffness_ratio = finest_stiffness(c, grid) / k_crit;
     }
-    e->stable = !(e->stiffness_ratio < 1);
+    e->stable = !several || !(e->stiffness_ratio < safe);
+}
+
+static bool is_constant(const lac_slot *load)
+{
+    static const char *const constant[] = {"ratio", "slope", "constant"};
+    for (size_t i = 0; i < sizeof constant / sizeof *constant; i++) {
+        if (strcmp(load->about->name, constant[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool loads_change(const lac_case *c)
+{
+    bool change = false;
+    for (size_t i = 0; i < c->shear.count; i++) {
+        change = change || !is_constant(&c->shear.item[i]);
+    }
+    for (size_t i = 0; i < c->pore.count; i++) {
+        change = change || !is_constant(&c->pore.item[i]);
+    }
+    return change;
+}
+
+static void count_steps(const lac_case *c, double cells, cli_estimate *e)
+{
+    if (!e->integrated) {
+        return;
+    }
+    e->changing = loads_change(c);
+    e->steps_least = FEWEST_STEPS;
+    e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
+    e->steps_most += e->stable ? 0 : STEPS_PER_FAILURE * cells;
+    e->steps_most = e->changing ? (double)NAN : e->steps_most;
+}
+
+// Of `seeds` interfaces with their blocks at `places` places, for `betas` residual strengths.
+static double cascade_of(const lac_case *c, bool elastic, double seeds, double places, double betas,
+                         const cli_estimate *e)
+{
+    double cells = isnan(e->contact_cells) ? some_contact * e->grid_cells : e->contact_cells;
+    double path = elastic ? path_seconds * (double)c->rg.contacts * e->grid_cells : 0;
+    return seeds * (path + place_seconds * places * betas * cells) * slowdown(e->grid_cells);
+}
+
+// The cascade that a run follows is that of its own interface, once.
+static const lac_analysis_rg *followed_cascade(const lac_case *c)
+{
+    for (size_t i = 0; i < c->analysis.count; i++) {
+        const lac_analysis_rg *rg = c->analysis.item[i].params;
+        if (strcmp(c->analysis.item[i].about->name, "rg") == 0 && isnan(rg->critical_fraction)) {
+            return rg;
+        }
+    }
+    return NULL;
+}
+
+static double cascade_seconds(const lac_case *c, const cli_estimate *e)
+{
+    const lac_analysis_rg *rg = followed_cascade(c);
+    if (e->integrated && rg != NULL) {
+        return cascade_of(c, rg->field == LAC_RG_ELASTIC, 1, (double)rg->shifts, 1, e);
+    }
+    if (e->integrated || !c->rg.named) {
+        return NAN;
+    }
+    double betas = c->rg.betas > 0 ? (double)c->rg.betas : 1, seeds = (double)c->rg.seeds;
+    double press = c->surface.about != NULL ? contact_seconds(c, e) * seeds : 0;
+    return press +
+           cascade_of(c, c->rg.field == LAC_RG_ELASTIC, seeds, (double)c->rg.shifts, betas, e);
+}
+
+static void count_time(const lac_case *c, const lac_grid *grid, double cells, cli_estimate *e)
+{
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    bool search = normal->dimension != NULL;
+    double contact = c->surface.about != NULL ? contact_seconds(c, e) : 0;
+    double once = base_seconds + history_seconds(c, e) + calibration_seconds(c, grid, e);
+    double massive = e->unknowns > 2 ? massive_factor : 1;
+    double step = cell_step_seconds * massive * cells + elastic_seconds(c, e);
+    e->cascade_time = cascade_seconds(c, e);
+    once += e->integrated && !isnan(e->cascade_time) ? e->cascade_time : 0;
+    e->cpu_time_least = contact * (search ? search_least : 1) + once + step * e->steps_least;
+    e->cpu_time_most = contact * (search ? search_most : 1) + once + step * e->steps_most;
 }
 
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
@@ -207,17 +313,17 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     if (c->surface.about != NULL) {
         status = estimate_surface(c, &grid, e, err);
     } else if (c->domain.about != NULL) {
-        status = count_domain(c, &grid, e, err);
+        status = count_domain(c, e, err);
     } else {
         e->contact_cells = e->grid_cells;
         e->exact = true;
     }
+    e->unknowns = lac_inertia_mass(c) > 0 ? 3 : 2;
     double cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
-    e->steps = !e->integrated ? 0 : e->stable ? SMOOTH_STEPS : STEPS_PER_FAILURE * cells;
-    e->cpu_time = contact_seconds(c, e) + history_seconds(c, e) + calibration_seconds(c, &grid, e) +
-                  (cell_step_seconds * cells + elastic_seconds(c, e)) * e->steps;
+    count_steps(c, cells, e);
+    count_time(c, &grid, cells, e);
     return status;
 }
 
@@ -225,6 +331,28 @@ static double rounded(double x, int digits)
 {
     double unit = pow(10, floor(log10(x)) - digits + 1);
     return x > 0 ? round(x / unit) * unit : x;
+}
+
+static const char *steps_class(const cli_estimate *e)
+{
+    return e->changing ? "not estimated" : e->stable ? "hundreds" : "per cell";
+}
+
+// One figure where the two are near each other.
+static void print_time(const cli_estimate *e)
+{
+    double least = rounded(e->cpu_time_least, 1), most = rounded(e->cpu_time_most, 1);
+    if (isnan(most)) {
+        printf("#   time            at least %.10g s on one core\n", least);
+    } else if (most < 2.5 * least) {
+        printf("#   time            about %.10g s on one core\n", most);
+    } else {
+        printf("#   time            %.10g to %.10g s on one core\n", least, most);
+    }
+    if (!isnan(e->cascade_time)) {
+        printf("#   cascade         about %.10g s%s\n", rounded(e->cascade_time, 1),
+               e->integrated ? " of it" : " (lacuna rg)");
+    }
 }
 
 void cli_estimate_print(const cli_estimate *e)
@@ -235,28 +363,29 @@ void cli_estimate_print(const cli_estimate *e)
     if (!isnan(e->contact_cells)) {
         char unknowns[40] = "";
         if (e->integrated) {
-            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns", 2 * e->contact_cells);
+            (void)snprintf(unknowns, sizeof unknowns, ", %.3g unknowns",
+                           e->unknowns * e->contact_cells);
         }
         printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
                unknowns);
     }
     printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
-    printf("#   time            about %.10g s on one core\n", rounded(e->cpu_time, 1));
+    print_time(e);
     if (!e->integrated) {
         return;
     }
-    if (isnan(e->stiffness_ratio)) {
-        printf("#   steps           hundreds (%s)\n",
-               e->contact_cells <= 1 ? "one block" : "b <= a: no cell can fail on its own");
-        return;
+    if (!isnan(e->stiffness_ratio)) {
+        printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
-    printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
-    if (e->stable) {
-        printf("#   steps           hundreds (the cells hold each other: smooth creep)\n");
-    } else {
-        printf("#   steps           up to %.1g (cells fail one by one, %d steps each)\n", e->steps,
-               STEPS_PER_FAILURE);
-    }
+    printf("#   steps           %s\n", steps_class(e));
+    char apart[80];
+    (void)snprintf(apart, sizeof apart, "%d to %.2g: cells may fail one by one, %d steps each",
+                   FEWEST_STEPS, e->steps_most, STEPS_PER_FAILURE);
+    cli_wrap("#     ", e->changing
+                           ? "a load changes in time: how often cells slip under it is not known "
+                             "before"
+                       : e->stable ? "the cells move together, or there is one"
+                                   : apart);
 }
 
 void cli_estimate_json(cli_json *json, const cli_estimate *e)
@@ -269,15 +398,14 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "grid_cells", e->grid_cells);
     cli_json_number(json, "contact_cells", round(e->contact_cells));
     cli_json_boolean(json, "contact_cells_exact", e->exact);
-    cli_json_number(json, "unknowns", 2 * round(e->contact_cells));
+    cli_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
     cli_json_number(json, "memory_bytes", round(e->memory));
-    cli_json_number(json, "cpu_time_s", e->cpu_time);
+    cli_json_number(json, "cpu_time_least_s", e->cpu_time_least);
+    cli_json_number(json, "cpu_time_most_s", e->cpu_time_most);
+    cli_json_number(json, "cascade_time_s", e->cascade_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    if (e->integrated) {
-        cli_json_text(json, "steps_class", e->stable ? "hundreds" : "per cell");
-    } else {
-        cli_json_null(json, "steps_class");
-    }
-    cli_json_number(json, "steps", e->integrated ? e->steps : NAN);
+    cli_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
+    cli_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
+    cli_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
     cli_json_close(json, '}');
 }

@@ -11,11 +11,16 @@ typedef struct cli_estimate {
     double contact_cells;   ///< NaN: not estimated
     bool exact;             ///< contact_cells is a count, not an estimate
     double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
-    bool stable;            ///< a >= b, or one block, or k_0 > k_crit: no cell fails on its own
-    bool integrated;        ///< else statics: no steps
-    double steps;
-    double memory;   ///< peak [bytes]
-    double cpu_time; ///< [s]
+    bool stable;     ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
+                     ///< on its own
+    bool integrated; ///< else statics: no steps
+    double unknowns; ///< of a contact cell
+    bool changing;   ///< a load changes in time: how often cells slip is not known
+    double steps_least, steps_most;       ///< most NaN: not estimated
+    double memory;                        ///< peak [bytes]
+    double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated
+    double cascade_time; ///< of `lacuna rg`, or of the cascade that a run follows, in
+                         ///< the times above then [s]; NaN: none
 } cli_estimate;
 
 /// Estimates the cost; generates the surface (not its contact), so that it is a check too.

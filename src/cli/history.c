@@ -65,10 +65,58 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
     return h->next.event != NULL ? h->next.event(h->next.context, event, err) : LAC_OK;
 }
 
+// The kept series, as long as it is.
+static void pass_series(cli_history *h, lac_tape *tape)
+{
+    size_t n = h->n;
+    lac_tape_pass(tape, &n, sizeof n);
+    if (n > h->room && lac_tape_good(tape)) {
+        tape->short_of = n > tape->size / sizeof(double);
+        bool room = !tape->short_of && grow(&h->time, n) && grow(&h->slip, n) && grow(&h->rate, n);
+        tape->no_memory = !room && !tape->short_of;
+        h->room = room ? n : h->room;
+    }
+    if (!lac_tape_good(tape)) {
+        return;
+    }
+    h->n = n;
+    lac_tape_pass(tape, h->time, n * sizeof *h->time);
+    lac_tape_pass(tape, h->slip, n * sizeof *h->slip);
+    lac_tape_pass(tape, h->rate, n * sizeof *h->rate);
+}
+
+// Of the first and the last record only what is seen is told.
+static void on_keep(void *context, lac_tape *tape)
+{
+    cli_history *h = context;
+    lac_tape_pass(tape, &h->begun, sizeof h->begun);
+    lac_tape_pass(tape, &h->first.seen, sizeof h->first.seen);
+    lac_tape_pass(tape, &h->last.seen, sizeof h->last.seen);
+    pass_series(h, tape);
+    if (h->next.keep != NULL) {
+        h->next.keep(h->next.context, tape);
+    }
+}
+
+static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
+{
+    cli_history *h = context;
+    lac_status status = h->next.checkpoint(h->next.context, checkpoint, err);
+    if (status == LAC_OK) {
+        h->saved = true;
+        h->saved_at = checkpoint->time;
+    }
+    return status;
+}
+
 lac_sink cli_history_sink(cli_history *history)
 {
-    return (lac_sink){
-        .context = history, .record = on_record, .snapshot = on_snapshot, .event = on_event};
+    return (lac_sink){.context = history,
+                      .record = on_record,
+                      .snapshot = on_snapshot,
+                      .event = on_event,
+                      .keep = on_keep,
+                      .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL};
 }
 
 lac_history cli_history_view(const cli_history *history)

@@ -14,6 +14,8 @@ typedef struct cli_history {
     double *time, *slip, *rate; ///< [room]
     bool begun;
     lac_record first, last;
+    bool saved;      ///< a checkpoint was made
+    double saved_at; ///< the time of the last one [s]
 } cli_history;
 
 /// The sink; valid while `history` stays where it is.

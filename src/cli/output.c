@@ -8,6 +8,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "cli/inputs.h"
+
 // Folder/name.ext -> name + ending
 static char *name_after(const char *case_path, const char *ending)
 {
@@ -23,49 +25,16 @@ static char *name_after(const char *case_path, const char *ending)
     return path;
 }
 
-static bool is_same_file(const char *path, const struct stat *other)
-{
-    struct stat one;
-    return path != NULL && stat(path, &one) == 0 && one.st_dev == other->st_dev &&
-           one.st_ino == other->st_ino;
-}
-
-// Whether a parameter of a model names the file.
-static bool is_read_by(const lac_slot *slot, const struct stat *file)
-{
-    bool same = false;
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
-        char *path = NULL;
-        if (param->type == LAC_PATH) {
-            memcpy(&path, (const char *)slot->params + param->offset, sizeof path);
-        }
-        same = same || is_same_file(path, file);
-    }
-    return same;
-}
-
-// --force must not destroy what the run reads.
-static bool is_input(const lac_case *c, const struct stat *file)
-{
-    bool same = is_same_file(c->path, file) || is_read_by(&c->surface, file) ||
-                is_read_by(&c->domain, file);
-    for (size_t i = 0; i < c->compare_count; i++) {
-        same = same || is_same_file(c->compare[i].path, file);
-    }
-    return same;
-}
-
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,
                                  const struct stat *file, lac_error *err)
 {
     if (S_ISDIR(file->st_mode)) {
         return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
     }
-    if (is_input(c, file)) {
+    if (cli_inputs_has(c, file)) { // --force must not destroy what the run reads
         return lac_fail(err, LAC_EINPUT, "%s: is read by this case, must not be the output", path);
     }
-    if (!cli_given(request, CLI_OPT_FORCE)) {
+    if (!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME)) {
         return lac_fail(err, LAC_EINPUT,
                         "%s: exists already; --force replaces it, -o names another file", path);
     }
@@ -105,7 +74,9 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
     if (errno != ENOENT) {
         return lac_fail(err, LAC_EIO, "%s: %s", *path, strerror(errno));
     }
-    return check_folder(*path, err);
+    return cli_given(request, CLI_OPT_RESUME)
+               ? lac_fail(err, LAC_EIO, "--resume: %s: %s", *path, strerror(errno))
+               : check_folder(*path, err);
 }
 
 // The seed of the surface or domain, wherever its table keeps it.

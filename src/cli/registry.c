@@ -8,10 +8,10 @@ enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
 static const cli_command commands[] = {
     {"run", "CASE", "integrate a case in time, write a netCDF time series",
      "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
-     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed; a second one "
-     "kills it. SIGUSR1 prints how far it is.\n",
+     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
+     "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SET, cli_run},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET, cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/date.h"
+#include "base/units.h"
 #include "cli/words.h"
 
 void cli_report_print(const lac_case_report *report, const cli_request *request)
@@ -63,6 +65,22 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
         err->message[0] = '\0'; // said already, line by line
     }
     lac_case_report_clear(&own);
+    return status;
+}
+
+lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
+{
+    double date;
+    if (c->dated && lac_date_parse(text, &date)) {
+        *time = date - c->start_date;
+        return LAC_OK;
+    }
+    lac_units *units = NULL;
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_units_parse(units, text, "s", time, err);
+    }
+    lac_units_free(units);
     return status;
 }
 

@@ -22,6 +22,11 @@ void cli_report_json(cli_json *json, const char *key, const lac_case_report *rep
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_report *report, lac_error *err);
 
+/// Reads a time of a run of the case: a date where it has one, else a time.
+/// @param time  since the start of the run [s]
+/// @return LAC_OK; LAC_EINPUT, with what is allowed; LAC_EIO, LAC_ENOMEM
+lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err);
+
 /// Puts the case's name before the message of what went wrong with its scene.
 /// @param c  NULL: the case could not be read, and the message says so already
 /// @return status, unchanged

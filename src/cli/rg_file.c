@@ -5,26 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/date.h"
-#include "base/units.h"
 #include "cli/report.h"
 #include "cli/rg.h"
 #include "cli/words.h"
 
 bool cli_rg_is_file(const char *path)
 {
-    unsigned char head[4] = {0};
     const size_t length = strlen(path);
-    if (length > 3 && strcmp(path + length - 3, ".nc") == 0) {
-        return true;
-    }
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) {
-        return false; // the reader of cases says why
-    }
-    size_t n = fread(head, 1, sizeof head, file);
-    (void)fclose(file);
-    return n == sizeof head && (memcmp(head, "\x89HDF", 4) == 0 || memcmp(head, "CDF", 3) == 0);
+    return (length > 3 && strcmp(path + length - 3, ".nc") == 0) || lac_stored_is_netcdf(path);
 }
 
 // A file holds one interface with its tractions: only rg's own keys can differ, and not all.
@@ -81,17 +69,7 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
 
 static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
 {
-    double date;
-    if (c->dated && lac_date_parse(text, &date)) {
-        *time = date - c->start_date;
-        return LAC_OK;
-    }
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, "s", time, err);
-    }
-    lac_units_free(units);
+    lac_status status = cli_parse_time(text, c, time, err);
     return status == LAC_EINPUT
                ? lac_fail(err, status,
                           "--snapshot: \"%s\" must be last, a number from 0, or a time such as "

@@ -2,13 +2,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "cli/command.h"
+#include "cli/inputs.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/resume.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/words.h"
@@ -26,7 +27,9 @@ typedef struct run_job {
     lac_store *store;
     cli_history history;
     cli_progress progress;
-    char *path, *case_text;
+    char *path, *case_text, *inputs;
+    char libraries[256];
+    lac_kept_checkpoint resume; // with --resume
     double started;
 } run_job;
 
@@ -37,25 +40,17 @@ static void job_clear(run_job *job)
     lac_scene_free(job->scene);
     cli_history_clear(&job->history);
     cli_compare_clear(&job->compare);
+    lac_kept_checkpoint_clear(&job->resume);
     free(job->path);
     free(job->case_text);
+    free(job->inputs);
     lac_case_free(job->source);
 }
 
 // --until as seconds since the start of the run.
 static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
 {
-    double date;
-    if (c->dated && lac_date_parse(text, &date)) {
-        *until = date - c->start_date;
-        return LAC_OK;
-    }
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, "s", until, err);
-    }
-    lac_units_free(units);
+    lac_status status = cli_parse_time(text, c, until, err);
     return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
 }
 
@@ -78,10 +73,27 @@ static lac_status shorten(const char *text, lac_case *c, lac_error *err)
     return LAC_OK;
 }
 
+// Reads what --resume goes on from.
+static lac_status read_checkpoint(run_job *job, lac_error *err)
+{
+    char time[64];
+    lac_status status =
+        cli_resume_read(job->path, job->case_text, job->inputs, job->libraries, &job->resume, err);
+    if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--resume: the checkpoint of %s is at %s, not before the end of the run",
+                        job->path, lac_units_format(job->resume.from.time, "s", time, sizeof time));
+    }
+    return status;
+}
+
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
     lac_status status;
+    if (cli_given(job->request, CLI_OPT_RESUME) && cli_given(job->request, CLI_OPT_FORCE)) {
+        return lac_fail(err, LAC_EINPUT, "--resume keeps the file, --force replaces it: not both");
+    }
     LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
     if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
@@ -92,22 +104,27 @@ static lac_status prepare(run_job *job, lac_error *err)
                             err));
     LAC_TRY(cli_compare_read(job->source, &job->compare, err));
     job->case_text = lac_case_text(job->source);
-    if (job->case_text == NULL) {
-        status = lac_fail_memory(err);
+    job->inputs = cli_inputs_sums(job->source);
+    if (job->case_text == NULL || job->inputs == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    if (cli_given(job->request, CLI_OPT_RESUME)) {
+        LAC_TRY(read_checkpoint(job, err));
     }
 out:
     return status;
 }
 
+static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
+
 static lac_status open_store(run_job *job, lac_error *err)
 {
-    char libraries[256];
     const lac_case *c = job->source;
     lac_store_def def = {
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
-        .provenance = cli_provenance(job->request, c, job->case_text,
-                                     cli_libraries(libraries, sizeof libraries)),
+        .provenance = cli_provenance(job->request, c, job->case_text, job->libraries),
         .dated = c->dated,
         .start_date = c->start_date,
         .domain = job->scene->contact.domain,
@@ -116,6 +133,8 @@ static lac_status open_store(run_job *job, lac_error *err)
         .compression = c->compression,
         .sync_every = RECORDS_BETWEEN_SYNCS,
         .events = lac_analysis_has_events(job->analysis),
+        .inputs = job->inputs,
+        .resume = goes_on(job) ? &job->resume : NULL,
     };
     const double *once = NULL;
     if (job->analysis != NULL) {
@@ -148,6 +167,7 @@ static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err
     def.interrupted = on_interrupted;
     def.progress = on_progress;
     def.context = &job->progress;
+    def.resume = goes_on(job) ? &job->resume.from : NULL;
     cli_progress_start(&job->progress, job->request);
     lac_status status = lac_run(job->scene->problem, &def, &sink, result, err);
     cli_progress_clear(&job->progress);
@@ -186,8 +206,10 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
     }
     if (status == LAC_EINTERRUPT) {
         char time[64];
-        return lac_fail(err, status, "interrupted at %s; %s holds the run up to there",
-                        lac_units_format(outcome->result.time, "s", time, sizeof time), job->path);
+        bool saved = job->history.saved || goes_on(job);
+        return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
+                        lac_units_format(outcome->result.time, "s", time, sizeof time), job->path,
+                        saved ? ", and --resume goes on" : "");
     }
     return status;
 }
@@ -228,6 +250,7 @@ static lac_status compute(run_job *job, lac_error *err)
         .compare = &job->compare,
         .analysis = job->analysis,
         .path = job->path,
+        .resumed = goes_on(job) ? &job->resume.from : NULL,
     };
     cli_say(job->request, "integrating to %g s", job->source->run.end);
     status = integrate(job, &outcome.result, err);

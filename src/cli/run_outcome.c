@@ -116,6 +116,13 @@ static void print_cost(const cli_outcome *outcome)
     cli_row("time taken", "%s, CPU %s", cli_quantity(outcome->wall_time, "s", wall, sizeof wall),
             cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
     cli_row("peak memory", "%.3g MB", (double)peak_memory() / 1e6);
+    if (outcome->resumed != NULL) {
+        char time[64];
+        (void)lac_units_format(outcome->resumed->time, "s", time, sizeof time);
+        cli_row("resumed", "at %s, %s", time,
+                outcome->resumed->planned ? "a planned checkpoint: the same to the last bit"
+                                          : "a forced checkpoint: the same within solver.rtol");
+    }
     cli_row("file", "%s (%s)", outcome->path, outcome->status);
 }
 
@@ -189,6 +196,10 @@ void cli_outcome_json(const cli_outcome *outcome)
     write_results(&json, outcome);
     cli_analysis_json(&json, outcome->analysis);
     write_cost(&json, outcome);
+    if (outcome->resumed != NULL) {
+        cli_json_number(&json, "resumed_at_s", outcome->resumed->time);
+        cli_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
+    }
     cli_json_text(&json, "output", outcome->path);
     cli_compare_json(&json, outcome->compare, &run);
     cli_json_close(&json, '}');

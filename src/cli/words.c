@@ -68,7 +68,8 @@ void cli_row_quantity(const char *label, double value, const char *unit)
     cli_row(label, "%s", cli_quantity(value, unit, text, sizeof text));
 }
 
-void cli_wrap(const char *indent, const char *text)
+// @param lead  what the first line begins with, as wide as the others' indent
+static void wrap(const char *lead, const char *indent, const char *text)
 {
     size_t width = 79 - strlen(indent), column = 0;
     while (*text != '\0') {
@@ -76,9 +77,10 @@ void cli_wrap(const char *indent, const char *text)
         if (column > 0 && column + 1 + word > width) {
             putchar('\n');
             column = 0;
+            lead = indent;
         }
         if (word > 0) {
-            printf("%s%.*s", column == 0 ? indent : " ", (int)word, text);
+            printf("%s%.*s", column == 0 ? lead : " ", (int)word, text);
             column += word + (column > 0);
         }
         text += word;
@@ -87,4 +89,13 @@ void cli_wrap(const char *indent, const char *text)
     if (column > 0) {
         putchar('\n');
     }
+}
+
+void cli_wrap(const char *indent, const char *text) { wrap(indent, indent, text); }
+
+void cli_row_wrap(const char *label, const char *text)
+{
+    char lead[64];
+    (void)snprintf(lead, sizeof lead, "  %-20s ", label);
+    wrap(lead, "                       ", text);
 }

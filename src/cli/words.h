@@ -25,6 +25,9 @@ void cli_row(const char *label, const char *format, ...) __attribute__((format(p
 /// @return text, which also stands in `text`
 const char *cli_quantity(double value, const char *unit, char *text, size_t size);
 
+/// As cli_row, a text wrapped to 79 columns.
+void cli_row_wrap(const char *label, const char *text);
+
 /// Prints `  label    value unit` on stdout, the unit chosen to read well.
 void cli_row_quantity(const char *label, double value, const char *unit);
 

@@ -16,7 +16,9 @@ static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *o
 }
 
 static const lac_domain_source full = {
-    .about = {.name = "full", .summary = "every cell is in contact", .reference = ""},
+    .about = {.name = "full",
+              .summary = "every cell is in contact",
+              .reference = "docs/theory/contact.md, \"Full contact\""},
     .fill = fill_full,
 };
 
@@ -124,16 +126,48 @@ static const lac_domain_source random_cascade = {
     .about = {.name = "cascade",
               .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
                          "least one",
-              .reference = "",
+              .reference =
+                  "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
+                  "docs/theory/transfer.md, \"Random cascades\"",
               .params = cascade_params,
               .param_count = sizeof cascade_params / sizeof *cascade_params,
               .params_size = sizeof(lac_cascade)},
     .fill = fill_cascade,
 };
 
+static const char *const pressure_words[] = {"kept", "scaled", "equal", NULL};
+
+static const lac_param file_params[] = {
+    {.key = "path",
+     .unit = "1",
+     .fallback = NAN,
+     .offset = offsetof(lac_domain_file, path),
+     .type = LAC_PATH,
+     .doc = "the file of a contact or a run (.nc), its last step; or a grid of pressures in Pa, 0 "
+            "where nothing touches, or of 0 and 1: .npy, .asc, .xyz"},
+    {.key = "pressures",
+     .unit = "1",
+     .fallback = LAC_PRESSURES_KEPT,
+     .offset = offsetof(lac_domain_file, pressures),
+     .type = LAC_CHOICE,
+     .choices = pressure_words,
+     .doc = "as the file has them, which must carry load.normal to 1e-6 (kept); in proportion, to "
+            "carry it (scaled); or the load in equal parts on the cells that touch (equal)"},
+};
+
+const lac_domain_source lac_domain_from_file = {
+    .about = {.name = "file",
+              .summary = "contact cells with their pressures, as a file has them",
+              .reference = "docs/format.md",
+              .params = file_params,
+              .param_count = sizeof file_params / sizeof *file_params,
+              .params_size = sizeof(lac_domain_file)},
+};
+
 static const lac_domain_source *const registry[] = {
     &full,
     &random_cascade,
+    &lac_domain_from_file,
 };
 
 const lac_domain_source *lac_domain_source_at(size_t index)
@@ -175,6 +209,10 @@ lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, do
     }
     // The descriptor is the first member of the source's row.
     const lac_domain_source *source = (const void *)slot->about;
+    if (source->fill == NULL) {
+        return lac_fail(err, LAC_EINPUT, "domain %s: its cells are the scene's to read",
+                        source->about.name);
+    }
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
     pressure = malloc(cells * sizeof *pressure);

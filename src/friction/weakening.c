@@ -3,25 +3,18 @@
 
 #include "friction/law.h"
 
-// The slip law above steady state, nothing below it: with phi = u + w - ln dc,
-// g = -(v/dc) max(phi, 0).
+// The slip law above steady state, phi = u + w - ln dc > 0, nothing below it.
 static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
                    double *g_u, double *g_w)
 {
-    size_t n = cells->n;
-    const double *u = cells->u;
-    const double *w = cells->w;
-    const double *v = cells->v;
-    const double *inv_dc = friction->inv_dc + cells->first;
     const double *ln_dc = friction->ln_dc + cells->first;
-    for (size_t i = 0; i < n; i++) {
-        g[i] = -v[i] * inv_dc[i] * fmax(u[i] + w[i] - ln_dc[i], 0);
-    }
-    if (g_u != NULL) {
-        for (size_t i = 0; i < n; i++) {
-            bool weakens = u[i] + w[i] > ln_dc[i];
-            g_w[i] = weakens ? -v[i] * inv_dc[i] : 0;
-            g_u[i] = g[i] + g_w[i];
+    lac_friction_slip.evolve(friction, cells, g, g_u, g_w);
+    for (size_t i = 0; i < cells->n; i++) {
+        bool weakens = cells->u[i] + cells->w[i] > ln_dc[i];
+        g[i] = weakens ? g[i] : 0;
+        if (g_u != NULL) {
+            g_u[i] = weakens ? g_u[i] : 0;
+            g_w[i] = weakens ? g_w[i] : 0;
         }
     }
 }

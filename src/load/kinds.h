@@ -10,6 +10,18 @@
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57
 
+/// What lac_share is called in a case: the choices of a force's key `share`.
+extern const char *const lac_share_names[];
+
+/// The row of that key, for an int of the load's parameters. lac_load_set_create reads it.
+#define LAC_SHARE_ROW(params, member)                                                             \
+    {                                                                                             \
+        .key = "share", .unit = "1", .fallback = LAC_SHARE_PRESSURE, .type = LAC_CHOICE,          \
+        .choices = lac_share_names, .offset = offsetof(params, member),                           \
+        .doc = "of each cell: in proportion to its pressure, the same stress on all (equal), or " \
+               "as elastic rock puts it on them when all slip alike (elastic; needs a material)"  \
+    }
+
 #define LAC_PI 3.14159265358979323846
 
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,

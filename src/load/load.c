@@ -3,6 +3,12 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "load/kinds.h"
+#include "load/signal.h"
+
+const char *const lac_share_names[] = {"pressure", "equal", "elastic", NULL};
 
 // The descriptor is the first member of the kind's row.
 static const lac_load_kind *kind_of(const lac_slot *slot)
@@ -41,6 +47,35 @@ double lac_load_next_break(const lac_load_set *set, double t)
                 first_break(set->pore, set->pore_count, t));
 }
 
+lac_share lac_load_slot_share(const lac_slot *slot)
+{
+    for (size_t i = 0; i < slot->about->param_count; i++) {
+        const lac_param *param = &slot->about->params[i];
+        if (param->choices == lac_share_names) {
+            int share;
+            memcpy(&share, (const char *)slot->params + param->offset, sizeof share);
+            return (lac_share)share;
+        }
+    }
+    return LAC_SHARE_PRESSURE;
+}
+
+bool lac_load_set_is_shaped(const lac_load_set *set)
+{
+    for (size_t i = 0; i < set->shear_count; i++) {
+        if (set->shear[i].share == LAC_SHARE_ELASTIC) {
+            return true;
+        }
+    }
+    return false;
+}
+
+double lac_load_shear(const lac_load_state *state, double pressure)
+{
+    double ratio = state->ratio + state->equal_ratio + state->elastic_ratio;
+    return ratio * pressure + state->stress + state->elastic + state->spring_stress;
+}
+
 static bool need_files(const lac_slot *slots, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -73,6 +108,7 @@ static lac_status prepare_all(const lac_slot *slots, size_t count, const char *l
         lac_load *load = &(*out)[i];
         load->kind = kind_of(&slots[i]);
         load->params = slots[i].params;
+        load->share = lac_load_slot_share(&slots[i]);
         lac_status status = load->kind->prepare == NULL
                                 ? LAC_OK
                                 : load->kind->prepare(load->params, clock, &load->state, err);
@@ -113,5 +149,6 @@ void lac_load_set_clear(lac_load_set *set)
 {
     release_all(set->shear, set->shear_count);
     release_all(set->pore, set->pore_count);
+    free(set->shape);
     *set = (lac_load_set){0};
 }

@@ -24,7 +24,8 @@ static const lac_param params[] = {
 const lac_load_kind lac_pore_constant = {
     .about = {.name = "constant",
               .summary = "pore pressure that does not change",
-              .reference = "",
+              .reference = "Hubbert & Rubey (1959) Geol. Soc. Am. Bull. 70, 115, doi "
+                           "10.1130/0016-7606(1959)70[115:ROFPIM]2.0.CO;2 (effective stress)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(constant_params)},

@@ -25,7 +25,7 @@ static const lac_param params[] = {
 const lac_normal_load lac_normal_pressure = {
     .about = {.name = "pressure",
               .summary = "normal stress given outright",
-              .reference = "",
+              .reference = "docs/theory/loads.md, \"Normal loads\"",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(pressure_params)},

@@ -186,7 +186,7 @@ static const lac_param params[] = {
 const lac_load_kind lac_pore_rain = {
     .about = {.name = "rain",
               .summary = "water that rain brings and that drains in its own time",
-              .reference = "docs/theory/loads.md, \"Rain\"",
+              .reference = "docs/theory/loads.md, \"Pore pressure\"",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(rain_params),

@@ -6,13 +6,8 @@ typedef struct ramp_params {
     double rate;  // [Pa/s]
     double start; // [s]
     double end;   // [s]; NaN: it never ends
-    int share;    // ramp_share; of shear only
+    int share;    // lac_share; of shear only
 } ramp_params;
-
-// How the stress is shared by the cells.
-typedef enum ramp_share { BY_PRESSURE = 0, EQUAL } ramp_share;
-
-static const char *const shares[] = {"pressure", "equal", NULL};
 
 // rate (min(t, end) - start), from start on
 static lac_signal ramp_at(const lac_load *load, double t)
@@ -27,14 +22,7 @@ static lac_signal ramp_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_signal ramp = ramp_at(load, t);
-    if (((const ramp_params *)load->params)->share == EQUAL) {
-        // A spring's stress is the same on all cells; here it has no stiffness.
-        sum->spring_stress += ramp.value;
-        sum->spring_rate += ramp.rate;
-        return;
-    }
-    lac_add_stress(sum, ramp);
+    lac_add_stress(load, sum, ramp_at(load, t));
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -79,19 +67,14 @@ static const lac_param params[] = {
      .flags = LAC_OPTIONAL,
      .doc = "when it ends, since the start of the run, what it has come to being held "
             "from then on; never if absent"},
-    {.key = "share",
-     .unit = "1",
-     .fallback = BY_PRESSURE,
-     .type = LAC_CHOICE,
-     .choices = shares,
-     .offset = offsetof(ramp_params, share),
-     .doc = "of each cell: in proportion to its pressure, or the same stress on all (equal)"},
+    LAC_SHARE_ROW(ramp_params, share),
 };
 
 const lac_load_kind lac_shear_ramp = {
     .about = {.name = "ramp",
               .summary = "shear stress that changes at a constant rate between two times",
-              .reference = "",
+              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
+                           "10.1029/93JB02581 (constant stressing rate)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),
@@ -103,7 +86,7 @@ const lac_load_kind lac_shear_ramp = {
 const lac_load_kind lac_pore_ramp = {
     .about = {.name = "ramp",
               .summary = "pore pressure that changes at a constant rate between two times",
-              .reference = "",
+              .reference = "docs/theory/loads.md, \"Pore pressure\"",
               .params = params,
               .param_count =
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike

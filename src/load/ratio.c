@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "load/kinds.h"
+#include "load/signal.h"
 
 typedef struct ratio_params {
     double value; // Q/P [1]
+    int share;    // lac_share
 } ratio_params;
 
 static void add(const lac_load *load, double t, lac_load_state *sum)
 {
     (void)t;
-    sum->ratio += ((const ratio_params *)load->params)->value;
+    lac_add_ratio(load, sum, ((const ratio_params *)load->params)->value);
 }
 
 static const lac_param params[] = {
@@ -19,12 +21,14 @@ static const lac_param params[] = {
      .max = 1e6,
      .offset = offsetof(ratio_params, value),
      .doc = "shear force over total normal force, Q/P"},
+    LAC_SHARE_ROW(ratio_params, share),
 };
 
 const lac_load_kind lac_shear_ratio = {
     .about = {.name = "ratio",
               .summary = "constant shear force, as a fraction of the total normal force",
-              .reference = "",
+              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
+                           "37, 117; docs/theory/loads.md, \"Shear loads\"",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ratio_params)},

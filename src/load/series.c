@@ -14,6 +14,7 @@ typedef struct series_params {
     double scale;  // [1]
     double offset; // [s]
     int interpolation, outside;
+    int share; // lac_share; of shear only
 } series_params;
 
 typedef struct series_state {
@@ -129,7 +130,7 @@ static lac_signal series_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, series_at(load, t));
+    lac_add_stress(load, sum, series_at(load, t));
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -207,6 +208,7 @@ static const lac_param params[] = {
      .choices = outsides,
      .offset = offsetof(series_params, outside),
      .doc = "before the first reading and after the last: refuse, hold them, or zero"},
+    LAC_SHARE_ROW(series_params, share),
 };
 
 const lac_load_kind lac_shear_series = {
@@ -227,7 +229,8 @@ const lac_load_kind lac_pore_series = {
               .summary = "pore pressure read from a file: a piezometer",
               .reference = "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
               .params = params,
-              .param_count = sizeof params / sizeof params[0],
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(series_params)},
     .prepare = prepare,
     .release = release,

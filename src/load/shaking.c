@@ -9,6 +9,7 @@ typedef struct shaking_params {
     double start;        // [s]
     double duration;     // [s]
     double taper;        // of its rise and of its fall [s]
+    int share;           // lac_share
 } shaking_params;
 
 // How much of the swing is there at tau after the start: a cosine up and down, 1 between.
@@ -41,7 +42,7 @@ static lac_signal shaking_at(const lac_load *load, double t)
 
 static void add(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, shaking_at(load, t));
+    lac_add_stress(load, sum, shaking_at(load, t));
 }
 
 static double next_break(const lac_load *load, double t)
@@ -110,6 +111,7 @@ static const lac_param params[] = {
      .max = INFINITY,
      .offset = offsetof(shaking_params, taper),
      .doc = "time in which it grows at first and fades at last, as half a cosine"},
+    LAC_SHARE_ROW(shaking_params, share),
 };
 
 const lac_load_kind lac_shear_shaking = {

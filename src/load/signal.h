@@ -27,11 +27,23 @@ static inline double lac_window_break(double start, double end, double t)
     return t < end ? end : INFINITY;
 }
 
-/// Adds shear stress over the nominal area [Pa], [Pa/s].
-static inline void lac_add_stress(lac_load_state *sum, lac_signal s)
+/// Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as.
+static inline void lac_add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
 {
-    sum->stress += s.value;
-    sum->stress_rate += s.rate;
+    // A spring's stress is the same on all cells; here it has no stiffness.
+    bool equal = load->share == LAC_SHARE_EQUAL, elastic = load->share == LAC_SHARE_ELASTIC;
+    double *value = equal ? &sum->spring_stress : elastic ? &sum->elastic : &sum->stress;
+    double *rate = equal ? &sum->spring_rate : elastic ? &sum->elastic_rate : &sum->stress_rate;
+    *value += s.value;
+    *rate += s.rate;
+}
+
+/// Adds a constant Q/P [1] to what the load is shared as.
+static inline void lac_add_ratio(const lac_load *load, lac_load_state *sum, double ratio)
+{
+    bool equal = load->share == LAC_SHARE_EQUAL, elastic = load->share == LAC_SHARE_ELASTIC;
+    double *to = equal ? &sum->equal_ratio : elastic ? &sum->elastic_ratio : &sum->ratio;
+    *to += ratio;
 }
 
 /// Adds pore pressure [Pa], [Pa/s].

@@ -8,6 +8,7 @@ typedef struct sine_params {
     double phase;     // [rad]
     double start;     // [s]
     double end;       // [s]; NaN: never
+    int share;        // lac_share; of shear only
 } sine_params;
 
 // amplitude sin(2 pi (t - start)/period + phase) from start to end
@@ -24,7 +25,7 @@ static lac_signal sine_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, sine_at(load, t));
+    lac_add_stress(load, sum, sine_at(load, t));
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -82,12 +83,14 @@ static const lac_param params[] = {
      .offset = offsetof(sine_params, end),
      .flags = LAC_OPTIONAL,
      .doc = "when it ends, since the start of the run; never if absent"},
+    LAC_SHARE_ROW(sine_params, share),
 };
 
 const lac_load_kind lac_shear_sine = {
     .about = {.name = "sine",
               .summary = "shear stress that swings, as tides and machines make it",
-              .reference = "",
+              .reference = "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi "
+                           "10.1029/2001JB001518",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(sine_params),
@@ -99,9 +102,11 @@ const lac_load_kind lac_shear_sine = {
 const lac_load_kind lac_pore_sine = {
     .about = {.name = "sine",
               .summary = "pore pressure that swings, as the seasons make it",
-              .reference = "",
+              .reference = "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi "
+                           "10.1029/2000JB900366",
               .params = params,
-              .param_count = sizeof params / sizeof params[0],
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(sine_params),
               .fault = fault},
     .add = add_pore,

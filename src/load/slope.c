@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "load/kinds.h"
+#include "load/signal.h"
 
 typedef struct slope_params {
     double angle; // of the interface with the horizontal [rad]
+    int share;    // lac_share
 } slope_params;
 
 // Q/P = tan(angle), whatever the thickness
 static void add(const lac_load *load, double t, lac_load_state *sum)
 {
     (void)t;
-    sum->ratio += tan(((const slope_params *)load->params)->angle);
+    lac_add_ratio(load, sum, tan(((const slope_params *)load->params)->angle));
 }
 
 static const lac_param params[] = {
@@ -20,6 +22,7 @@ static const lac_param params[] = {
      .max = LAC_STEEPEST,
      .offset = offsetof(slope_params, angle),
      .doc = "dip of the interface"},
+    LAC_SHARE_ROW(slope_params, share),
 };
 
 const lac_load_kind lac_shear_slope = {

@@ -6,6 +6,7 @@ typedef struct step_params {
     double value; // [Pa]
     double at;    // [s]
     double until; // [s]; NaN: for good
+    int share;    // lac_share; of shear only
 } step_params;
 
 // value from `at` to `until`
@@ -18,7 +19,7 @@ static lac_signal step_at(const lac_load *load, double t)
 
 static void add_shear(const lac_load *load, double t, lac_load_state *sum)
 {
-    lac_add_stress(sum, step_at(load, t));
+    lac_add_stress(load, sum, step_at(load, t));
 }
 
 static void add_pore(const lac_load *load, double t, lac_load_state *sum)
@@ -62,12 +63,14 @@ static const lac_param params[] = {
      .offset = offsetof(step_params, until),
      .flags = LAC_OPTIONAL,
      .doc = "when it goes again, since the start of the run; stays if absent"},
+    LAC_SHARE_ROW(step_params, share),
 };
 
 const lac_load_kind lac_shear_step = {
     .about = {.name = "step",
               .summary = "shear stress that comes at a stated time, for good or for a while",
-              .reference = "",
+              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
+                           "10.1029/93JB02581 (stress step)",
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
@@ -79,9 +82,10 @@ const lac_load_kind lac_shear_step = {
 const lac_load_kind lac_pore_step = {
     .about = {.name = "step",
               .summary = "pore pressure that comes at a stated time, for good or for a while",
-              .reference = "",
+              .reference = "docs/theory/loads.md, \"Triggering\"",
               .params = params,
-              .param_count = sizeof params / sizeof params[0],
+              .param_count =
+                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(step_params),
               .fault = fault},
     .add = add_pore,

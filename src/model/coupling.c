@@ -32,15 +32,23 @@ out:
     return status;
 }
 
-void lac_problem_couple(const lac_problem *problem, double back, const double *x, double *force,
+// force -= scale shape
+static void take_off(size_t n, const double *shape, double scale, double *force)
+{
+    for (size_t i = 0; i < n; i++) {
+        force[i] -= scale * shape[i];
+    }
+}
+
+void lac_problem_couple(const lac_problem *problem, lac_far far, const double *x, double *force,
                         double *work)
 {
     problem->transfer.kind->apply(problem->transfer.state, x, force, work);
-    if (problem->anchor == NULL || back == 0.0) {
-        return;
+    if (problem->anchor != NULL && far.back != 0.0) {
+        take_off(problem->n, problem->anchor, far.back, force);
     }
-    for (size_t i = 0; i < problem->n; i++) {
-        force[i] -= back * problem->anchor[i];
+    if (problem->loads.shape != NULL && far.elastic != 0.0) {
+        take_off(problem->n, problem->loads.shape, far.elastic, force);
     }
 }
 

@@ -31,7 +31,7 @@ static double state_scale(const lac_problem *problem, size_t cell)
 {
     double a = problem->friction->column[LAC_A][cell];
     double b = problem->friction->column[LAC_B][cell];
-    bool counts = problem->kind->either_sign && a > 0.0 && b > MOST_WORTH * a;
+    bool counts = problem->kind->solved && a > 0.0 && b > MOST_WORTH * a;
     return counts ? MOST_WORTH * a / b : 1.0;
 }
 
@@ -43,11 +43,14 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
         double state = rtol * state_scale(problem, i);
         weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
     }
+    if (problem->mass > 0.0) {
+        lac_inertia_weigh_slip(problem, y + 2 * problem->n, rtol, weight + 2 * problem->n);
+    }
 }
 
 bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance)
 {
-    if (!problem->kind->either_sign || problem->kind->has_slip) {
+    if (!problem->kind->solved || problem->kind->has_slip) {
         return false;
     }
     for (size_t i = 0; i < problem->n; i++) {
@@ -62,7 +65,7 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
     lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    double fastest = 0.0;
+    double fastest = problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length =

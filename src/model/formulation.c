@@ -9,6 +9,7 @@ static const lac_formulation_kind *const kinds[] = {
     &lac_formulation_rate,
     &lac_formulation_traction,
     &lac_formulation_slip,
+    &lac_formulation_inertia,
 };
 
 const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id)
@@ -29,24 +30,25 @@ const char *lac_formulation_name(lac_formulation formulation)
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
 {
     size_t n = problem->n;
-    size_t solved = problem->kind->either_sign ? 2 : 0;
     return (lac_workspace){.v = work,
                            .kv = work + n,
                            .diagonal = work + 2 * n,
                            .u = work + 3 * n,
                            .guess = work + 4 * n,
-                           .scratch = work + (3 + solved) * n};
+                           .bend = work + 4 * n,
+                           .slope = work + 5 * n,
+                           .scratch = work + problem->kind->arrays * n};
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
-    size_t arrays = problem->kind->either_sign ? 5 : 3;
-    return arrays * problem->n + problem->transfer.kind->work(problem->transfer.state);
+    return problem->kind->arrays * problem->n +
+           problem->transfer.kind->work(problem->transfer.state);
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
 {
-    if (problem->kind->either_sign) {
+    if (problem->kind->solved) {
         memset(lac_problem_split(problem, work).guess, 0, problem->n * sizeof *work);
     }
 }
@@ -101,6 +103,30 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
         lac_friction_evaluate(problem->friction, &cells, &values, &slopes);
     }
     return length;
+}
+
+double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive,
+                              const lac_motion *motion, const double *w, double *traction,
+                              double *wdot)
+{
+    double total = 0.0;
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        lac_block s;
+        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
+        double part = 0.0;
+        for (size_t i = 0; i < length; i++) {
+            size_t k = first + i;
+            double v = motion->v[k];
+            double held = copysign(problem->pressure[k] * drive->share * s.f[i], v);
+            traction[k] -= held + problem->damping * v;
+            part += traction[k];
+        }
+        if (wdot != NULL) {
+            memcpy(wdot + first, s.g, length * sizeof *wdot);
+        }
+        total += part;
+    }
+    return total;
 }
 
 double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,

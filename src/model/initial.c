@@ -115,9 +115,11 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, l
 
 // What the loads at t = 0 put on the cells.
 typedef struct start_load {
-    double ratio;  // q_i = p_i ratio + spring
-    double spring; // [Pa]
-    double share;  // effective over total normal pressure
+    double ratio;        // q_i = p_i ratio + spring + shape_i elastic
+    double spring;       // [Pa]
+    double elastic;      // [Pa]
+    const double *shape; // [n]; NULL: 0
+    double share;        // effective over total normal pressure
 } start_load;
 
 static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
@@ -130,7 +132,10 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     lac_load_state load;
     lac_load_evaluate(loads, 0.0, &load);
     at->ratio = load.ratio + load.stress / mean;
-    at->spring = load.spring_stress * area / ((double)domain->n * cell);
+    double to_cells = area / ((double)domain->n * cell);
+    at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
+    at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
+    at->shape = loads->shape;
     at->share = 1.0 - load.pore / mean;
     if (!(at->share > 0.0)) {
         return lac_fail(err, LAC_EINPUT,
@@ -148,7 +153,9 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
     lac_status status = load_at_start(loads, domain, &load, err);
     for (size_t i = 0; status == LAC_OK && i < domain->n; i++) {
         double p = domain->pressure[i];
-        start_cell c = {friction, i, p * load.share, p * load.ratio + load.spring, damping};
+        double shaped = load.shape == NULL ? 0.0 : load.shape[i] * load.elastic;
+        double q = p * load.ratio + load.spring + shaped;
+        start_cell c = {friction, i, p * load.share, q, damping};
         double rate = initial->rates != NULL ? initial->rates[i] : initial->slip_rate;
         double value = initial->states != NULL ? initial->states[i] : initial->state_value;
         if (isnan(rate)) {

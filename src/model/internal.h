@@ -18,6 +18,9 @@ struct lac_problem {
     double sum_pressure;  // sum of p_i [Pa]
     double spring_share;  // L^2/(n r^2): nominal stress of a spring -> traction of a cell
     double stiffness;     // of a cell against its neighbours and springs, where slip is unknown
+    double mass;          // m: of the block, per area of its contact cells [kg/m2]; 0: none
+    double columns;       // part of it that stands on the cells as columns of their own
+    double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
     double *traction0;              // [n] q_i at t = 0 [Pa]
@@ -28,6 +31,12 @@ struct lac_problem {
 // Sum in the order of the cells.
 double lac_problem_sum(size_t n, const double *x);
 
+// What acts on the cells neither alike nor as their pressures do.
+typedef struct lac_far {
+    double back;    // slip of the rock around, since the start [m]
+    double elastic; // mean traction of what is shared as C^-1 1, since the start [Pa]
+} lac_far;
+
 // What the loads do at one time, as the cells feel it.
 typedef struct lac_drive {
     double ratio;            // (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
@@ -35,8 +44,7 @@ typedef struct lac_drive {
     double spring;           // traction of each cell from the far ends' travel [Pa]
     double spring_rate;      // [Pa/s]
     double spring_stiffness; // traction lost per metre of mean slip [Pa/m]
-    double back;             // slip of the rock around, since the start [m]
-    double back_rate;        // [m/s]
+    lac_far far, far_rate;   // and its rate
     double share;            // effective over total normal pressure: p_i -> p_i share
     double share_rate;       // [1/s]
 } lac_drive;
@@ -51,8 +59,11 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 // The parts of lac_problem_work, [n] each but the last.
 typedef struct lac_workspace {
     double *v, *kv, *diagonal;
-    double *u, *guess; // where ln|v| is solved for: it, and where the next solve begins
-    double *scratch;   // of the transfer
+    double *u;       // ln|v|, where it is not an unknown
+    double *guess;   // where ln|v| is solved for: where the next solve begins
+    double *bend;    // with inertia: what a step does to dv/dx, in the place of guess
+    double *slope;   // with inertia: dv/dx
+    double *scratch; // of the transfer
 } lac_workspace;
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work);
@@ -63,19 +74,30 @@ typedef struct lac_motion {
     double mean;         // of v [m/s]
 } lac_motion;
 
-// What a jump of the loads puts on the cells: q_i gains p_i ratio + spring.
+// What a jump of the loads puts on the cells.
 typedef struct lac_jump {
-    double ratio, spring;
+    double ratio, spring, elastic; // lac_problem_gain
     double share_before, share_after;
 } lac_jump;
 
-// A choice of unknowns y = (x, ln theta), one x a cell; docs/theory/creep.md.
+// What q_i gains by it [Pa].
+static inline double lac_problem_gain(const lac_problem *problem, const lac_jump *jump, size_t i)
+{
+    double shaped = problem->loads.shape == NULL ? 0.0 : problem->loads.shape[i] * jump->elastic;
+    return problem->pressure[i] * jump->ratio + jump->spring + shaped;
+}
+
+// A choice of unknowns y = (x, ln theta), one x a cell, or (x, ln theta, slip);
+// docs/theory/creep.md, docs/theory/momentum.md.
 typedef struct lac_formulation_kind {
     lac_formulation id;
     const char *name;
     const char *unknown; // what x is, for messages
-    bool either_sign;    // v is solved from the traction and may have either sign
-    bool has_slip;       // x is slip
+    size_t unknowns;     // of a cell: 2, or 3 with slip after ln theta
+    size_t arrays;       // of n that the work holds before the transfer's
+    bool solved;         // v is solved from the traction
+    bool either_sign;    // v may have either sign
+    bool has_slip;       // slip is an unknown: x, or the third
     void (*start)(const lac_problem *problem, double *x);
     // Rates of all cells, in ws->v and ws->u or y. @param keep  the next solve begins from these
     lac_motion (*move)(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -96,14 +118,36 @@ typedef struct lac_formulation_kind {
 const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id);
 
 extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction,
-    lac_formulation_slip;
+    lac_formulation_slip, lac_formulation_inertia;
+
+// Takes the block's mass: m, how it is spread and the scale of x. Nothing where there is none.
+lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err);
+
+// Error weights of the slip of cells with mass, as in lac_problem_weights. @param slip, weight  [n]
+void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, double rtol,
+                            double *weight);
+
+// The fastest e-folding of v that forces out of balance bring about [1/s].
+// @param ws  u and v hold the motion
+double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,
+                           const lac_workspace *ws);
+
+// What a force out of balance leaves beside the inertia of the cells that it accelerates: rounding.
+// @param force  [n] of every cell [Pa]; overwritten
+void lac_inertia_unexplained(const lac_problem *problem, double *force);
+
+// force = traction - p f - eta v of every cell: the traction is overwritten. Gives back the sum.
+// @param wdot  [n] d ln theta/dt; NULL where not wanted
+double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive,
+                              const lac_motion *motion, const double *w, double *traction,
+                              double *wdot);
 
 // Finds out what the transfer does to uniform slip.
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
 
-// force = K (x - back): what a slip, or a rate, takes off each cell where the rock around has gone
-// `back` itself. @param work  of the transfer
-void lac_problem_couple(const lac_problem *problem, double back, const double *x, double *force,
+// force = K (x - back) - shape elastic: what a slip, or a rate, takes off each cell where the rock
+// around has gone `back` itself, less what comes from afar. @param work  of the transfer
+void lac_problem_couple(const lac_problem *problem, lac_far far, const double *x, double *force,
                         double *work);
 
 // Sum over the cells of K (slip - back): what the rock around holds [Pa].

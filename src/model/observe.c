@@ -34,7 +34,7 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 {
     double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
-    lac_problem_couple(problem, drive->back, slip, traction, scratch);
+    lac_problem_couple(problem, drive->far, slip, traction, scratch);
     for (size_t i = 0; i < problem->n; i++) {
         double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
         traction[i] = q - traction[i];
@@ -49,24 +49,22 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     lac_problem_pull(problem, &drive, slip, traction, lac_problem_split(problem, work).scratch);
 }
 
-// Worst relative error of the balance: |q - K slip - p f - eta v| / (f0 p).
+// Worst relative error of the balance: |q - K slip - p f - eta v - inertia| / (f0 p).
+// @param traction  q - K slip; overwritten
 static double balance_residual(const lac_problem *problem, const lac_drive *drive,
-                               const lac_motion *motion, const double *w, const double *traction)
+                               const lac_motion *motion, const double *w, double *traction)
 {
     const double *f0 = problem->friction->column[LAC_F0];
     double worst = 0.0;
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        lac_block s;
-        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
-        for (size_t i = 0; i < length; i++) {
-            size_t k = first + i;
-            double p = problem->pressure[k] * drive->share;
-            double v = motion->v[k];
-            double off = traction[k] - copysign(p * s.f[i], v) - problem->damping * v;
-            double scale = p * (f0[k] != 0.0 ? fabs(f0[k]) : 1.0);
-            double relative = fabs(off) / scale;
-            worst = relative > worst || isnan(relative) ? relative : worst;
-        }
+    (void)lac_problem_unbalanced(problem, drive, motion, w, traction, NULL);
+    if (problem->mass > 0.0) {
+        lac_inertia_unexplained(problem, traction);
+    }
+    for (size_t i = 0; i < problem->n; i++) {
+        double p = problem->pressure[i] * drive->share;
+        double scale = p * (f0[i] != 0.0 ? fabs(f0[i]) : 1.0);
+        double relative = fabs(traction[i]) / scale;
+        worst = relative > worst || isnan(relative) ? relative : worst;
     }
     return worst;
 }
@@ -89,9 +87,9 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     seen->mean_slip = lac_problem_sum(n, slip) / (double)n;
 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * spring;
-    total -= lac_problem_held(problem, drive.back, slip);
+    double alike = spring + drive.far.elastic; // the mean of the shape is 1
+    double total = problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * alike;
+    total -= lac_problem_held(problem, drive.far.back, slip);
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
     seen->effective_force = seen->normal_force * drive.share;
@@ -113,7 +111,7 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     (void)lac_problem_drive(problem, t, &drive);
     // ln v is y itself where the rate is not solved for
     const double *u = y;
-    if (problem->kind->either_sign) {
+    if (problem->kind->solved) {
         u = problem->kind->move(problem, &drive, y, &ws, false).u;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
@@ -121,7 +119,7 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     const double *w = y + problem->n;
     double folds = regularised ? -20.0 : 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        bool back = problem->kind->either_sign && ws.v[i] < 0.0;
+        bool back = problem->kind->solved && ws.v[i] < 0.0;
         if (back || lac_friction_plain(friction, i, u[i], w[i]) <= folds * a[i]) {
             *cell = i;
             return false;
@@ -140,12 +138,14 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,
                      .spring = after.spring - before.spring,
+                     .elastic = after.far.elastic - before.far.elastic,
                      .share_before = before.share,
                      .share_after = after.share};
     // A load that only bends has changed by no more than its rate times one rounding of t.
     double slack = 16.0 * (nextafter(fabs(t), INFINITY) - fabs(t));
     bool jumps = fabs(jump.ratio) > slack * fabs(before.ratio_rate) ||
                  fabs(jump.spring) > slack * fabs(before.spring_rate) ||
+                 fabs(jump.elastic) > slack * fabs(before.far_rate.elastic) ||
                  fabs(after.share - before.share) > slack * fabs(before.share_rate);
     if (!jumps) {
         return true;

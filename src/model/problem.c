@@ -53,7 +53,7 @@ static void fill_traction(lac_problem *problem, double share)
 static lac_status check_solvable(const lac_problem *problem, lac_error *err)
 {
     const double *a = problem->friction->column[LAC_A];
-    for (size_t i = 0; problem->kind->either_sign && i < problem->n; i++) {
+    for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
         if (!(a[i] > 0.0) && !(problem->damping > 0.0)) {
             return lac_fail(err, LAC_EINPUT,
                             "a = %g of cell %zu without radiation damping: the formulation "
@@ -61,6 +61,17 @@ static lac_status check_solvable(const lac_problem *problem, lac_error *err)
                             "or give material.shear_modulus and shear_speed",
                             a[i], i, problem->kind->name);
         }
+    }
+    return LAC_OK;
+}
+
+// Whoever made the loads knows the contact, and with it how elastic rock shares a force.
+static lac_status check_shape(const lac_problem *problem, lac_error *err)
+{
+    if (lac_load_set_is_shaped(&problem->loads) && problem->loads.shape == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a load is shared as elastic rock does, but its shape over "
+                        "the cells is not given");
     }
     return LAC_OK;
 }
@@ -119,7 +130,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
+    LAC_TRY(lac_inertia_init(problem, def, err));
     LAC_TRY(check_solvable(problem, err));
+    LAC_TRY(check_shape(problem, err));
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
     lac_drive drive;
@@ -160,6 +173,16 @@ const char *lac_problem_unknown(const lac_problem *problem) { return problem->ki
 
 bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
 
+size_t lac_problem_unknowns(const lac_problem *problem)
+{
+    return problem->kind->unknowns * problem->n;
+}
+
+size_t lac_problem_slip_place(const lac_problem *problem)
+{
+    return (problem->kind->unknowns - 2) * 2 * problem->n;
+}
+
 void lac_problem_initial(const lac_problem *problem, double *y)
 {
     problem->kind->start(problem, y);
@@ -183,8 +206,10 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
     drive->spring = problem->spring_share * (now.spring_stress - start->spring_stress);
     drive->spring_rate = problem->spring_share * now.spring_rate;
     drive->spring_stiffness = problem->spring_share * now.spring_stiffness;
-    drive->back = now.back_slip - start->back_slip;
-    drive->back_rate = now.back_rate;
+    drive->far.back = now.back_slip - start->back_slip;
+    drive->far_rate.back = now.back_rate;
+    drive->far.elastic = problem->spring_share * (now.elastic - start->elastic);
+    drive->far_rate.elastic = problem->spring_share * now.elastic_rate;
     drive->share = 1.0 - now.pore / mean;
     drive->share_rate = -now.pore_rate / mean;
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);

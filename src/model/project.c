@@ -47,7 +47,7 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     for (size_t i = 0; i < n; i++) {
         double force = ws.diagonal[i] * ws.kv[i];
         slip[i] += ws.kv[i];
-        y[i] += problem->kind->either_sign ? force : force / ws.v[i];
+        y[i] += problem->kind->solved ? force : force / ws.v[i];
     }
     return true;
 }

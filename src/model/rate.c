@@ -71,7 +71,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
                        double *ydot, const lac_workspace *ws)
 {
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
     rate_field field = {.motion = &motion,
                         .w = y + problem->n,
                         .kv = ws->kv,
@@ -166,7 +166,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
     solve_field field = {.motion = &motion, .w = y + n, .ws = ws, .b = b, .gamma = gamma};
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
 
@@ -201,9 +201,9 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
         double held = p * jump->share_before * f + problem->damping * exp(y[i]);
         w = lac_friction_state_after(problem->friction, i, w,
                                      jump->share_after / jump->share_before);
-        double u =
-            lac_friction_rate_for(problem->friction, i, w, held + p * jump->ratio + jump->spring,
-                                  p * jump->share_after, problem->damping);
+        double u = lac_friction_rate_for(problem->friction, i, w,
+                                         held + lac_problem_gain(problem, jump, i),
+                                         p * jump->share_after, problem->damping);
         if (!isfinite(u)) {
             return false;
         }
@@ -215,6 +215,8 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 const lac_formulation_kind lac_formulation_rate = {.id = LAC_FORMULATION_RATE,
                                                    .name = "rate",
                                                    .unknown = "ln v",
+                                                   .unknowns = 2,
+                                                   .arrays = 3,
                                                    .start = start,
                                                    .move = move,
                                                    .derivative = derivative,

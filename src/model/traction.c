@@ -24,7 +24,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_couple(problem, drive->back_rate, motion.v, ws->kv, ws->scratch);
+    lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
     double loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
     double check = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
     for (size_t i = 0; i < n; i++) {
@@ -68,7 +68,7 @@ static double scale(const lac_problem *problem, size_t cell)
 static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
     for (size_t i = 0; i < problem->n; i++) {
-        y[i] += problem->pressure[i] * jump->ratio + jump->spring;
+        y[i] += lac_problem_gain(problem, jump, i);
     }
     return true;
 }
@@ -76,6 +76,9 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 const lac_formulation_kind lac_formulation_traction = {.id = LAC_FORMULATION_TRACTION,
                                                        .name = "traction",
                                                        .unknown = "traction",
+                                                       .unknowns = 2,
+                                                       .arrays = 5,
+                                                       .solved = true,
                                                        .either_sign = true,
                                                        .start = start,
                                                        .move = move,

@@ -9,23 +9,33 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
                               lac_error *err)
 {
     size_t cell;
+    if (lac_problem_rests(problem, t, y, &cell, work)) {
+        return lac_fail(err, LAC_ENUMERIC,
+                        "cell %zu comes to rest at t = %.17g s: with so small a direct effect a "
+                        "its friction holds it only below %.2g m/s, beyond what is followed",
+                        cell, t, exp(LAC_AT_REST));
+    }
     if (lac_problem_slips(problem, t, y, &cell, work)) {
         return LAC_OK;
     }
-    bool log_rate = lac_problem_formulation(problem) == LAC_FORMULATION_RATE;
+    lac_formulation formulation = lac_problem_formulation(problem);
+    bool log_rate = formulation == LAC_FORMULATION_RATE;
+    bool massive = formulation == LAC_FORMULATION_INERTIA;
     return lac_fail(err, LAC_ENUMERIC,
                     "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
-                    "takes it away or reverses it %s; solver.formulation traction or slip with the "
-                    "friction law's form regularised follows it",
+                    "takes it away or reverses it %s; %sthe friction law's form regularised "
+                    "follows it",
                     cell, t,
                     log_rate ? "cannot be followed with ln v as unknown"
-                             : "is beyond the plain form of friction, which is infinite at rest");
+                             : "is beyond the plain form of friction, which is infinite at rest",
+                    massive ? "" : "solver.formulation traction or slip with ");
 }
 
 // The largest slip rate that a formulation tells from others [m/s].
 static double fastest(const lac_problem *problem)
 {
-    bool solved = lac_problem_formulation(problem) != LAC_FORMULATION_RATE;
+    lac_formulation formulation = lac_problem_formulation(problem);
+    bool solved = formulation == LAC_FORMULATION_TRACTION || formulation == LAC_FORMULATION_SLIP;
     return solved ? exp(LAC_FASTEST) * (1.0 - 1e-9) : DBL_MAX;
 }
 
@@ -56,8 +66,8 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
                         def->rtol, def->failure_rate);
     }
-    const lac_cadence *every[] = {&def->record, &def->snapshot};
-    for (size_t i = 0; i < 2; i++) {
+    const lac_cadence *every[] = {&def->record, &def->snapshot, &def->checkpoint};
+    for (size_t i = 0; i < 3; i++) {
         // NaN, not given, passes.
         if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
             return lac_fail(err, LAC_EINPUT,
@@ -99,7 +109,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
     if (status != LAC_OK) {
         return status;
     }
-    size_t unknowns = 2 * lac_problem_cells(problem);
+    size_t unknowns = lac_problem_unknowns(problem);
     double *y = calloc(unknowns + lac_problem_work(problem), sizeof *y);
     if (y == NULL) {
         return lac_fail_memory(err);

@@ -18,6 +18,7 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
     engine->def = def;
     engine->limit = INFINITY;
     engine->n = lac_problem_cells(problem);
+    engine->unknowns = lac_problem_unknowns(problem);
     engine->work = calloc(lac_problem_work(problem), sizeof *engine->work);
     if (engine->work == NULL) {
         status = lac_fail_memory(err);
@@ -53,6 +54,12 @@ lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
 {
     lac_problem_forget(engine->problem, engine->work);
     return engine->kind->restart(engine, h, err);
+}
+
+const char *lac_engine_unknown(const lac_engine *engine, size_t component)
+{
+    const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
+    return names[component / engine->n];
 }
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)

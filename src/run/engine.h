@@ -17,10 +17,12 @@ typedef struct lac_engine {
     double limit;          // loads are seen from below up to here: the last time before a break [s]
     double step;           // length of the last step [s]
     int64_t order;         // of the last step
-    double *y;             // [2n] state at the time reached
+    size_t unknowns;       // components of y
+    double *y;             // [unknowns] state at the time reached
     double *slip;          // [n] slip at the time reached [m]; part of y where slip is an unknown
     double *work;          // lac_problem_work
     lac_run_result counts; // only the counters are kept here
+    lac_run_result before; // those up to the last restart
     SUNContext sun;
     void *inner; // the kind's own
 } lac_engine;
@@ -33,8 +35,8 @@ typedef struct lac_engine_kind {
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
     // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
-    // State and slip at an integrator's time within the last step; y [2n], slip [n]; NULL: not
-    // wanted.
+    // State and slip at an integrator's time within the last step; y [2n], its first,
+    // slip [n]; NULL: not wanted.
     bool (*at)(lac_engine *engine, double t, double *y, double *slip);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
@@ -61,6 +63,9 @@ static inline double lac_engine_time(const lac_engine *engine)
 {
     return engine->origin + (engine->base + engine->t);
 }
+
+// What a component of y is called, for messages.
+const char *lac_engine_unknown(const lac_engine *engine, size_t component);
 
 // Mean of the cells' slip [m].
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip);

@@ -14,8 +14,6 @@ typedef struct cvode {
     N_Vector scratch_y, scratch_slip;
     SUNLinearSolver linear;
     SUNNonlinearSolver fixed_point;
-    int64_t linear_solves;
-    int64_t before[5]; // counters of the segments before the last restart
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -62,7 +60,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
         CV_SUCCESS) {
         return SUNLS_MEM_NULL;
     }
-    c->linear_solves++;
+    engine->counts.linear_solves++;
     N_VScale(1.0, b, x);
     bool good = lac_problem_newton(engine->problem, lac_engine_clock(engine, t), lac_vector_data(y),
                                    gamma, lac_vector_data(x), engine->work);
@@ -143,14 +141,14 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(2 * engine->n, engine->sun);
+    c->y = lac_vector_create(engine->unknowns, engine->sun);
     c->scratch_y = c->y == NULL ? NULL : N_VClone(c->y);
     if (c->scratch_y == NULL) {
         return lac_fail_memory(err);
     }
     engine->y = lac_vector_data(c->y);
     if (lac_problem_has_slip(engine->problem)) {
-        engine->slip = engine->y;
+        engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
     c->slip = lac_vector_create(engine->n, engine->sun);
@@ -196,22 +194,18 @@ static void cvode_count(lac_engine *engine)
     (void)CVodeGetNumNonlinSolvIters(c->mem, &now[2]);
     (void)CVodeGetNumErrTestFails(c->mem, &now[3]);
     (void)CVodeGetNumNonlinSolvConvFails(c->mem, &now[4]);
-    engine->counts.steps = c->before[0] + now[0];
-    engine->counts.rhs_evaluations = c->before[1] + now[1];
-    engine->counts.newton_iterations = c->before[2] + now[2];
-    engine->counts.error_test_fails = c->before[3] + now[3];
-    engine->counts.nonlinear_fails = c->before[4] + now[4];
-    engine->counts.linear_solves = c->linear_solves;
+    engine->counts.steps = engine->before.steps + now[0];
+    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
+    engine->counts.newton_iterations = engine->before.newton_iterations + now[2];
+    engine->counts.error_test_fails = engine->before.error_test_fails + now[3];
+    engine->counts.nonlinear_fails = engine->before.nonlinear_fails + now[4];
 }
 
 static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
     cvode_count(engine);
-    const lac_run_result *counts = &engine->counts;
-    int64_t now[5] = {counts->steps, counts->rhs_evaluations, counts->newton_iterations,
-                      counts->error_test_fails, counts->nonlinear_fails};
-    memcpy(c->before, now, sizeof now);
+    engine->before = engine->counts;
     if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
         (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
         CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {
@@ -233,7 +227,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     (void)CVodeGetCurrentOrder(c->mem, &order);
     bool known = order > 0 && CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS;
     if (known) {
-        for (size_t i = 1; i < 2 * engine->n; i++) {
+        for (size_t i = 1; i < engine->unknowns; i++) {
             worst = fabs(e[i]) > fabs(e[worst]) ? i : worst;
         }
     }
@@ -245,8 +239,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu",
-                       worst < engine->n ? lac_problem_unknown(engine->problem) : "ln theta",
+                       "; worst unknown: %s of cell %zu", lac_engine_unknown(engine, worst),
                        worst % engine->n);
     }
     return status;
@@ -291,7 +284,7 @@ static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
         memcpy(y, found, 2 * engine->n * sizeof *y);
     }
     if (slip != NULL && slip_in_y) {
-        memcpy(slip, found, engine->n * sizeof *slip);
+        memcpy(slip, found + (engine->slip - engine->y), engine->n * sizeof *slip);
     } else if (slip != NULL) {
         if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
             return false;

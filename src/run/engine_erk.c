@@ -12,11 +12,10 @@
 typedef struct erk {
     void *mem;
     N_Vector y, scratch;
-    size_t size;   // of y: 3n, or 2n where slip is an unknown
+    size_t size;   // of y, with slip where it is no unknown
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
-    int64_t before[3];
 } erk;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -75,7 +74,7 @@ static void erk_free(lac_engine *engine)
 static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
     bool slip_in_y = lac_problem_has_slip(engine->problem);
-    c->size = (slip_in_y ? 2 : 3) * engine->n;
+    c->size = slip_in_y ? engine->unknowns : engine->unknowns + engine->n;
     c->y = lac_vector_create(c->size, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
     c->saved = malloc(c->size * sizeof *c->saved);
@@ -85,7 +84,8 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
     }
     N_VConst(0.0, c->y);
     engine->y = lac_vector_data(c->y);
-    engine->slip = slip_in_y ? engine->y : engine->y + 2 * engine->n;
+    size_t place = slip_in_y ? lac_problem_slip_place(engine->problem) : engine->unknowns;
+    engine->slip = engine->y + place;
     return LAC_OK;
 }
 
@@ -131,9 +131,9 @@ static void erk_count(lac_engine *engine)
     (void)ERKStepGetNumSteps(c->mem, &now[0]);
     (void)ERKStepGetNumRhsEvals(c->mem, &now[1]);
     (void)ERKStepGetNumErrTestFails(c->mem, &now[2]);
-    engine->counts.steps = c->before[0] + now[0];
-    engine->counts.rhs_evaluations = c->before[1] + now[1];
-    engine->counts.error_test_fails = c->before[2] + now[2];
+    engine->counts.steps = engine->before.steps + now[0];
+    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
+    engine->counts.error_test_fails = engine->before.error_test_fails + now[2];
     engine->order = engine->def->max_order > 0 ? engine->def->max_order : 5;
 }
 
@@ -141,9 +141,8 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
 {
     erk *c = engine->inner;
     erk_count(engine);
-    const lac_run_result *counts = &engine->counts;
-    int64_t now[3] = {counts->steps, counts->rhs_evaluations, counts->error_test_fails};
-    memcpy(c->before, now, sizeof now);
+    engine->before = engine->counts;
+    lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
         ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {

@@ -119,7 +119,7 @@ static lac_status allocate(lac_follower *f, lac_error *err)
     const lac_follow_def *def = f->def;
     size_t work = lac_problem_work(def->problem);
     f->n = lac_problem_cells(def->problem);
-    f->m = 2 * f->n + 1;
+    f->m = lac_problem_unknowns(def->problem) + 1;
     for (size_t k = 0; k < def->nudges; k++) {
         size_t low = lac_problem_work(def->nudge[k].low);
         size_t high = lac_problem_work(def->nudge[k].high);

@@ -10,7 +10,7 @@
 typedef struct lac_follower {
     const lac_follow_def *def;
     lac_follow *out;
-    size_t n, m; // cells, components: 2 n + 1
+    size_t n, m; // cells; components: unknowns and the mean slip
     SUNContext sun;
     void *mem; // CVODES
     SUNLinearSolver linear;

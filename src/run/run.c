@@ -5,62 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/cadence.h"
 #include "run/check.h"
-#include "run/engine.h"
+#include "run/course.h"
 #include "run/events.h"
 #include "run/watch.h"
 
-// When something was last put out.
-typedef struct instant {
-    bool set;
-    double origin, local;
-} instant;
-
-// A run on its way.
-typedef struct run {
-    const lac_problem *problem;
-    const lac_run_def *def;
-    const lac_sink *sink;
-    lac_engine *engine;
-    lac_run_result *result;
-    lac_clock record_clock, snapshot_clock;
-    instant last_record, last_snapshot, looked;
-    double *between; // [3n] state and slip within a step, where records fall there; or NULL
-    double *fields;  // [3n] of a snapshot, where snapshots are kept; or NULL
-    double *onto;    // [3n] state and slip on the balance, where projection is asked for; or NULL
-    double next_break;
-    double mean_rate, max_rate; // at the time reached [m/s]
-    lac_end end;
-    bool done;
-    bool broken; // the step ended where the loads jump or bend
-} run;
-
-lac_run_def lac_run_default(void)
-{
-    return (lac_run_def){.method = LAC_BDF,
-                         .rtol = 1e-6,
-                         .first_step = NAN,
-                         .max_steps = 10000000,
-                         .end = NAN,
-                         .failure_rate = 1.0,
-                         .stop_slip = NAN,
-                         .stop_rate = NAN,
-                         .record = {.time = NAN, .steps = 1, .per_decade = NAN},
-                         .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0}};
-}
-
-lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form)
-{
-    if (asked != LAC_FORMULATION_AUTO) {
-        return (lac_formulation)asked;
-    }
-    if (method == LAC_ADAMS) {
-        return LAC_FORMULATION_SLIP;
-    }
-    bool forwards = form == LAC_FORM_PLAIN;
-    return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
-}
+typedef lac_course run;
+typedef lac_instant instant;
 
 // Whether a time is later than the last one put out, which it then becomes.
 static bool moves_on(instant *last, double origin, double local)
@@ -146,8 +97,29 @@ static bool interrupted(const run *r)
     return r->def->interrupted != NULL && r->def->interrupted(r->def->context);
 }
 
+// Mean and largest slip rate at the time reached.
+static void measure_speed(run *r)
+{
+    lac_engine *engine = r->engine;
+    lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
+                      &r->max_rate, engine->work);
+}
+
+// Ends the run at a time within the step, whose state is in `between`.
+static void stop_at(run *r, double t)
+{
+    lac_engine *engine = r->engine;
+    engine->step -= engine->t - t;
+    engine->t = t;
+    memcpy(engine->y, r->between, 2 * engine->n * sizeof *engine->y);
+    memcpy(engine->slip, r->between + 2 * engine->n, engine->n * sizeof *engine->slip);
+    measure_speed(r);
+    r->end = LAC_END_INTERRUPT;
+    r->done = true;
+}
+
 // Records and snapshots that are due at exact times within the step just made. An interrupt ends
-// the run in the midst of them, with the step.
+// the run in the midst of them, at the next one.
 static lac_status output_between(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
@@ -160,15 +132,17 @@ static lac_status output_between(run *r, lac_error *err)
         if (!(next <= now)) {
             return LAC_OK;
         }
-        if (interrupted(r)) {
-            r->end = r->done ? r->end : LAC_END_INTERRUPT;
-            r->done = true;
-            return LAC_OK;
-        }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         double *slip = r->between + 2 * engine->n;
         if (!engine->kind->at(engine, t, r->between, slip)) {
             return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
+        }
+        bool stops = interrupted(r);
+        if (stops && (!r->done || r->end == LAC_END_INTERRUPT)) {
+            stop_at(r, t);
+            now = next; // what else is due then
+        } else if (stops && next < now) {
+            return LAC_OK;
         }
         if (next_record == next) {
             r->record_clock.count++;
@@ -211,15 +185,8 @@ static void move_origin(lac_engine *engine)
 static lac_status restart(run *r, double h, lac_error *err)
 {
     r->result->restarts++;
+    r->first_step = h;
     return lac_engine_restart(r->engine, h, err);
-}
-
-// Mean and largest slip rate at the time reached.
-static void measure_speed(run *r)
-{
-    lac_engine *engine = r->engine;
-    lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
-                      &r->max_rate, engine->work);
 }
 
 // Beyond numbers no result is one. The rates are not kept: they are measured again where they are.
@@ -312,7 +279,8 @@ static lac_status step(run *r, lac_error *err)
         LAC_TRY(output_between(r, err));
     }
     // What is put out at a break is what holds from then on.
-    if (!r->done && engine->t >= lac_engine_inner(engine, r->next_break)) {
+    bool goes_on = !r->done || r->end == LAC_END_INTERRUPT;
+    if (goes_on && engine->t >= lac_engine_inner(engine, r->next_break)) {
         LAC_TRY(cross_break(r, err));
         LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
     }
@@ -323,29 +291,37 @@ out:
     return status;
 }
 
-// After a step: beyond a break of the loads, or with a new origin where time runs out of digits.
+// Begins anew at the time reached, from nothing but what a checkpoint holds.
+static lac_status begin_anew(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double own = own_step(engine);
+    if (r->broken) {
+        r->broken = false;
+        return restart(r, own, err);
+    }
+    move_origin(engine);
+    return restart(r, fmax(own, 0.1 * engine->step), err);
+}
+
+// After a step: beyond a break of the loads, at a checkpoint, or with a new origin where time runs
+// out of digits.
 static lac_status go_on(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
+    if (lac_course_checkpoint_due(r)) {
+        lac_status status = begin_anew(r, err);
+        return status == LAC_OK ? lac_course_checkpoint(r, true, err) : status;
+    }
     if (r->broken) {
-        r->broken = false;
-        return restart(r, own_step(engine), err);
+        return begin_anew(r, err);
     }
     if (engine->step < digits * engine->t) {
         move_origin(engine);
         return restart(r, 0.1 * engine->step, err);
     }
     return LAC_OK;
-}
-
-static lac_status too_many_steps(const run *r, lac_error *err)
-{
-    return lac_fail(err, LAC_ENUMERIC,
-                    "%lld steps were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
-                    "rate %g m/s",
-                    (long long)r->def->max_steps, lac_engine_time(r->engine), r->def->end,
-                    r->engine->step, r->mean_rate);
 }
 
 static void report_progress(const run *r)
@@ -361,46 +337,32 @@ static void report_progress(const run *r)
     r->def->progress(r->def->context, &progress);
 }
 
-// Looks now and then whether time goes on: far less than the cells' own time scale in a thousand
-// steps is none at all.
-static lac_status check_advance(run *r, int64_t steps, lac_error *err)
-{
-    const int64_t window = 1000;
-    lac_engine *engine = r->engine;
-    if (steps % window != 0) {
-        return LAC_OK;
-    }
-    double advanced =
-        (engine->origin - r->looked.origin) + (engine->base + engine->t - r->looked.local);
-    bool stalled = r->looked.set && advanced < 1e-9 * own_step(engine);
-    r->looked = (instant){.set = true, .origin = engine->origin, .local = engine->base + engine->t};
-    if (!stalled) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "time no longer advances: %lld steps of %.3g s at t = %.17g s, mean slip rate "
-                    "%g m/s; nothing holds the cells back there (no direct effect, no damping?)",
-                    (long long)window, engine->step, lac_engine_time(engine), r->mean_rate);
-}
-
 static lac_status integrate(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
-    for (int64_t steps = 0; !r->done; steps++) {
-        if (steps >= r->def->max_steps) {
-            return too_many_steps(r, err);
-        }
-        LAC_TRY(check_advance(r, steps, err));
+    while (!r->done) {
+        LAC_TRY(lac_course_check(r, err));
         LAC_TRY(step(r, err));
         report_progress(r);
+        r->steps++;
         if (!r->done) {
             LAC_TRY(go_on(r, err));
         }
     }
-    if (r->end == LAC_END_INTERRUPT) {
-        status =
-            lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", lac_engine_time(r->engine));
+out:
+    return status;
+}
+
+// A run that plans checkpoints has one to go back to, exactly; else one is made here.
+static lac_status interrupt(run *r, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    double time = lac_engine_time(r->engine);
+    if (!lac_course_plans(r->def)) {
+        LAC_TRY(begin_anew(r, err));
+        LAC_TRY(lac_course_checkpoint(r, false, err));
     }
+    status = lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", time);
 out:
     return status;
 }
@@ -427,13 +389,13 @@ static lac_status begin(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
     lac_status status = LAC_OK;
-    LAC_TRY(allocate_output(r, err));
     measure_speed(r);
     LAC_TRY(lac_check_start(r->problem, def, engine->y, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
     LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
+    r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
     LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
         LAC_TRY(snapshot(r, 0.0, engine->y, engine->slip, err));
@@ -443,7 +405,27 @@ static lac_status begin(run *r, lac_error *err)
     // A first step longer than an e-fold of the fastest cell could leap over its failure.
     double h = own_step(engine);
     h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
-    status = lac_engine_restart(engine, fmin(h, 0.5 * fmin(def->end, r->next_break)), err);
+    r->first_step = fmin(h, 0.5 * fmin(def->end, r->next_break));
+    LAC_TRY(lac_engine_restart(engine, r->first_step, err));
+    if (lac_course_plans(def)) {
+        LAC_TRY(lac_course_checkpoint(r, true, err));
+    }
+out:
+    return status;
+}
+
+// Takes up a run where its checkpoint left it. Times that a forced one already put out are over.
+static lac_status take_up(run *r, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_clock *clocks[] = {&r->record_clock, &r->snapshot_clock};
+    LAC_TRY(lac_course_resume(r, err));
+    for (size_t i = 0; i < 2; i++) {
+        while (lac_clock_next(clocks[i]) <= lac_engine_time(r->engine)) {
+            clocks[i]->count++;
+        }
+    }
+    LAC_TRY(lac_engine_restart(r->engine, r->first_step, err));
 out:
     return status;
 }
@@ -479,8 +461,12 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
-    LAC_TRY(begin(&r, err));
+    LAC_TRY(allocate_output(&r, err));
+    LAC_TRY(def->resume != NULL ? take_up(&r, err) : begin(&r, err));
     LAC_TRY(integrate(&r, err));
+    if (r.end == LAC_END_INTERRUPT) {
+        LAC_TRY(interrupt(&r, err));
+    }
 out:
     if (r.engine != NULL) {
         finish(&r);

@@ -84,39 +84,6 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
     return LAC_OK;
 }
 
-// The pressures of a domain's cells, spread about their mean; the load is held.
-static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
-{
-    const lac_spread_place place = {.domain = domain};
-    double *p = domain->pressure;
-    double sum = 0.0;
-    double spread_sum = 0.0;
-    if (!lac_spread_has(&c->interface_spread, "pressure")) {
-        return LAC_OK;
-    }
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += p[i];
-    }
-    lac_status status =
-        lac_spread_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "interface.spread.pressure");
-    }
-    for (size_t i = 0; i < domain->n; i++) {
-        spread_sum += p[i];
-    }
-    for (size_t i = 0; i < domain->n; i++) {
-        p[i] *= sum / spread_sum;
-        if (!(isfinite(p[i]) && p[i] > 0.0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must "
-                            "be finite and > 0",
-                            i, p[i]);
-        }
-    }
-    return LAC_OK;
-}
-
 static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                               lac_error *err)
 {
@@ -124,12 +91,8 @@ static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_
     if (c->surface.about != NULL) {
         LAC_TRY(press(c, keep == LAC_SCENE_MEASURED, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
-    } else if (c->domain.about != NULL) {
-        LAC_TRY(
-            lac_domain_from_source(&c->domain, &out->grid, out->mean_pressure, &out->domain, err));
-        LAC_TRY(spread_pressure(c, out->domain, err));
     } else {
-        LAC_TRY(lac_domain_create(&out->grid, &out->mean_pressure, &out->domain, err));
+        LAC_TRY(lac_scene_domain_create(c, &out->domain, err));
     }
     if (keep != LAC_SCENE_DOMAIN && out->pressure == NULL) {
         LAC_TRY(scatter(out, err));

@@ -105,6 +105,8 @@ static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, 
                            .transfer = &scene->transfer,
                            .loads = scene->loads,
                            .damping = scene->damping,
+                           .mass = lac_inertia_mass(c),
+                           .columns = c->inertia.columns,
                            .log_rate = start,
                            .log_state = start + domain->n,
                            .formulation = (lac_formulation)c->formulation};
@@ -137,6 +139,21 @@ static lac_status make_motion(lac_scene *scene, lac_error *err)
     return status == LAC_OK ? make_problem(scene, &place, err) : status;
 }
 
+// How the loads that go through the rock reach the cells.
+static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
+                              lac_load_set *loads, lac_error *err)
+{
+    if (!lac_load_set_is_shaped(loads)) {
+        return LAC_OK;
+    }
+    loads->shape = malloc(from->domain->n * sizeof *loads->shape);
+    if (loads->shape == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_transfer_tied(&c->transfer, from, loads->shape, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "load.shear: share: elastic");
+}
+
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -145,8 +162,12 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
     lac_friction_free(scene->friction);
     scene->friction = NULL;
     if (loads) {
+        double *shape = scene->loads.shape; // of the contact, which stays
+        scene->loads.shape = NULL;
         lac_load_set_clear(&scene->loads);
-        LAC_TRY(make_loads(scene, files, err));
+        status = make_loads(scene, files, err);
+        scene->loads.shape = shape;
+        LAC_TRY(status);
     }
     LAC_TRY(make_motion(scene, err));
 out:
@@ -185,6 +206,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
         (void)lac_fail_within(err, status, "transfer");
         goto out;
     }
+    LAC_TRY(share_loads(c, &from, &scene->loads, err));
     LAC_TRY(make_motion(scene, err));
     *out = scene;
     scene = NULL;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
 
@@ -17,17 +18,10 @@ typedef struct series_file {
     size_t n;
 } series_file;
 
-static const char magic[][5] = {"\x89HDF", "CDF\x01", "CDF\x02", "CDF\x05"};
-
 bool lac_series_is_netcdf(FILE *stream)
 {
     char head[4];
-    bool found = false;
-    if (fread(head, 1, sizeof head, stream) == sizeof head) {
-        for (size_t i = 0; i < sizeof magic / sizeof magic[0]; i++) {
-            found = found || memcmp(head, magic[i], sizeof head) == 0;
-        }
-    }
+    bool found = lac_netcdf_begins(head, fread(head, 1, sizeof head, stream));
     rewind(stream);
     return found;
 }
@@ -55,8 +49,7 @@ static lac_status find_column(series_file *file, const char *name, int *var, lac
     }
     if (nc_inq_varndims(file->id, *var, &dims) != NC_NOERR || dims != 1 ||
         nc_inq_vardimid(file->id, *var, &dim) != NC_NOERR ||
-        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || type == NC_CHAR || type == NC_STRING ||
-        type > NC_MAX_ATOMIC_TYPE) {
+        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || !lac_netcdf_is_number(type)) {
         return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
                         name);
     }
@@ -66,38 +59,6 @@ static lac_status find_column(series_file *file, const char *name, int *var, lac
     }
     file->dim = dim;
     return LAC_OK;
-}
-
-static void take_unit(const series_file *file, int var, char *unit)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    unit[0] = '\0';
-    if (nc_inq_att(file->id, var, "units", &type, &length) == NC_NOERR && type == NC_CHAR &&
-        length < LONGEST_UNIT && nc_get_att_text(file->id, var, "units", unit) == NC_NOERR) {
-        unit[length] = '\0';
-    }
-    char *string = NULL;
-    if (type == NC_STRING && length == 1 &&
-        nc_get_att_string(file->id, var, "units", &string) == NC_NOERR && string != NULL) {
-        if (strlen(string) < LONGEST_UNIT) {
-            memcpy(unit, string, strlen(string) + 1);
-        }
-        (void)nc_free_string(1, &string);
-    }
-}
-
-static double take_number(const series_file *file, int var, const char *name, double fallback)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    double value = fallback;
-    if (nc_inq_att(file->id, var, name, &type, &length) != NC_NOERR || length != 1 ||
-        type == NC_CHAR || type == NC_STRING ||
-        nc_get_att_double(file->id, var, name, &value) != NC_NOERR) {
-        return fallback;
-    }
-    return value;
 }
 
 // The numbers of a variable, missing ones NaN, packed ones unpacked.
@@ -113,14 +74,7 @@ static lac_status read_numbers(const series_file *file, int var, const char *nam
         free(x);
         return status;
     }
-    double fill = take_number(file, var, "_FillValue", NC_FILL_DOUBLE);
-    double missing = take_number(file, var, "missing_value", (double)NAN);
-    double scale = take_number(file, var, "scale_factor", 1.0);
-    double offset = take_number(file, var, "add_offset", 0.0);
-    for (size_t i = 0; i < file->n; i++) {
-        bool none = x[i] == fill || x[i] == missing;
-        x[i] = none ? (double)NAN : scale * x[i] + offset;
-    }
+    lac_netcdf_unpack(file->id, var, x, file->n);
     *out = x;
     return LAC_OK;
 }
@@ -139,7 +93,7 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
                          file->n, MOST_READINGS));
     }
-    take_unit(file, var, unit);
+    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     if (unit[0] != '\0') {
         status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
         if (status != LAC_OK) {
@@ -175,7 +129,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     double offset = 0.0;
     lac_status status;
     LAC_TRY(find_column(file, c->name, &var, err));
-    take_unit(file, var, unit);
+    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
     if (from != NULL) {
         status = lac_units_convert(units, from, c->si, &scale, &offset, err);

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "store/nc.h"
+#include "store/part.h"
 
 enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
 
@@ -44,21 +45,10 @@ static char *resolve(const char *path, bool exists)
     return exists ? realpath(path, NULL) : strdup(path);
 }
 
-static char *part_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    int folder = slash != NULL ? (int)(slash - path) + 1 : 0;
-    size_t size = (size_t)folder + 48;
-    char *part = malloc(size);
-    if (part != NULL) {
-        (void)snprintf(part, size, "%.*s.lacuna-%ld.part", folder, path, (long)getpid());
-    }
-    return part;
-}
-
-// Takes the temporary name for this process; what a killed one with its number left is removed.
+// Takes the temporary name for this process; what killed ones left of this file is removed.
 static lac_status take_part(lac_nc *file, lac_error *err)
 {
+    lac_part_sweep(file->path);
     (void)unlink(file->part);
     file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     return file->fd >= 0
@@ -123,8 +113,11 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     if (exists && access(path, W_OK) != 0) {
         return lac_fail(err, LAC_EIO, "%s: cannot replace: %s", path, strerror(errno));
     }
+    if (exists && lac_part_locked(AT_FDCWD, path)) {
+        return lac_fail(err, LAC_EIO, "%s: cannot replace: another process is writing it", path);
+    }
     file->path = resolve(path, exists);
-    file->part = file->path != NULL ? part_name(file->path) : NULL;
+    file->part = file->path != NULL ? lac_part_name(file->path) : NULL;
     if (file->part == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
@@ -156,8 +149,41 @@ static int name_exclusively(const char *part, const char *path)
     return rename(part, path);
 }
 
+lac_status lac_nc_pin_old(lac_nc *file, lac_error *err)
+{
+    struct stat info;
+    if (stat(file->path, &info) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", file->path, strerror(errno));
+    }
+    file->old_pinned = true;
+    file->old_dev = info.st_dev;
+    file->old_inode = info.st_ino;
+    return LAC_OK;
+}
+
+static bool stands_at(const char *path, dev_t dev, ino_t inode)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && info.st_dev == dev && info.st_ino == inode;
+}
+
+lac_status lac_nc_check_place(const lac_nc *file, lac_error *err)
+{
+    struct stat own;
+    if (file->fd < 0 || fstat(file->fd, &own) != 0 ||
+        stands_at(file->path, own.st_dev, own.st_ino)) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EIO, "%s: was replaced or removed while it was being written",
+                    file->path);
+}
+
 lac_status lac_nc_publish(lac_nc *file, lac_error *err)
 {
+    if (file->old_pinned && !stands_at(file->path, file->old_dev, file->old_inode)) {
+        return lac_fail(err, LAC_EINPUT, "%s: was replaced meanwhile by another process",
+                        file->path);
+    }
     int failed =
         file->force ? rename(file->part, file->path) : name_exclusively(file->part, file->path);
     if (failed != 0) {

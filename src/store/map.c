@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/netcdf.h"
 #include "base/units.h"
 #include "store/nc.h"
 
@@ -62,11 +63,6 @@ out:
     return status;
 }
 
-static bool is_number(nc_type type)
-{
-    return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
-}
-
 // Whether the dimension of `k` is named so.
 static bool named(const map_file *file, const field *at, int k, const char *name)
 {
@@ -80,7 +76,7 @@ static bool fits(const map_file *file, field *at)
     const lac_grid *grid = &file->domain->grid;
     nc_type type = NC_NAT;
     if (nc_inq_varndims(file->id, at->var, &at->rank) != NC_NOERR || at->rank < 1 || at->rank > 2 ||
-        nc_inq_vartype(file->id, at->var, &type) != NC_NOERR || !is_number(type) ||
+        nc_inq_vartype(file->id, at->var, &type) != NC_NOERR || !lac_netcdf_is_number(type) ||
         nc_inq_vardimid(file->id, at->var, at->dim) != NC_NOERR ||
         nc_inq_varname(file->id, at->var, at->name) != NC_NOERR) {
         return false;
@@ -172,37 +168,13 @@ static lac_status check_axes(const map_file *file, const field *at, lac_error *e
     return LAC_OK;
 }
 
-// A numeric attribute of one value.
-static double number_of(const map_file *file, const field *at, const char *name, double fallback)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    double value = fallback;
-    bool good = nc_inq_att(file->id, at->var, name, &type, &length) == NC_NOERR && length == 1 &&
-                is_number(type) && nc_get_att_double(file->id, at->var, name, &value) == NC_NOERR;
-    return good ? value : fallback;
-}
-
-// What netCDF itself leaves where nothing was written to floating-point variables.
-static double default_fill(const map_file *file, const field *at)
-{
-    nc_type type = NC_NAT;
-    (void)nc_inq_vartype(file->id, at->var, &type);
-    return type == NC_FLOAT ? (double)NC_FILL_FLOAT : type == NC_DOUBLE ? NC_FILL_DOUBLE : NAN;
-}
-
 static lac_status find_unit(const map_file *file, const field *at, double *scale, double *offset,
                             lac_error *err)
 {
-    char unit[100] = "";
-    size_t length = 0;
-    nc_type type = NC_NAT;
+    char unit[100];
     lac_units *units = NULL;
     lac_error why = {""};
-    if (nc_inq_att(file->id, at->var, "units", &type, &length) == NC_NOERR && type == NC_CHAR &&
-        length < sizeof unit) {
-        (void)nc_get_att_text(file->id, at->var, "units", unit);
-    }
+    lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
     *scale = 1.0;
     *offset = 0.0;
     if (unit[0] == '\0') {
@@ -229,24 +201,20 @@ static size_t place_of(const map_file *file, const field *at, size_t cell)
     return at->by_cell ? cell : at->transposed ? turned : index;
 }
 
-static lac_status pick(const map_file *file, const field *at, const double *stored, double *values,
+static lac_status pick(const map_file *file, const field *at, const double *given, double *values,
                        lac_error *err)
 {
     double scale, offset;
-    double fill = number_of(file, at, "_FillValue", default_fill(file, at));
-    double missing = number_of(file, at, "missing_value", NAN);
-    double packed = number_of(file, at, "scale_factor", 1.0);
-    double shift = number_of(file, at, "add_offset", 0.0);
     lac_status status = find_unit(file, at, &scale, &offset, err);
     for (size_t i = 0; status == LAC_OK && i < file->domain->n; i++) {
-        double given = stored[place_of(file, at, i)];
-        if (given == fill || given == missing || !isfinite(given)) {
+        double value = given[place_of(file, at, i)];
+        if (!isfinite(value)) {
             size_t index = file->domain->index[i], nx = file->domain->grid.nx;
             return lac_fail(err, LAC_EINPUT,
                             "%s: %s has no value at ix = %zu, iy = %zu, where the faces touch",
                             file->def->path, at->name, index % nx, index / nx);
         }
-        values[i] = scale * (packed * given + shift) + offset;
+        values[i] = scale * value + offset;
     }
     return status;
 }
@@ -257,16 +225,19 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     map_file file = {.def = def, .domain = domain};
     field at;
     double *stored = NULL;
+    size_t length;
     lac_status status;
     LAC_TRY(open_map(&file, err));
     LAC_TRY(find_field(&file, &at, err));
     LAC_TRY(check_axes(&file, &at, err));
     // no more than the cells of the grid, whatever the file says
-    stored = malloc(at.length[0] * (at.rank == 2 ? at.length[1] : 1) * sizeof *stored);
+    length = at.length[0] * (at.rank == 2 ? at.length[1] : 1);
+    stored = malloc(length * sizeof *stored);
     if (stored == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
     LAC_TRY(check(&file, nc_get_var_double(file.id, at.var, stored), at.name, err));
+    lac_netcdf_unpack(file.id, at.var, stored, length);
     LAC_TRY(pick(&file, &at, stored, values, err));
 out:
     free(stored);

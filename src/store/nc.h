@@ -3,6 +3,7 @@
 #define LACUNA_STORE_NC_H
 
 #include <netcdf.h>
+#include <sys/types.h>
 
 #include "lacuna/store.h"
 
@@ -12,9 +13,12 @@ typedef struct lac_nc {
     int id;
     bool open, published;
     bool force;
-    int fd;     ///< by which space is reserved and the file sealed; -1: none
-    char *path; ///< where it will be
-    char *part; ///< where it is built
+    int fd;          ///< by which space is reserved and the file sealed; -1: none
+    char *path;      ///< where it will be
+    char *part;      ///< where it is built
+    bool old_pinned; ///< takes the place of one file only, which is:
+    dev_t old_dev;
+    ino_t old_inode;
 } lac_nc;
 
 /// One variable: all that a reader is told of it. NULL leaves an attribute out.
@@ -42,9 +46,17 @@ lac_status lac_nc_path(const char *path, bool *exists, lac_error *err);
 /// @return LAC_OK; LAC_EINPUT where `path` exists and `force` is not set; LAC_EIO; LAC_ENOMEM
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err);
 
+/// The file that now stands at `path` is the only one whose place this one will take.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_nc_pin_old(lac_nc *file, lac_error *err);
+
 /// Gives the file its name; it may be open.
-/// @return LAC_OK; LAC_EINPUT where a file has appeared there meanwhile; LAC_EIO
+/// @return LAC_OK; LAC_EINPUT where another file has appeared there meanwhile; LAC_EIO
 lac_status lac_nc_publish(lac_nc *file, lac_error *err);
+
+/// Whether a file that was published still stands at its path.
+/// @return LAC_OK, also where nothing can be said; LAC_EIO
+lac_status lac_nc_check_place(const lac_nc *file, lac_error *err);
 
 /// Reserves disk space for `bytes` more, and some for what HDF5 needs besides: a disk that fills up
 /// under HDF5's hands leaves a file that cannot be opened.

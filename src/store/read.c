@@ -9,8 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/netcdf.h"
+#include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
+#include "store/part.h"
 
 // deflate packs at most this many bytes into one.
 enum { DEFLATE_MAX = 1032 };
@@ -26,7 +29,7 @@ static lac_status fail_open(const lac_input *in, int code, lac_error *err)
     if (code == NC_ENOTNC) {
         return lac_fail(err, LAC_EIO, "%s: is not a netCDF file", in->path);
     }
-    const char *why = code == NC_EHDFERR ? "is damaged, or still being written" : nc_strerror(code);
+    const char *why = code == NC_EHDFERR ? "is damaged" : nc_strerror(code);
     return lac_fail(err, LAC_EIO, "%s: %s", in->path, why);
 }
 
@@ -38,6 +41,10 @@ static lac_status inspect(lac_input *in, lac_error *err)
     lac_status status = lac_nc_path(in->path, &exists, err);
     if (status != LAC_OK) {
         return status;
+    }
+    // What is half written would seem damaged.
+    if (exists && lac_part_locked(AT_FDCWD, in->path)) {
+        return lac_fail(err, LAC_EIO, "%s: another process is writing it", in->path);
     }
     int fd = open(in->path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || fstat(fd, &info) != 0) {
@@ -294,4 +301,15 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
 out:
     lac_input_close(&in);
     return status;
+}
+
+bool lac_stored_is_netcdf(const char *path)
+{
+    char head[4] = {0};
+    FILE *file = fopen(path, "rb");
+    size_t n = file != NULL ? fread(head, 1, sizeof head, file) : 0;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return lac_netcdf_begins(head, n);
 }

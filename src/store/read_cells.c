@@ -389,32 +389,83 @@ out:
     return status;
 }
 
-static lac_status read_contact(const lac_input *in, const lac_snapshot_choice *choice,
-                               lac_stored_cells *out, lac_error *err)
+// The cells that are pressed in the map of a contact, or of a step where steps kept theirs.
+static lac_status read_pressed(const lac_input *in, size_t step, lac_domain **domain,
+                               lac_error *err)
 {
     lac_grid grid;
     double *map = NULL;
+    const char *name = has_variable(in, "step_pressure") ? "step_pressure" : "pressure";
     lac_status status;
-    const bool pressed = has_variable(in, "step_pressure");
+    LAC_TRY(read_axes(in, &grid, err));
+    LAC_TRY(new_doubles(lac_grid_cells(&grid), &map, err));
+    LAC_TRY(read_map(in, name, step, &grid, map, err));
+    status = lac_domain_create(&grid, map, domain, err);
+    if (status != LAC_OK) {
+        status = lac_fail_within(err, status, "%s", in->path);
+    }
+out:
+    free(map);
+    return status;
+}
+
+static lac_status read_contact(const lac_input *in, const lac_snapshot_choice *choice,
+                               lac_stored_cells *out, lac_error *err)
+{
+    double *map = NULL;
+    lac_status status = LAC_OK;
     out->kind = LAC_STORED_CONTACT;
     out->snapshots = 1;
     out->time = NAN;
-    LAC_TRY(read_axes(in, &grid, err));
     if (has_variable(in, "step")) {
         LAC_TRY(choose_step(in, choice, out, err));
     } else if (choice->by != LAC_SNAPSHOT_LAST) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
     }
-    LAC_TRY(new_doubles(lac_grid_cells(&grid), &map, err));
-    LAC_TRY(read_map(in, pressed ? "step_pressure" : "pressure", out->index, &grid, map, err));
-    status = lac_domain_create(&grid, map, &out->domain, err);
-    if (status != LAC_OK) {
-        status = lac_fail_within(err, status, "%s", in->path);
-        goto out;
-    }
+    LAC_TRY(read_pressed(in, out->index, &out->domain, err));
+    LAC_TRY(new_doubles(lac_grid_cells(&out->domain->grid), &map, err));
     LAC_TRY(read_shear(in, map, out, err));
 out:
     free(map);
+    return status;
+}
+
+static bool is_run(const lac_input *in)
+{
+    int grid = 0;
+    return nc_inq_attid(in->id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR;
+}
+
+static bool is_contact(const lac_input *in)
+{
+    return length_of(in, "x") > 0 && length_of(in, "y") > 0;
+}
+
+static lac_status fail_other(const lac_input *in, lac_error *err)
+{
+    return lac_fail(err, LAC_EIO, "%s: is neither a run nor a contact", in->path);
+}
+
+lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err)
+{
+    lac_input in;
+    lac_status status;
+    *domain = NULL;
+    LAC_TRY(lac_input_open(&in, path, err));
+    if (is_run(&in)) {
+        LAC_TRY(read_domain(&in, domain, err));
+    } else if (is_contact(&in)) {
+        size_t steps = has_variable(&in, "step_pressure") ? length_of(&in, "step") : 0;
+        LAC_TRY(read_pressed(&in, steps > 0 ? steps - 1 : 0, domain, err));
+    } else {
+        LAC_TRY(fail_other(&in, err));
+    }
+out:
+    lac_input_close(&in);
+    if (status != LAC_OK) {
+        lac_domain_free(*domain);
+        *domain = NULL;
+    }
     return status;
 }
 
@@ -422,17 +473,16 @@ lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *ch
                                  lac_stored_cells *out, lac_error *err)
 {
     lac_input in;
-    int grid = 0;
     lac_status status = LAC_OK;
     *out = (lac_stored_cells){0};
     LAC_TRY(lac_input_open(&in, path, err));
     LAC_TRY(read_provenance(&in, out, err));
-    if (nc_inq_attid(in.id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR) {
+    if (is_run(&in)) {
         LAC_TRY(read_run(&in, choice, out, err));
-    } else if (length_of(&in, "x") > 0 && length_of(&in, "y") > 0) {
+    } else if (is_contact(&in)) {
         LAC_TRY(read_contact(&in, choice, out, err));
     } else {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is neither a run nor a contact", path));
+        LAC_TRY(fail_other(&in, err));
     }
 out:
     lac_input_close(&in);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/date.h"
 
@@ -45,6 +46,41 @@ static lac_status sync_file(lac_store *s, lac_error *err)
     return lac_nc_check(s->file.path, nc_sync(s->file.id), err, "write", "");
 }
 
+// What a checkpoint says of who made it.
+static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
+{
+    const lac_provenance *from = &def->provenance;
+    const char *parts[] = {from->case_text != NULL ? from->case_text : "",
+                           def->inputs != NULL ? def->inputs : ""};
+    size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
+    s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
+    s->case_text = malloc(size);
+    if (s->libraries == NULL || s->case_text == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
+    return LAC_OK;
+}
+
+// A new file, or the one that is there up to its checkpoint.
+static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_nc_create(&s->file, def->path, def->force || def->resume != NULL, err));
+    LAC_TRY(name_time_unit(s, def, err));
+    LAC_TRY(lac_store_define(s, def, err));
+    if (def->resume != NULL) {
+        LAC_TRY(lac_store_take_over(s, def->resume, err));
+    }
+    LAC_TRY(sync_file(s, err));
+    if (def->resume == NULL) {
+        lac_store_remove_checkpoint(s->file.path); // of the file that is replaced
+    }
+    LAC_TRY(lac_nc_publish(&s->file, err));
+out:
+    return status;
+}
+
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err)
 {
     assert(def->fields == 0 || def->domain != NULL);
@@ -59,8 +95,10 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     s->dated = def->dated;
     s->start_date = def->start_date;
     s->now = def->provenance.now;
+    s->begun = def->resume != NULL ? def->resume->begun : s->now;
     s->sync_every = def->sync_every > 1 ? (size_t)def->sync_every : 1;
     s->capacity = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX;
+    s->file.fd = -1;
     s->rows = malloc(s->capacity * sizeof *s->rows);
     if (s->rows == NULL) {
         LAC_TRY(lac_fail_memory(err));
@@ -69,11 +107,8 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     if (def->events) {
         LAC_TRY(lac_store_create_events(s, err));
     }
-    LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY(name_time_unit(s, def, err));
-    LAC_TRY(lac_store_define(s, def, err));
-    LAC_TRY(sync_file(s, err));
-    LAC_TRY(lac_nc_publish(&s->file, err));
+    LAC_TRY(keep_provenance(s, def, err));
+    LAC_TRY(begin_file(s, def, err));
     *out = s;
     s = NULL;
 out:
@@ -239,12 +274,49 @@ out:
     return status;
 }
 
+static void keep(void *context, lac_tape *tape)
+{
+    lac_store *s = context;
+    uint64_t records = s->written + s->buffered;
+    uint64_t snapshots = s->snapshots;
+    uint64_t events = s->events_written + s->events_buffered;
+    lac_tape_pass(tape, &records, sizeof records);
+    lac_tape_pass(tape, &snapshots, sizeof snapshots);
+    lac_tape_pass(tape, &events, sizeof events);
+    lac_tape_pass(tape, &s->has_last, sizeof s->has_last);
+    lac_tape_pass(tape, &s->last_origin, sizeof s->last_origin);
+    lac_tape_pass(tape, &s->last_local, sizeof s->last_local);
+    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots ||
+                      events != s->events_written + s->events_buffered;
+}
+
+// What was put out before is on disk before the checkpoint counts on it.
+static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
+{
+    lac_store *s = context;
+    lac_status status = LAC_OK;
+    LAC_TRY(write_rows(s, err));
+    LAC_TRY(lac_store_write_events(s, err));
+    LAC_TRY(sync_file(s, err));
+    LAC_TRY(lac_nc_check_place(&s->file, err));
+    errno = 0;
+    if (s->file.fd >= 0 && fsync(s->file.fd) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", s->file.path, strerror(errno)));
+    }
+    LAC_TRY(lac_store_put_checkpoint(s, checkpoint, err));
+    s->has_checkpoint = true;
+out:
+    return status;
+}
+
 lac_sink lac_store_sink(lac_store *store)
 {
     return (lac_sink){.context = store,
                       .record = put_record,
                       .snapshot = put_snapshot,
-                      .event = store->events != NULL ? lac_store_put_event : NULL};
+                      .event = store->events != NULL ? lac_store_put_event : NULL,
+                      .keep = keep,
+                      .checkpoint = put_checkpoint};
 }
 
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
@@ -261,6 +333,10 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
     const char *said = first == LAC_OK ? status : "failed";
     lac_status second = lac_store_put_result(store, said, result, wall_time, later);
     lac_status third = lac_nc_close(&store->file, second == LAC_OK ? later : NULL);
+    bool whole = first == LAC_OK && second == LAC_OK && third == LAC_OK;
+    if (whole && store->has_checkpoint && strcmp(status, "complete") == 0) {
+        lac_store_remove_checkpoint(store->file.path);
+    }
     return first != LAC_OK ? first : second != LAC_OK ? second : third;
 }
 
@@ -275,6 +351,8 @@ void lac_store_free(lac_store *store)
     }
     lac_nc_clear(&store->file);
     free(store->rows);
+    free(store->libraries);
+    free(store->case_text);
     lac_store_clear_extras(store);
     free(store->events);
     free(store);

@@ -30,6 +30,9 @@ struct lac_store {
     lac_event *events;      ///< [capacity] not yet written; NULL: no catalogue
     int event_ids[LAC_EVENT_COLUMNS];
     size_t events_buffered, events_written;
+    char *libraries, *case_text; ///< owned; for the checkpoint
+    double begun; ///< when the file, or the one it goes on from, was made; seconds since 1970
+    bool has_checkpoint; ///< one of this run is beside the file
 };
 
 /// Room for a catalogue of events; `capacity` is set.
@@ -49,6 +52,19 @@ lac_status lac_store_reserve(lac_store *store, size_t bytes, lac_error *err);
 
 /// The sink's `event`. @param context  the store
 lac_status lac_store_put_event(void *context, const lac_event *event, lac_error *err);
+
+/// Makes the store the continuation of the file at its path; what it holds up to the checkpoint is
+/// copied.
+/// @return LAC_OK; LAC_EIO (not a file of Lacuna, damaged, full disk); LAC_ENOMEM
+lac_status lac_store_take_over(lac_store *store, const lac_kept_checkpoint *from, lac_error *err);
+
+/// Writes the checkpoint beside the file, whole or not at all: one that is there stays until then.
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_store_put_checkpoint(const lac_store *store, const lac_checkpoint *checkpoint,
+                                    lac_error *err);
+
+/// Removes what checkpoint there is beside a file.
+void lac_store_remove_checkpoint(const char *path);
 
 /// Room for what an analysis adds; `capacity` is set.
 lac_status lac_store_create_extras(lac_store *store, const lac_store_def *def, lac_error *err);

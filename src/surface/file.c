@@ -318,7 +318,7 @@ const lac_surface_source lac_surface_from_file = {
         {
             .name = "file",
             .summary = "measured heights, read from a file, or from two, one a face",
-            .reference = "",
+            .reference = "docs/surfaces-from-files.md",
             .params = file_params,
             .param_count = sizeof file_params / sizeof file_params[0],
             .params_size = sizeof(lac_surface_file),

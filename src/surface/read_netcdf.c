@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/netcdf.h"
 #include "surface/classic.h"
 
 typedef struct grid_file {
@@ -44,8 +45,7 @@ static bool is_candidate(const grid_file *file, int var)
     int dims = 0;
     nc_type type = NC_NAT;
     return nc_inq_varndims(file->id, var, &dims) == NC_NOERR && dims == 2 &&
-           nc_inq_vartype(file->id, var, &type) == NC_NOERR && type != NC_CHAR &&
-           type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
+           nc_inq_vartype(file->id, var, &type) == NC_NOERR && lac_netcdf_is_number(type);
 }
 
 // `heights` or `z` if there is one, else the only variable of two dimensions.
@@ -94,46 +94,13 @@ out:
     return status;
 }
 
-// A text attribute; "" where there is none that fits.
-static void take_text(const grid_file *file, int var, const char *name, char *text, size_t size)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    if (nc_inq_att(file->id, var, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
-        length < size && nc_get_att_text(file->id, var, name, text) == NC_NOERR) {
-        text[length] = '\0';
-    }
-    char *string = NULL;
-    if (type == NC_STRING && length == 1 &&
-        nc_get_att_string(file->id, var, name, &string) == NC_NOERR && string != NULL) {
-        if (strlen(string) < size) {
-            memcpy(text, string, strlen(string) + 1);
-        }
-        (void)nc_free_string(1, &string);
-    }
-}
-
 // CF says units, SurfaceTopography unit or, in old files, length_unit.
 static void take_unit(const grid_file *file, int var, char *unit, size_t size)
 {
     static const char *const names[] = {"units", "unit", "length_unit"};
     for (size_t i = 0; i < sizeof names / sizeof names[0] && unit[0] == '\0'; i++) {
-        take_text(file, var, names[i], unit, size);
+        lac_netcdf_text(file->id, var, names[i], unit, size);
     }
-}
-
-// A numeric attribute of one value.
-static double take_number(const grid_file *file, const char *name, double fallback)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    double value = fallback;
-    if (nc_inq_att(file->id, file->var, name, &type, &length) != NC_NOERR || length != 1 ||
-        type == NC_CHAR || type == NC_STRING ||
-        nc_get_att_double(file->id, file->var, name, &value) != NC_NOERR) {
-        return fallback;
-    }
-    return value;
 }
 
 // The coordinate of a dimension. `spacing` is negative where it falls; NaN where there is none.
@@ -173,46 +140,6 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
 out:
     free(x);
     return status;
-}
-
-// What netCDF itself puts where nothing was written; bytes have no such value.
-static double default_fill(const grid_file *file)
-{
-    nc_type type = NC_NAT;
-    (void)nc_inq_vartype(file->id, file->var, &type);
-    switch (type) {
-    case NC_SHORT:
-        return NC_FILL_SHORT;
-    case NC_INT:
-        return NC_FILL_INT;
-    case NC_FLOAT:
-        return (double)NC_FILL_FLOAT;
-    case NC_DOUBLE:
-        return NC_FILL_DOUBLE;
-    case NC_USHORT:
-        return NC_FILL_USHORT;
-    case NC_UINT:
-        return NC_FILL_UINT;
-    case NC_INT64:
-        return (double)NC_FILL_INT64;
-    case NC_UINT64:
-        return (double)NC_FILL_UINT64;
-    default:
-        return (double)NAN;
-    }
-}
-
-// Stored numbers to heights: missing ones to NaN, packed ones unpacked.
-static void unpack(const grid_file *file, double *h, size_t n)
-{
-    double fill = take_number(file, "_FillValue", default_fill(file));
-    double missing = take_number(file, "missing_value", (double)NAN);
-    double scale = take_number(file, "scale_factor", 1.0);
-    double offset = take_number(file, "add_offset", 0.0);
-    for (size_t i = 0; i < n; i++) {
-        bool none = h[i] == fill || h[i] == missing;
-        h[i] = none ? (double)NAN : scale * h[i] + offset;
-    }
 }
 
 static lac_status transpose(lac_height_map *map, lac_error *err)
@@ -281,7 +208,7 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
         memcpy(map->height_unit, map->lateral_unit, sizeof map->height_unit);
     }
     LAC_TRY(check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
-    unpack(file, map->heights, map->nx * map->ny);
+    lac_netcdf_unpack(file->id, file->var, map->heights, map->nx * map->ny);
     LAC_TRY(arrange(file, map, err));
 out:
     return status;

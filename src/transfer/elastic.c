@@ -163,10 +163,10 @@ static lac_status find_anchor(lac_elastic *e, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
-                         lac_error *err)
+// The rock of some parameters on a domain, without what a Newton iteration needs beside it.
+static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene *scene,
+                        lac_rock *rock, lac_elastic **out, lac_error *err)
 {
-    const lac_transfer_elastic *p = given;
     lac_status status = LAC_OK;
     lac_elastic *e = NULL;
     LAC_TRY(check(p, scene, err));
@@ -174,19 +174,33 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     if (e == NULL) {
         return lac_fail_memory(err);
     }
-    lac_rock rock = {.shear_modulus = scene->shear_modulus,
-                     .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
-                     .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
-                     .antiplane = p->mode == ANTIPLANE,
-                     .line = scene->line,
-                     .creeping = p->outside == CREEPING};
+    *rock = (lac_rock){.shear_modulus = scene->shear_modulus,
+                       .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
+                       .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
+                       .antiplane = p->mode == ANTIPLANE,
+                       .line = scene->line,
+                       .creeping = p->outside == CREEPING};
     e->n = scene->domain->n;
     e->h = scene->hierarchy;
-    e->direct = is_full(scene->domain) && (scene->domain->grid.periodic || rock.creeping);
-    e->floating = isinf(rock.thickness) && !rock.creeping;
+    e->direct = is_full(scene->domain) && (scene->domain->grid.periodic || rock->creeping);
+    e->floating = isinf(rock->thickness) && !rock->creeping;
     e->tolerance = p->tolerance;
     e->newton_tolerance = p->newton_tolerance;
-    LAC_TRY(lac_compliance_create(scene->domain, &rock, &e->rock, err));
+    LAC_TRY(lac_compliance_create(scene->domain, rock, &e->rock, err));
+    *out = e;
+    e = NULL;
+out:
+    destroy(e);
+    return status;
+}
+
+static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
+                         lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_elastic *e = NULL;
+    lac_rock rock = {0};
+    LAC_TRY(begin(given, scene, &rock, &e, err));
     LAC_TRY(calibrate(scene, rock.poisson, e, err));
     if (!e->floating) {
         LAC_TRY(find_anchor(e, err));
@@ -196,6 +210,63 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     }
     *state = e;
     e = NULL;
+out:
+    destroy(e);
+    return status;
+}
+
+// C tau = 1 where the rock behind holds the cells; else tau = 1 - K C 1, whose slip is uniform.
+static lac_status tie(const lac_elastic *e, double *share, lac_error *err)
+{
+    size_t n = e->n;
+    double sum = 0, rest = 0;
+    double *slip = malloc((n + lac_elastic_work(e)) * sizeof *slip);
+    if (slip == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        slip[i] = 1;
+    }
+    if (e->floating) {
+        lac_compliance_slip(e->rock, slip, slip);
+    }
+    int iterations = lac_elastic_apply(e, slip, share, slip + n);
+    free(slip);
+    for (size_t i = 0; i < n; i++) {
+        share[i] = e->floating ? 1 - share[i] : share[i];
+        sum += share[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        share[i] *= (double)n / sum;
+        rest += 1 - share[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        share[i] += rest / (double)n;
+    }
+    if (iterations < 0 || !isfinite(rest)) {
+        return lac_fail(
+            err, LAC_ENUMERIC,
+            "the tractions of %zu cells that slip alike were not found in %d iterations", n,
+            LAC_ELASTIC_ITERATIONS);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *scene, double *share,
+                             lac_error *err)
+{
+    lac_transfer_elastic p;
+    lac_rock rock = {0};
+    lac_elastic *e = NULL;
+    lac_status status = lac_params_default(&lac_elastic_kind.about, &p, err);
+    if (status == LAC_OK && slot->about == &lac_elastic_kind.about) {
+        p = *(const lac_transfer_elastic *)slot->params;
+    }
+    LAC_TRY(status);
+    p.tolerance = 1e-11;
+    LAC_TRY(begin(&p, scene, &rock, &e, err));
+    e->preconditioner = LAC_BY_DIAGONAL; // which needs no calibration
+    LAC_TRY(tie(e, share, err));
 out:
     destroy(e);
     return status;

@@ -7,8 +7,6 @@
 
 #include "transfer/krylov.h"
 
-enum { MOST_ITERATIONS = 1000 };
-
 // One system (D + K + k_mean P) x = y while it is solved.
 typedef struct job {
     const lac_elastic *e;
@@ -126,7 +124,8 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
         r[i] = y[i] - r[i];
     }
     memcpy(x, start, n * sizeof *x);
-    return lac_krylov_solve(&system, x, r, size, j->e->newton_tolerance, MOST_ITERATIONS, work + n);
+    return lac_krylov_solve(&system, x, r, size, j->e->newton_tolerance, LAC_ELASTIC_ITERATIONS,
+                            work + n);
 }
 
 // 2. K is the inverse of C, D > 0: (C + D^-1) tau = D^-1 y, x = C tau + m.
@@ -193,8 +192,8 @@ static int solve_traction(job *j, const double *y, double *x, double *work)
     (void)precondition_traction(j, r, tau);
     double size = lac_krylov_dot(n, j->v, j->w) + rigid * rigid / j->sum_d;
     memset(tau, 0, n * sizeof *tau);
-    int iterations =
-        lac_krylov_solve(&system, tau, r, size, e->newton_tolerance, MOST_ITERATIONS, tau + n);
+    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
+                                      LAC_ELASTIC_ITERATIONS, tau + n);
     lac_compliance_slip(e->rock, tau, x);
     for (size_t i = 0; i < n; i++) {
         x[i] += j->w[i];
@@ -252,8 +251,8 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     double size = precondition_squared(j, r, tau);
     size += e->floating ? off * off * j->sum_d : 0;
     memset(tau, 0, n * sizeof *tau);
-    int iterations =
-        lac_krylov_solve(&system, tau, r, size, e->newton_tolerance, MOST_ITERATIONS, tau + n);
+    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
+                                      LAC_ELASTIC_ITERATIONS, tau + n);
     lac_compliance_slip(e->rock, tau, x);
     return iterations;
 }
@@ -335,7 +334,7 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
     }
     lac_krylov system = {n, &j, multiply_compliance, precondition_compliance};
     memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, NAN, e->tolerance, MOST_ITERATIONS,
+    int iterations = lac_krylov_solve(&system, tau, r, NAN, e->tolerance, LAC_ELASTIC_ITERATIONS,
                                       j.scratch + lac_hierarchy_work(e->h));
     take_mean_off(e, tau);
     for (size_t i = 0; i < n; i++) {

@@ -23,6 +23,8 @@ typedef struct lac_elastic {
 /// What conjugate gradients are preconditioned with; the hierarchy unless another is measured.
 enum { LAC_BY_HIERARCHY, LAC_BY_DIAGONAL, LAC_BY_NOTHING };
 
+enum { LAC_ELASTIC_ITERATIONS = 1000 }; ///< at most
+
 /// Doubles of scratch of the two functions below.
 size_t lac_elastic_work(const lac_elastic *e);
 

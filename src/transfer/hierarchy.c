@@ -143,7 +143,8 @@ static double stiffness(const void *state, size_t level)
 const lac_transfer_kind lac_hierarchy_kind = {
     .about = {.name = "hierarchy",
               .summary = "at every scale a block's slip relative to its parent's is resisted",
-              .reference = "",
+              .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, "
+                           "Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
               .params = params,
               .param_count = sizeof params / sizeof *params,
               .params_size = sizeof(lac_transfer_hierarchy)},

@@ -461,7 +461,7 @@ class Signals(Case):
         done = json.loads(out)
         self.assertEqual(done["status"], "interrupted")
         self.assertGreater(done["steps"], 0)
-        self.assertRegex(err, r"^lacuna: interrupted at .*; long.nc holds the run up to there\n$")
+        self.assertRegex(err, r"^lacuna: interrupted at .*; long.nc holds the run up to there, and --resume goes on\n$")
 
     def test_sigint(self):
         self.interrupt(signal.SIGINT)

@@ -414,7 +414,7 @@ static void tables_describe_themselves(void **state)
         assert_true(kind->name[0] != '\0' && kind->summary[0] != '\0');
         assert_non_null(kind->at(0));
     }
-    assert_int_equal(kinds, LAC_KIND_INDICATOR + 1);
+    assert_int_equal(kinds, LAC_KINDS);
     for (size_t i = 0; lac_section_at(i) != NULL; i++) {
         const lac_section *section = lac_section_at(i);
         for (size_t k = 0; k < section->param_count; k++, rows++) {

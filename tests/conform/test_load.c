@@ -73,6 +73,8 @@ static lac_slot drawn_once(const lac_descriptor *about, uint64_t trial)
         } else if (param->type == LAC_CHOICE && strcmp(param->key, "outside") == 0) {
             test_slot_set(&slot, param->key,
                           1 + (double)(trial % 2 < 1 || param->choices[2] == NULL ? 0 : 1));
+        } else if (param->type == LAC_CHOICE && strcmp(param->key, "share") == 0) {
+            test_slot_set(&slot, param->key, (double)(trial % 3));
         } else if (param->type == LAC_CHOICE) {
             test_slot_set(&slot, param->key, (double)(trial % 2));
         } else if (param->type == LAC_PATH) {
@@ -120,7 +122,7 @@ static void ready_clear(ready *r)
 }
 
 // The values of a load and their rates.
-enum { QUANTITIES = 5 };
+enum { QUANTITIES = 8 };
 
 typedef struct sample {
     double value[QUANTITIES], rate[QUANTITIES];
@@ -128,8 +130,10 @@ typedef struct sample {
 
 static sample sample_of(const lac_load_state *s)
 {
-    return (sample){{s->ratio, s->stress, s->spring_stress, s->back_slip, s->pore},
-                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->back_rate, s->pore_rate}};
+    return (sample){{s->ratio, s->stress, s->spring_stress, s->back_slip, s->pore, s->elastic,
+                     s->equal_ratio, s->elastic_ratio},
+                    {s->ratio_rate, s->stress_rate, s->spring_rate, s->back_rate, s->pore_rate,
+                     s->elastic_rate, 0, 0}};
 }
 
 static sample sample_at(const lac_load *load, double t)
@@ -146,7 +150,7 @@ static double break_after(const lac_load *load, double t)
 
 static double total(const double x[QUANTITIES])
 {
-    return x[0] + 0.7 * x[1] + 0.3 * x[2] + 0.9 * x[3] + 0.6 * x[4];
+    return x[0] + 0.7 * x[1] + 0.3 * x[2] + 0.9 * x[3] + 0.6 * x[4] + 0.8 * x[5] + x[6] + x[7];
 }
 
 static double total_rate(double t, void *load)
@@ -268,6 +272,56 @@ static void the_sum_is_linear(void **state)
     on_every_load(check_sum);
 }
 
+static bool has_share(const lac_descriptor *about)
+{
+    for (size_t i = 0; i < about->param_count; i++) {
+        if (strcmp(about->params[i].key, "share") == 0 && about->params[i].type == LAC_CHOICE) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Shared one way or the other, the force is the same; none is in two shares.
+static void check_share(const lac_load_kind *kind, bool is_pore)
+{
+    assert_true(!is_pore || !has_share(&kind->about));
+    for (uint64_t trial = 0; has_share(&kind->about) && trial < TRIALS; trial++) {
+        lac_slot slot = drawn(&kind->about, trial);
+        lac_load_state seen[3];
+        for (int share = 0; share < 3; share++) {
+            test_slot_set(&slot, "share", share);
+            assert_int_equal(lac_load_slot_share(&slot), share);
+            lac_load_set set = test_load_set(&(lac_load_slots){.shear = &slot, .shear_count = 1});
+            assert_true(lac_load_set_is_shaped(&set) == (share == LAC_SHARE_ELASTIC));
+            lac_load_evaluate(&set, 5, &seen[share]);
+            lac_load_set_clear(&set);
+        }
+        const lac_load_state *by = seen;
+        assert_true(by[0].stress == by[1].spring_stress && by[0].stress == by[2].elastic);
+        assert_true(by[0].stress_rate == by[1].spring_rate);
+        assert_true(by[0].stress_rate == by[2].elastic_rate);
+        assert_true(by[0].ratio == by[1].equal_ratio && by[0].ratio == by[2].elastic_ratio);
+        for (int share = 0; share < 3; share++) {
+            assert_true(lac_load_shear(&by[share], 3e6) == lac_load_shear(&by[0], 3e6));
+        }
+        assert_true(by[1].stress == 0 && by[2].stress == 0 && by[2].spring_stress == 0);
+        assert_true(by[1].ratio == 0 && by[2].ratio == 0 && by[2].equal_ratio == 0);
+        lac_slot_clear(&slot);
+    }
+}
+
+static void a_force_is_the_same_however_shared(void **state)
+{
+    (void)state;
+    on_every_load(check_share);
+    size_t shared = 0;
+    for (size_t i = 0; lac_shear_load_at(i) != NULL; i++) {
+        shared += has_share(&lac_shear_load_at(i)->about);
+    }
+    assert_int_equal(shared, 7); // all but the spring and back-slip
+}
+
 // A pore load leaves the shear alone and the other way round.
 static void check_kind(const lac_load_kind *kind, bool is_pore)
 {
@@ -277,10 +331,12 @@ static void check_kind(const lac_load_kind *kind, bool is_pore)
         lac_load_evaluate(&r.set, 4, &sum);
         if (is_pore) {
             assert_true(sum.ratio == 0 && sum.stress == 0 && sum.spring_stiffness == 0);
+            assert_true(sum.elastic == 0 && sum.equal_ratio == 0 && sum.elastic_ratio == 0);
         } else {
             assert_true(sum.pore == 0 && sum.pore_rate == 0);
         }
-        bool has_ratio = sum.ratio != 0 || sum.ratio_rate != 0;
+        bool has_ratio =
+            sum.ratio != 0 || sum.ratio_rate != 0 || sum.equal_ratio != 0 || sum.elastic_ratio != 0;
         assert_true(kind->fixes_shear || !has_ratio);
         ready_clear(&r);
     }
@@ -385,6 +441,7 @@ int main(void)
         cmocka_unit_test(every_load_is_documented),
         cmocka_unit_test(rates_are_slopes_and_breaks_the_only_jumps),
         cmocka_unit_test(the_sum_is_linear),
+        cmocka_unit_test(a_force_is_the_same_however_shared),
         cmocka_unit_test(each_kind_moves_only_its_own),
         cmocka_unit_test(normal_loads_press),
     };

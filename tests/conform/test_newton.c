@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The exact Newton solve of the creep problem against a dense solve with a Jacobian by finite
 // differences, for every friction law, form and formulation, with and without cut-offs and the
-// response to normal stress, under every kind of load, one by one and all at once, and for cells
-// that slide backwards.
+// response to normal stress, under every kind of load, one by one and all at once, for cells that
+// slide backwards, and for those that carry the mass of a block.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -51,9 +51,9 @@ static const lac_formulation formulations[] = {LAC_FORMULATION_RATE, LAC_FORMULA
 // What of unknown k is worth an e-fold of v or theta.
 static double *scales(const lac_problem *problem)
 {
-    size_t m = 2 * lac_problem_cells(problem);
+    size_t m = lac_problem_unknowns(problem);
     double *scale = malloc(m * sizeof *scale);
-    const double nothing[128] = {0};
+    const double nothing[192] = {0};
     lac_problem_weights(problem, nothing, 1.0, scale);
     for (size_t i = 0; i < m; i++) {
         scale[i] = 1.0 / scale[i];
@@ -66,7 +66,7 @@ static double *scales(const lac_problem *problem)
 static void jacobian(const lac_problem *problem, double t, const double *y, const double *scale,
                      gsl_matrix *j)
 {
-    size_t m = 2 * lac_problem_cells(problem);
+    size_t m = lac_problem_unknowns(problem);
     double *work = calloc(lac_problem_work(problem), sizeof *work);
     double *at = malloc(5 * m * sizeof *at);
     const double offset[] = {-2.0, -1.0, 1.0, 2.0};
@@ -89,7 +89,7 @@ static void jacobian(const lac_problem *problem, double t, const double *y, cons
 
 static void check_solve(const lac_problem *problem, const double *y, double t, double gamma)
 {
-    size_t m = 2 * lac_problem_cells(problem);
+    size_t m = lac_problem_unknowns(problem);
     gsl_matrix *a = gsl_matrix_alloc(m, m);
     gsl_vector *b = gsl_vector_alloc(m);
     gsl_vector *x = gsl_vector_alloc(m);
@@ -205,6 +205,58 @@ static void newton_solve_is_exact_backwards(void **state)
     }
 }
 
+// Puts every cell of a block with mass up to a tenth of an e-fold off the rate that balances it.
+static void put_near_balance(const tree *t, const tree_def *def, double time, double *y)
+{
+    size_t n = t->domain->n;
+    double *work = calloc(lac_problem_work(t->problem), sizeof *work);
+    double v[64];
+    double traction[64];
+    for (size_t k = 0; k < n; k++) {
+        y[2 * n + k] = 1e-9 * (double)(k % 7);
+    }
+    lac_problem_rates(t->problem, time, y, v, work);
+    lac_problem_traction(t->problem, time, y + 2 * n, traction, work);
+    for (size_t k = 0; k < n; k++) {
+        double u = lac_friction_rate_for(t->friction, k, y[n + k], fabs(traction[k]),
+                                         t->domain->pressure[k], def->damping);
+        double off = 0.2 * def->columns * (lac_random_uniform(8, LAC_STREAM_TEST, k, 0) - 0.5);
+        assert_true(isfinite(u));
+        y[k] += u + off - log(v[k]);
+        y[k] *= traction[k] < 0.0 ? -1.0 : 1.0;
+    }
+    free(work);
+}
+
+// Masses from one that hardly counts to one that holds everything, of a block and in columns,
+// sliding forwards and, where friction allows it, backwards.
+static void newton_solve_is_exact_with_mass(void **state)
+{
+    (void)state;
+    const double masses[] = {1e-3, 1e3, 1e9};
+    const double parts[] = {0.01, 0.5, 1.0};
+    const int with = BY_RATIO | BY_SPRING;
+    for (uint64_t i = 0; i < 3 * 3 * 3; i++) {
+        bool back = i % 3 == 2;
+        tree_def def = small(lac_friction_law_at(0), i % 3 > 0, 1 + i % 4);
+        lac_load load = {.kind = &pull_row, .params = back ? &pulls[1] : &with};
+        def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+        def.mass = masses[i / 3 % 3];
+        def.columns = parts[i / 9];
+        double time = back ? -1.27e5 : 5.0;
+        double y[192];
+        tree t;
+        tree_create(&def, &t);
+        lac_problem_initial(t.problem, y);
+        put_near_balance(&t, &def, time, y);
+        assert_true(back == (y[0] < 0.0) || def.form == LAC_FORM_PLAIN);
+        for (double gamma = 1e-3; gamma < 20.0; gamma *= 10.0) {
+            check_solve(t.problem, y, time, gamma);
+        }
+        tree_clear(&t);
+    }
+}
+
 // A step longer than a weakening cell allows is refused, not solved wrongly.
 static void too_long_a_step_is_refused(void **state)
 {
@@ -232,6 +284,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(newton_solve_is_exact),
         cmocka_unit_test(newton_solve_is_exact_backwards),
+        cmocka_unit_test(newton_solve_is_exact_with_mass),
         cmocka_unit_test(too_long_a_step_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,6 +28,7 @@ block_def block_default(double m, double x)
                        .dc = 1.0,
                        .v0 = 1.0,
                        .pressure = 1e6,
+                       .columns = 1.0,
                        .slip_rate = pow(x, -m),
                        .x = x};
 }
@@ -91,6 +92,8 @@ void block_create(const block_def *def, block *out)
                                .transfer = &out->transfer,
                                .loads = out->loads,
                                .damping = def->damping,
+                               .mass = def->mass,
+                               .columns = def->columns,
                                .log_rate = &u,
                                .log_state = &w,
                                .formulation = def->formulation};

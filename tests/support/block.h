@@ -11,9 +11,10 @@ typedef struct block_def {
     double f0, a, b, dc, v0;
     double v1, v2, alpha, vc; // 0: none, or the default
     double pressure, damping;
-    double slip_rate; // at the start
-    double x;         // theta/theta_ss under the load that follows
-    double theta;     // instead of x [s]; 0: x counts
+    double mass, columns; // [kg/m2], [1]; 0: none
+    double slip_rate;     // at the start
+    double x;             // theta/theta_ss under the load that follows
+    double theta;         // instead of x [s]; 0: x counts
     lac_formulation formulation;
     const lac_slot *shear;
     size_t shear_count;

@@ -33,6 +33,7 @@ tree_def tree_default(int levels, uint64_t seed)
                       .k0 = shear_modulus / r,
                       .ratio = 0.5,
                       .damping = shear_modulus / 6000.0,
+                      .columns = 0.01,
                       .slip_rate = 1e-9,
                       .state = 1e-5 / 1e-9};
 }
@@ -144,6 +145,8 @@ void tree_create(const tree_def *def, tree *out)
                                .transfer = &out->transfer,
                                .loads = def->loads,
                                .damping = def->damping,
+                               .mass = def->mass,
+                               .columns = def->columns,
                                .log_rate = start,
                                .log_state = start + n,
                                .formulation = def->formulation};

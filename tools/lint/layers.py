@@ -47,19 +47,22 @@ HEADERS = {
     "scene_rg": "scene",
     "store_cells": "store",
     "store_fit": "store",
+    "store_checkpoint": "store",
     "store_rg": "store",
     "sampler": "fit",
     "sensitivity": "run",
     "spread": "case",
     "store_map": "store",
     "tangential": "contact",
+    "tape": "base",
     "lacuna": "cli",
 }
 
 # Where a library may be used, by its headers.
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
-    (r"netcdf\w*\.h", ("src/store/", "src/surface/read_netcdf.c", "src/series/read_netcdf.c")),
+    (r"netcdf\w*\.h", ("src/store/", "src/base/netcdf.c", "src/surface/read_netcdf.c",
+                        "src/series/read_netcdf.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
     (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),
@@ -74,8 +77,8 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    dirent.h fcntl.h getopt.h pthread.h strings.h sys/ioctl.h sys/resource.h sys/stat.h sys/time.h
-    sys/types.h sys/wait.h termios.h unistd.h""".split()
+    dirent.h fcntl.h getopt.h pthread.h strings.h sys/file.h sys/ioctl.h sys/resource.h sys/stat.h
+    sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 
+import docs
 import layers
 import sizes
 import spdx
@@ -22,6 +23,64 @@ COMPILER = "cc"
 
 def body(lines):
     return "void f(void)\n{\n" + "    x();\n" * (lines - 3) + "}\n"
+
+
+class Docs(unittest.TestCase):
+    PAGE = ("# A\n\n| symbol | code | unit |\n| --- | --- | --- |\n| v | `speed` | m/s |\n\n"
+            "| equation | code | unit | source |\n| --- | --- | --- | --- |\n"
+            "| (1) rate | `lac_rate` | 1/s | here |\n\n    v = 1          (1)\n")
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        for path, text in {"src/base/a.c": "double lac_rate, speed;\n", "docs/x.md": cls.PAGE,
+                           "tests/unit/test_a.c": "int main;\n"}.items():
+            os.makedirs(os.path.join(cls.folder.name, os.path.dirname(path)), exist_ok=True)
+            with open(os.path.join(cls.folder.name, path), "w", encoding="utf-8") as file:
+                file.write(text)
+        cls.project = docs.Project(cls.folder.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def refuses(self, check, text, word):
+        found = check(self.project, "docs/x.md", text)
+        self.assertEqual(len(found), 1, found)
+        self.assertIn(word, found[0])
+
+    def test_good(self):
+        for check in (docs.check_names, docs.check_links, docs.check_tables):
+            self.assertEqual(check(self.project, "docs/x.md", self.PAGE
+                                   + "`src/base/a.c` `a.c` `unit/test_a` [x](x.md#a) `lac_x_…`"), [])
+        self.assertEqual(docs.check_page("docs/x.md", self.PAGE), [])
+
+    def test_names_that_are_nowhere(self):
+        for text, word in (("`lac_gone`", "lac_gone"), ("src/base/b.c", "b.c"), ("`b.c`", "b.c"),
+                           ("`unit/test_b`", "test_b")):
+            self.refuses(docs.check_names, text, word)
+
+    def test_links_that_lead_nowhere(self):
+        self.refuses(docs.check_links, "[x](y.md)", "y.md")
+        self.refuses(docs.check_links, "[x](x.md#b)", "#b")
+
+    def test_code_that_is_nowhere(self):
+        self.refuses(docs.check_tables, self.PAGE.replace("`speed`", "`pace`"), "pace")
+
+    def test_equations(self):
+        for old, new, word in (("(1) rate", "rate", "in no table"), ("v = 1          (1)", "", "has not"),
+                               ("v = 1          (1)\n", "v = 1          (1)\n    w = 2         (1)\n",
+                                "two equations"),
+                               ("| symbol | code | unit |", "| symbol | name | unit |", "symbols")):
+            found = docs.check_page("docs/x.md", self.PAGE.replace(old, new))
+            self.assertEqual(len(found), 1, found)
+            self.assertIn(word, found[0])
+
+    def test_references(self):
+        for text, wrong in (('"docs/x.md, \\"A\\""', 0), ('"docs/x.md, eq. 1"', 0),
+                            ('"docs/x.md, \\"B\\""', 1), ('"docs/x.md, eq. 2"', 1),
+                            ('"docs/y.md"', 1)):
+            self.assertEqual(len(docs.check_references(self.project, "src/a.c", text)), wrong, text)
 
 
 class Layers(unittest.TestCase):

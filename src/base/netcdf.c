@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/netcdf.h"
+
+#include <math.h>
+#include <netcdf.h>
+#include <string.h>
+
+bool lac_netcdf_begins(const void *head, size_t size)
+{
+    static const char magic[][5] = {"\x89HDF", "CDF\x01", "CDF\x02", "CDF\x05"};
+    for (size_t i = 0; size >= 4 && i < sizeof magic / sizeof magic[0]; i++) {
+        if (memcmp(head, magic[i], 4) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lac_netcdf_is_number(int type)
+{
+    return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
+}
+
+void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    char *string = NULL;
+    text[0] = '\0';
+    if (nc_inq_att(id, var, name, &type, &length) != NC_NOERR) {
+        return;
+    }
+    if (type == NC_CHAR && length < size && nc_get_att_text(id, var, name, text) == NC_NOERR) {
+        text[length] = '\0';
+    }
+    if (type == NC_STRING && length == 1 && nc_get_att_string(id, var, name, &string) == NC_NOERR &&
+        string != NULL) {
+        if (strlen(string) < size) {
+            memcpy(text, string, strlen(string) + 1);
+        }
+        (void)nc_free_string(1, &string);
+    }
+}
+
+double lac_netcdf_number(int id, int var, const char *name, double fallback)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    double value = fallback;
+    bool good = nc_inq_att(id, var, name, &type, &length) == NC_NOERR && length == 1 &&
+                lac_netcdf_is_number(type) && nc_get_att_double(id, var, name, &value) == NC_NOERR;
+    return good ? value : fallback;
+}
+
+// What netCDF itself leaves where nothing was written; bytes have no such value.
+static double default_fill(int id, int var)
+{
+    nc_type type = NC_NAT;
+    (void)nc_inq_vartype(id, var, &type);
+    switch (type) {
+    case NC_SHORT:
+        return NC_FILL_SHORT;
+    case NC_INT:
+        return NC_FILL_INT;
+    case NC_FLOAT:
+        return (double)NC_FILL_FLOAT;
+    case NC_DOUBLE:
+        return NC_FILL_DOUBLE;
+    case NC_USHORT:
+        return NC_FILL_USHORT;
+    case NC_UINT:
+        return NC_FILL_UINT;
+    case NC_INT64:
+        return (double)NC_FILL_INT64;
+    case NC_UINT64:
+        return (double)NC_FILL_UINT64;
+    default:
+        return (double)NAN;
+    }
+}
+
+void lac_netcdf_unpack(int id, int var, double *x, size_t n)
+{
+    const double fill = lac_netcdf_number(id, var, "_FillValue", default_fill(id, var));
+    const double missing = lac_netcdf_number(id, var, "missing_value", (double)NAN);
+    const double scale = lac_netcdf_number(id, var, "scale_factor", 1.0);
+    const double offset = lac_netcdf_number(id, var, "add_offset", 0.0);
+    for (size_t i = 0; i < n; i++) {
+        bool none = x[i] == fill || x[i] == missing;
+        x[i] = none ? (double)NAN : scale * x[i] + offset;
+    }
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_NETCDF_H
+#define LACUNA_BASE_NETCDF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What the readers of other people's netCDF files share. `id` is an open file's.
+
+/// Whether the first bytes of a file are those of a netCDF file, of any kind.
+/// @param head  [size]; four are enough
+bool lac_netcdf_begins(const void *head, size_t size);
+
+/// Whether an nc_type is of numbers.
+bool lac_netcdf_is_number(int type);
+
+/// A text attribute, of characters or one string; "" where there is none or it is too long.
+/// @param text  [size] overwritten
+void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size);
+
+/// A numeric attribute of one value; `fallback` where there is none.
+double lac_netcdf_number(int id, int var, const char *name, double fallback);
+
+/// Stored numbers of a variable to values: missing ones (_FillValue, missing_value, and what netCDF
+/// leaves where nothing was written) to NaN, packed ones (scale_factor, add_offset) unpacked.
+/// @param x  [n]
+void lac_netcdf_unpack(int id, int var, double *x, size_t n);
+
+#endif

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What any law can have besides, by the parameters that every law shares.
+#include "friction/law.h"
+
+static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
+
+enum { FORM = 5, V1, V2, ALPHA }; // their places in the rows
+
+static const lac_descriptor options[] = {
+    {.name = "regularised",
+     .summary = "strength a asinh(...) that vanishes at rest and lets slip reverse, instead of the "
+                "plain logarithm: form",
+     .reference = "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
+                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
+                  "10.1029/2000JB900250; docs/theory/friction.md, \"Strength\"",
+     .params = &rows[FORM],
+     .param_count = 1},
+    {.name = "cut-off",
+     .summary = "slip rates beyond which the direct effect (v1) and the evolution effect (v2) end: "
+                "v/(1 + v/v1) stands in the place of v, theta + dc/v2 in that of theta",
+     .reference = "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Okubo "
+                  "(1989) J. Geophys. Res. 94, 12321, doi 10.1029/JB094iB09p12321; "
+                  "docs/theory/friction.md, \"Cut-off slip rates\"",
+     .params = &rows[V1],
+     .param_count = 2},
+    {.name = "normal-stress",
+     .summary = "state that answers to the effective normal pressure at once: alpha",
+     .reference = "Linker & Dieterich (1992) J. Geophys. Res. 97, 4923, doi 10.1029/92JB00017; "
+                  "docs/theory/friction.md, \"Normal stress\"",
+     .params = &rows[ALPHA],
+     .param_count = 1},
+};
+
+const lac_descriptor *lac_friction_option_at(size_t index)
+{
+    return index < sizeof options / sizeof *options ? &options[index] : NULL;
+}

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Unknowns (x, ln theta, slip) of cells that carry the mass of a block: momentum in the place of
+// the balance; docs/theory/momentum.md. v = exp(x) where friction has the plain form, which knows
+// v > 0 only, and v = 2 v_s sinh(x) of either sign where it is regularised.
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/vmath.h"
+#include "model/implicit.h"
+#include "model/internal.h"
+
+// Where regularised friction turns linear in v, less what healing may take off it: the x of a cell
+// at rest then goes with its traction.
+static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
+{
+    const double healing = 20.0; // e-folds of v
+    const double least = LAC_AT_REST, greatest = -10.0;
+    double scale = greatest;
+    for (size_t i = 0; i < problem->n; i++) {
+        double u = def->log_rate[i];
+        double a = problem->friction->column[LAC_A][i];
+        double f = lac_friction_plain(problem->friction, i, u, def->log_state[i]);
+        scale = fmin(scale, a > 0.0 ? u - f / a - healing : least);
+    }
+    return exp(fmax(scale, least));
+}
+
+lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err)
+{
+    bool named = def->formulation == LAC_FORMULATION_INERTIA;
+    if (def->mass == 0.0 && !named) {
+        return LAC_OK;
+    }
+    if (!(def->mass > 0.0) || !isfinite(def->mass) ||
+        !(def->columns > 0.0 && def->columns <= 1.0)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "a block of %g kg/m2 with %g of it in columns: the mass must be > 0, the "
+                        "part in (0, 1]",
+                        def->mass, def->columns);
+    }
+    if (def->formulation != LAC_FORMULATION_AUTO && !named) {
+        return lac_fail(err, LAC_EINPUT, "the formulation \"%s\" knows no inertia",
+                        problem->kind->name);
+    }
+    problem->kind = &lac_formulation_inertia;
+    problem->mass = def->mass * problem->spring_share;
+    problem->columns = problem->n == 1 ? 1.0 : def->columns;
+    problem->slow = problem->friction->form == LAC_FORM_PLAIN ? 0.0 : slow_scale(problem, def);
+    return LAC_OK;
+}
+
+// Share of a cell in what the mean cell carries of the block: that of its pressure.
+static double share_of(const lac_problem *problem, size_t i)
+{
+    return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
+}
+
+// dv/dt of a cell out of balance by `force` where the mean cell is by `mean`: the inverse of
+// M = columns m diag(s) + (1 - columns) m s s^T/n, whose shares s have the mean 1.
+static double acceleration(const lac_problem *problem, size_t i, double force, double mean)
+{
+    double m = problem->mass;
+    return mean / m + (force / share_of(problem, i) - mean) / (problem->columns * m);
+}
+
+static void start(const lac_problem *problem, double *x)
+{
+    size_t n = problem->n;
+    memcpy(x, problem->log_rate0, n * sizeof *x);
+    for (size_t i = 0; problem->slow > 0.0 && i < n; i++) {
+        x[i] = asinh(exp(x[i]) / (2.0 * problem->slow));
+    }
+    memset(x + 2 * n, 0, n * sizeof *x);
+}
+
+// v = 2 v_s sinh x and ln|v| of a block of cells. |v| is held away from 0, where ln|v| is not.
+static void turn_back(double slow, size_t n, const double *x, double *u, double *v)
+{
+    const double least = exp(LAC_SLOWEST);
+    for (size_t i = 0; i < n; i++) {
+        u[i] = fabs(x[i]);
+    }
+    lac_vexp(n, u, v);
+    for (size_t i = 0; i < n; i++) {
+        double size = u[i] < 0.5 ? 2.0 * sinh(u[i]) : v[i] - 1.0 / v[i];
+        size = slow * size;
+        u[i] = size < least ? least : size; // a NaN stays
+        v[i] = copysign(u[i], x[i]);
+    }
+    lac_vlog(n, u, u);
+}
+
+static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       const lac_workspace *ws, bool keep)
+{
+    (void)drive;
+    (void)keep;
+    size_t n = problem->n;
+    if (problem->slow == 0.0) {
+        double total = lac_problem_exp_sum(n, y, ws->v);
+        return (lac_motion){.u = y, .v = ws->v, .mean = total / (double)n};
+    }
+    double total = 0.0;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(n, first);
+        turn_back(problem->slow, length, y + first, ws->u + first, ws->v + first);
+        total += lac_problem_sum(length, ws->v + first);
+    }
+    return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / (double)n};
+}
+
+// dv/dx
+static double slope(const lac_problem *problem, double v)
+{
+    return problem->slow == 0.0 ? v : hypot(v, 2.0 * problem->slow);
+}
+
+// q - K slip - p f - eta v of every cell, in ws->kv; gives back the mean. What is left of a balance
+// is rounding and taken for none: over a small mass it would be an acceleration without bounds.
+// @param wdot  [n] d ln theta/dt; NULL where not wanted
+static double find_forces(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *y, double *wdot,
+                          const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    const double *slip = y + 2 * n;
+    double total = 0.0;
+    lac_problem_pull(problem, drive, slip, ws->kv, ws->scratch);
+    (void)lac_problem_unbalanced(problem, drive, motion, y + n, ws->kv, wdot);
+    for (size_t i = 0; i < n; i++) {
+        double size =
+            problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
+        if (fabs(ws->kv[i]) <= 2.0 * DBL_EPSILON * size) {
+            ws->kv[i] = 0.0;
+        }
+        total += ws->kv[i];
+    }
+    return total / (double)n;
+}
+
+static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
+                       double *ydot, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    double mean = find_forces(problem, drive, &motion, y, ydot + n, ws);
+    double check = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double v = motion.v[i];
+        ydot[i] = acceleration(problem, i, ws->kv[i], mean) / slope(problem, v);
+        ydot[2 * n + i] = v;
+        check += ydot[i] * 0.0 + ydot[n + i] * 0.0 + v * 0.0;
+    }
+    return check == 0.0;
+}
+
+// slope = dv/dx and bend = 1 + gamma (dx/dt) (d2v/dx2)/(dv/dx) at the state.
+static void linearise(const lac_problem *problem, const lac_implicit *at, const double *y,
+                      const lac_workspace *ws)
+{
+    double mean = find_forces(problem, at->drive, at->motion, y, NULL, ws);
+    for (size_t i = 0; i < problem->n; i++) {
+        double v = at->motion->v[i];
+        ws->slope[i] = slope(problem, v);
+        double rate = acceleration(problem, i, ws->kv[i], mean) / ws->slope[i];
+        ws->bend[i] = 1.0 + at->gamma * rate * (v / ws->slope[i]);
+    }
+}
+
+// The system for dv, in ws->diagonal and b; eq. 5 of docs/theory/momentum.md.
+// @return false where ln theta cannot be eliminated
+static bool reduce(const lac_problem *problem, const lac_implicit *at, double *b,
+                   const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double gamma = at->gamma;
+    double own = problem->columns * problem->mass / gamma / gamma;
+    double common = (1.0 - problem->columns) * problem->mass / gamma / gamma;
+    if (!lac_implicit_reduce(problem, at, b + n, ws)) {
+        return false;
+    }
+    // ln|v| has been used: its place holds K b_slip.
+    double held = at->drive->spring_stiffness * lac_problem_sum(n, b + 2 * n) / (double)n;
+    transfer->kind->apply(transfer->state, b + 2 * n, ws->u, ws->scratch);
+    double push = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        b[i] *= ws->slope[i];
+        push += share_of(problem, i) * b[i];
+    }
+    push = common * push / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        double s = share_of(problem, i);
+        b[i] = s * (own * b[i] + push) - (ws->u[i] + held + ws->kv[i]) / gamma;
+        ws->diagonal[i] += own * s * ws->bend[i];
+    }
+    return true;
+}
+
+// Sums over the cells of s bend x and of x, each over n.
+static void weigh(const lac_problem *problem, const double *bend, const double *x, double sums[2])
+{
+    sums[0] = sums[1] = 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        sums[0] += share_of(problem, i) * bend[i] * x[i];
+        sums[1] += x[i];
+    }
+    sums[0] /= (double)problem->n;
+    sums[1] /= (double)problem->n;
+}
+
+// (D + K + kappa s (s bend)^T/n) dv = b. The transfer's solve takes kappa 11^T/n along as a
+// stiffness of the mean slip, which holds a mean that weakens; Woodbury's formula puts right what
+// s and bend are besides 1.
+static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
+                  const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double kappa = (1.0 - problem->columns) * problem->mass / at->gamma / at->gamma;
+    double mean = at->drive->spring_stiffness + kappa;
+    double *shares = ws->kv; // both used up
+    double *ones = ws->u;
+    bool good = transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);
+    if (!good || kappa == 0.0) {
+        return good;
+    }
+    for (size_t i = 0; i < n; i++) {
+        shares[i] = share_of(problem, i);
+        ones[i] = 1.0;
+    }
+    if (!transfer->kind->solve(transfer->state, mean, ws->diagonal, shares, shares, ws->scratch) ||
+        !transfer->kind->solve(transfer->state, mean, ws->diagonal, ones, ones, ws->scratch)) {
+        return false;
+    }
+    double r[2], s[2], e[2];
+    weigh(problem, ws->bend, b, r);
+    weigh(problem, ws->bend, shares, s);
+    weigh(problem, ws->bend, ones, e);
+    double a00 = 1.0 + kappa * s[0];
+    double a01 = -kappa * e[0];
+    double a10 = kappa * s[1];
+    double a11 = 1.0 - kappa * e[1];
+    double pivot = a00 * a11 - a01 * a10;
+    if (!(pivot > 0.0) || !isfinite(pivot)) {
+        return false;
+    }
+    double by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
+    double by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
+    for (size_t i = 0; i < n; i++) {
+        b[i] += by_one * ones[i] - by_share * shares[i];
+    }
+    return true;
+}
+
+static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+                   double gamma, double *b, const lac_workspace *ws)
+{
+    size_t n = problem->n;
+    lac_motion motion = move(problem, drive, y, ws, true);
+    lac_implicit at = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
+    linearise(problem, &at, y, ws);
+    if (!reduce(problem, &at, b, ws) || !solve(problem, &at, b, ws)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double dv = b[i];
+        b[i] = dv / ws->slope[i];
+        b[n + i] += ws->v[i] * dv;
+        b[2 * n + i] += gamma * dv;
+    }
+    return true;
+}
+
+// v and theta have errors of their own: slip counts as the traction that it takes off, and as
+// itself.
+void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, double rtol,
+                            double *weight)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        double worth = problem->friction->column[LAC_DC][i] + fabs(slip[i]);
+        double traction = lac_implicit_traction_scale(problem, i);
+        if (traction < problem->stiffness * worth) {
+            worth = traction / problem->stiffness;
+        }
+        weight[i] = 1.0 / fmax(rtol * worth, 8.0 * DBL_EPSILON * fabs(slip[i]));
+    }
+}
+
+double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,
+                           const lac_workspace *ws)
+{
+    const double felt = 1e-3; // of an e-fold of v that balances
+    double fastest = 0.0;
+    lac_motion motion = move(problem, drive, y, ws, false);
+    double mean = find_forces(problem, drive, &motion, y, NULL, ws);
+    for (size_t i = 0; i < problem->n; i++) {
+        double rate = acceleration(problem, i, ws->kv[i], mean);
+        if (fabs(ws->kv[i]) > felt * lac_implicit_traction_scale(problem, i)) {
+            fastest = fmax(fastest, fabs(rate) / slope(problem, motion.v[i]));
+        }
+    }
+    return fastest;
+}
+
+bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work)
+{
+    const double nothing = 1e-25; // m/s
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
+        return false;
+    }
+    lac_motion motion = move(problem, &drive, y, &ws, false);
+    size_t i = 0;
+    while (i < problem->n && !(fabs(motion.v[i]) < nothing)) {
+        i++;
+    }
+    if (i == problem->n) {
+        return false;
+    }
+    // What drives the cell besides its friction: traction, and the block that it is part of.
+    const double *w = y + problem->n;
+    double p = problem->pressure[i] * drive.share;
+    double mean = find_forces(problem, &drive, &motion, y, NULL, &ws);
+    double held = copysign(p * lac_friction_coefficient(problem->friction, i, motion.u[i], w[i]),
+                           motion.v[i]);
+    double driven = ws.kv[i] + held - (1.0 - problem->columns) * share_of(problem, i) * mean;
+    if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
+        return false;
+    }
+    *cell = i;
+    return true;
+}
+
+void lac_inertia_unexplained(const lac_problem *problem, double *force)
+{
+    size_t n = problem->n;
+    double mean = lac_problem_sum(n, force) / (double)n;
+    double together = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        together += share_of(problem, i) * acceleration(problem, i, force[i], mean);
+    }
+    together *= (1.0 - problem->columns) / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        double alone = problem->columns * acceleration(problem, i, force[i], mean);
+        force[i] -= problem->mass * share_of(problem, i) * (alone + together);
+    }
+}
+
+// What has mass goes on as it did.
+static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
+{
+    (void)problem;
+    (void)jump;
+    (void)y;
+    return true;
+}
+
+static double scale(const lac_problem *problem, size_t cell)
+{
+    (void)problem;
+    (void)cell;
+    return 1.0;
+}
+
+const lac_formulation_kind lac_formulation_inertia = {.id = LAC_FORMULATION_INERTIA,
+                                                      .name = "inertia",
+                                                      .unknown = "slip rate",
+                                                      .unknowns = 3,
+                                                      .arrays = 6,
+                                                      .either_sign = true,
+                                                      .has_slip = true,
+                                                      .start = start,
+                                                      .move = move,
+                                                      .derivative = derivative,
+                                                      .newton = newton,
+                                                      .scale = scale,
+                                                      .jump = jump};

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/course.h"
+
+static lac_status too_many_steps(const lac_course *r, lac_error *err)
+{
+    return lac_fail(err, LAC_ENUMERIC,
+                    "%lld steps were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
+                    "rate %g m/s",
+                    (long long)r->def->max_steps, lac_engine_time(r->engine), r->def->end,
+                    r->engine->step, r->mean_rate);
+}
+
+// Looks now and then whether time goes on: far less than the cells' own time scale in a thousand
+// steps is none at all. The steps are summed: near a stop they are too short for a difference of
+// times.
+static lac_status check_advance(lac_course *r, lac_error *err)
+{
+    const int64_t window = 1000;
+    lac_engine *engine = r->engine;
+    r->looked.local += engine->step;
+    if (r->steps % window != 0) {
+        return LAC_OK;
+    }
+    double advanced = r->looked.local;
+    double pace = lac_problem_first_step(r->problem, lac_engine_clock(engine, engine->t), engine->y,
+                                         engine->work);
+    bool stalled = r->looked.set && advanced < 1e-9 * pace;
+    r->looked = (lac_instant){.set = true};
+    if (!stalled) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_ENUMERIC,
+                    "time no longer advances: %lld steps of %.3g s at t = %.17g s, mean slip rate "
+                    "%g m/s; nothing holds the cells back there (no direct effect, no damping?)",
+                    (long long)window, engine->step, lac_engine_time(engine), r->mean_rate);
+}
+
+lac_status lac_course_check(lac_course *r, lac_error *err)
+{
+    return r->steps >= r->def->max_steps ? too_many_steps(r, err) : check_advance(r, err);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RUN_COURSE_H
+#define LACUNA_RUN_COURSE_H
+
+#include "run/cadence.h"
+#include "run/engine.h"
+
+// When something was last put out.
+typedef struct lac_instant {
+    bool set;
+    double origin, local;
+} lac_instant;
+
+// A run on its way.
+typedef struct lac_course {
+    const lac_problem *problem;
+    const lac_run_def *def;
+    const lac_sink *sink;
+    lac_engine *engine;
+    lac_run_result *result;
+    lac_clock record_clock, snapshot_clock, checkpoint_clock;
+    lac_instant last_record, last_snapshot;
+    lac_instant looked; // whether time goes on; `local`: time gone since
+    double *between;    // [3n] state and slip within a step, where records fall there; or NULL
+    double *fields;     // [3n] of a snapshot, where snapshots are kept; or NULL
+    double *onto; // [3n] state and slip on the balance, where projection is asked for; or NULL
+    double next_break;
+    double mean_rate, max_rate; // at the time reached [m/s]
+    double first_step;          // that the integrator last began anew with [s]
+    int64_t steps;
+    lac_end end;
+    bool done;
+    bool broken; // the step ended where the loads jump or bend
+} lac_course;
+
+// Before a step: whether another one is allowed, and time still goes on.
+lac_status lac_course_check(lac_course *r, lac_error *err);
+
+// Whether the case plans checkpoints.
+bool lac_course_plans(const lac_run_def *def);
+
+// Whether a planned checkpoint is due at the end of this step; asked once a step.
+bool lac_course_checkpoint_due(lac_course *r);
+
+// Hands a checkpoint to the sink, the integrator having begun anew there.
+lac_status lac_course_checkpoint(lac_course *r, bool planned, lac_error *err);
+
+// Puts the run where its def's checkpoint left it, up to where the integrator begins anew.
+lac_status lac_course_resume(lac_course *r, lac_error *err);
+
+#endif

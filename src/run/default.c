@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+
+#include "lacuna/run.h"
+
+lac_run_def lac_run_default(void)
+{
+    return (lac_run_def){.method = LAC_BDF,
+                         .rtol = 1e-6,
+                         .first_step = NAN,
+                         .max_steps = 10000000,
+                         .end = NAN,
+                         .failure_rate = 1.0,
+                         .stop_slip = NAN,
+                         .stop_rate = NAN,
+                         .record = {.time = NAN, .steps = 1, .per_decade = NAN},
+                         .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0},
+                         .checkpoint = {.time = NAN, .steps = 0, .per_decade = NAN}};
+}
+
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form)
+{
+    if (asked != LAC_FORMULATION_AUTO) {
+        return (lac_formulation)asked;
+    }
+    if (method == LAC_ADAMS) {
+        return LAC_FORMULATION_SLIP;
+    }
+    bool forwards = form == LAC_FORM_PLAIN;
+    return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}

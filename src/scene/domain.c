@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The contact cells of a case that presses no surface: all, a random cascade, or those of a file.
+#include <math.h>
+#include <stdlib.h>
+
+#include "lacuna/store_cells.h"
+#include "lacuna/surface.h"
+#include "scene/internal.h"
+
+// How far what the pressures of a file carry may be from the load that the case states.
+static const double same_load = 1e-6;
+
+static bool nearly(double a, double b) { return fabs(a - b) <= same_load * fabs(b); }
+
+static lac_status check_size(const char *path, size_t nx, size_t ny, const lac_grid *grid,
+                             lac_error *err)
+{
+    if (nx == grid->nx && ny == grid->ny) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: has %zu x %zu cells, the interface %zu x %zu", path, nx,
+                    ny, grid->nx, grid->ny);
+}
+
+static lac_status read_stored(const char *path, const lac_grid *grid, double *pressure,
+                              lac_error *err)
+{
+    lac_domain *domain = NULL;
+    lac_status status;
+    LAC_TRY(lac_stored_domain_read(path, &domain, err));
+    LAC_TRY(check_size(path, domain->grid.nx, domain->grid.ny, grid, err));
+    if (!nearly(domain->grid.dx, grid->dx) || !nearly(domain->grid.dy, grid->dy)) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "%s: its cells are %g m x %g m, those of the interface %g m x %g m", path,
+                         domain->grid.dx, domain->grid.dy, grid->dx, grid->dy));
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        pressure[domain->index[i]] = domain->pressure[i];
+    }
+out:
+    lac_domain_free(domain);
+    return status;
+}
+
+// Numbers over the grid; where there is none nothing touches.
+static lac_status read_grid(const char *path, const lac_grid *grid, double *pressure,
+                            lac_error *err)
+{
+    lac_height_map *map = NULL;
+    lac_status status;
+    LAC_TRY(lac_height_map_read(path, &map, err));
+    LAC_TRY(check_size(path, map->nx, map->ny, grid, err));
+    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+        pressure[i] = isnan(map->heights[i]) ? 0.0 : map->heights[i];
+    }
+out:
+    lac_height_map_free(map);
+    return status;
+}
+
+// Gives the cells the pressures that they are to have.
+static lac_status load_cells(const lac_domain_file *file, double mean, lac_domain *domain,
+                             lac_error *err)
+{
+    const double cells = (double)lac_grid_cells(&domain->grid);
+    double carried = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        carried += domain->pressure[i] / cells;
+    }
+    if (file->pressures == LAC_PRESSURES_KEPT && !nearly(carried, mean)) {
+        return lac_fail(
+            err, LAC_EINPUT,
+            "%s: its pressures carry a mean of %.10g Pa, load.normal %.10g Pa: give that "
+            "load, or pressures: scaled or equal",
+            file->path, carried, mean);
+    }
+    const double equal = mean * cells / (double)domain->n;
+    for (size_t i = 0; file->pressures != LAC_PRESSURES_KEPT && i < domain->n; i++) {
+        double scaled = domain->pressure[i] * (mean / carried);
+        domain->pressure[i] = file->pressures == LAC_PRESSURES_EQUAL ? equal : scaled;
+        if (!(domain->pressure[i] > 0.0 && isfinite(domain->pressure[i]))) {
+            return lac_fail(err, LAC_EINPUT,
+                            "%s: its pressures cannot be scaled from %g Pa to %g Pa", file->path,
+                            carried, mean);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status from_file(const lac_case *c, const lac_grid *grid, double mean,
+                            lac_domain **domain, lac_error *err)
+{
+    const lac_domain_file *file = c->domain.params;
+    double *pressure = calloc(lac_grid_cells(grid), sizeof *pressure);
+    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(lac_stored_is_netcdf(file->path) ? read_stored(file->path, grid, pressure, err)
+                                             : read_grid(file->path, grid, pressure, err));
+    status = lac_domain_create(grid, pressure, domain, err);
+    if (status != LAC_OK) {
+        status = lac_fail_within(err, status, "%s", file->path);
+        goto out;
+    }
+    LAC_TRY(load_cells(file, mean, *domain, err));
+out:
+    free(pressure);
+    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.domain");
+}
+
+// The pressures of a domain's cells, spread about their mean; the load is held.
+static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
+{
+    const lac_spread_place place = {.domain = domain};
+    double *p = domain->pressure;
+    double sum = 0.0;
+    double spread_sum = 0.0;
+    if (!lac_spread_has(&c->interface_spread, "pressure")) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += p[i];
+    }
+    lac_status status =
+        lac_spread_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "interface.spread.pressure");
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        spread_sum += p[i];
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        p[i] *= sum / spread_sum;
+        if (!(isfinite(p[i]) && p[i] > 0.0)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must "
+                            "be finite and > 0",
+                            i, p[i]);
+        }
+    }
+    return LAC_OK;
+}
+
+lac_status lac_scene_domain_create(const lac_case *c, lac_domain **out, lac_error *err)
+{
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    const double mean = normal->pressure(c->normal.params, c->material.density);
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    lac_domain *domain = NULL;
+    lac_status status;
+    *out = NULL;
+    if (c->domain.about == NULL) {
+        return lac_domain_create(&grid, &mean, out, err);
+    }
+    if (c->domain.about == &lac_domain_from_file.about) {
+        LAC_TRY(from_file(c, &grid, mean, &domain, err));
+    } else {
+        LAC_TRY(lac_domain_from_source(&c->domain, &grid, mean, &domain, err));
+    }
+    LAC_TRY(spread_pressure(c, domain, err));
+    *out = domain;
+    domain = NULL;
+out:
+    lac_domain_free(domain);
+    return status;
+}

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The checkpoint beside a run's file: mark, size and checksum of what follows, then who made it of
+// what, how much of the file it counts on, and the state.
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "lacuna/version.h"
+#include "store/store.h"
+
+typedef struct head {
+    char mark[8];
+    uint64_t size, sum; // of what follows
+} head;
+
+static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '2'};
+
+const char *lac_kept_checkpoint_program(void) { return "Lacuna " LACUNA_VERSION; }
+
+// FNV-1a, the high half folded in.
+static uint64_t sum_of(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = size;
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+        sum ^= sum >> 32;
+    }
+    return sum;
+}
+
+static char *join(const char *path, const char *ending)
+{
+    size_t size = strlen(path) + strlen(ending) + 1;
+    char *name = malloc(size);
+    if (name != NULL) {
+        (void)snprintf(name, size, "%s%s", path, ending);
+    }
+    return name;
+}
+
+// A length and its bytes; `*text` is allocated while loading.
+static void pass_text(lac_tape *tape, char **text)
+{
+    uint64_t length = tape->loading ? 0 : strlen(*text);
+    lac_tape_pass(tape, &length, sizeof length);
+    if (tape->loading && lac_tape_good(tape)) {
+        tape->short_of = length > tape->size - tape->at;
+        *text = tape->short_of ? NULL : calloc(length + 1, 1);
+        tape->no_memory = *text == NULL && !tape->short_of;
+    }
+    lac_tape_pass(tape, *text, length);
+}
+
+static void pass_about(lac_tape *tape, lac_kept_checkpoint *c)
+{
+    lac_tape_pass(tape, &c->from.planned, sizeof c->from.planned);
+    lac_tape_pass(tape, &c->from.time, sizeof c->from.time);
+    lac_tape_pass(tape, &c->records, sizeof c->records);
+    lac_tape_pass(tape, &c->snapshots, sizeof c->snapshots);
+    lac_tape_pass(tape, &c->events, sizeof c->events);
+    lac_tape_pass(tape, &c->begun, sizeof c->begun);
+    lac_tape_pass(tape, &c->last_time, sizeof c->last_time);
+    pass_text(tape, &c->program);
+    pass_text(tape, &c->libraries);
+    pass_text(tape, &c->case_text);
+}
+
+static bool write_all(int fd, const void *bytes, size_t size)
+{
+    const unsigned char *at = bytes;
+    while (size > 0) {
+        ssize_t done = write(fd, at, size);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done <= 0) {
+            errno = done == 0 ? ENOSPC : errno;
+            return false;
+        }
+        at += done;
+        size -= (size_t)done;
+    }
+    return true;
+}
+
+// The name in its folder lasts too.
+static void sync_folder(const char *path)
+{
+    char *folder = strdup(path);
+    char *slash = folder != NULL ? strrchr(folder, '/') : NULL;
+    if (slash != NULL) {
+        slash[slash == folder ? 1 : 0] = '\0';
+    }
+    int fd = folder != NULL ? open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)
+                            : -1;
+    if (fd >= 0) {
+        (void)fsync(fd);
+        (void)close(fd);
+    }
+    free(folder);
+}
+
+static lac_status write_file(const char *name, const char *part, const lac_tape *tape,
+                             lac_error *err)
+{
+    head h = {.size = tape->size, .sum = sum_of(tape->bytes, tape->size)};
+    memcpy(h.mark, mark, sizeof mark);
+    int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    bool good = fd >= 0 && write_all(fd, &h, sizeof h) && write_all(fd, tape->bytes, tape->size) &&
+                fsync(fd) == 0;
+    int reason = errno;
+    if (fd >= 0 && close(fd) != 0 && good) {
+        good = false;
+        reason = errno;
+    }
+    if (good && rename(part, name) != 0) {
+        good = false;
+        reason = errno;
+    }
+    if (!good) {
+        (void)unlink(part);
+        return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
+    }
+    sync_folder(name);
+    return LAC_OK;
+}
+
+lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *checkpoint,
+                                    lac_error *err)
+{
+    lac_kept_checkpoint about = {.from = *checkpoint,
+                                 .records = s->written + s->buffered,
+                                 .snapshots = s->snapshots,
+                                 .events = s->events_written + s->events_buffered,
+                                 .begun = s->begun,
+                                 .last_time = s->last_origin + s->last_local,
+                                 .program = (char *)lac_kept_checkpoint_program(),
+                                 .libraries = s->libraries,
+                                 .case_text = s->case_text};
+    lac_tape tape = {.loading = false};
+    lac_status status = LAC_OK;
+    char *name = join(s->file.path, ".checkpoint");
+    char *part = join(s->file.path, ".checkpoint.part");
+    pass_about(&tape, &about);
+    lac_tape_pass(&tape, (void *)checkpoint->state, checkpoint->size); // only read
+    if (name == NULL || part == NULL || tape.no_memory) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    LAC_TRY(write_file(name, part, &tape, err));
+out:
+    free(name);
+    free(part);
+    free(tape.bytes);
+    return status;
+}
+
+void lac_store_remove_checkpoint(const char *path)
+{
+    static const char *const endings[] = {".checkpoint", ".checkpoint.part"};
+    char name[PATH_MAX + 32]; // no allocation: nothing here may fail unsaid
+    for (size_t i = 0; i < 2; i++) {
+        int length = snprintf(name, sizeof name, "%s%s", path, endings[i]);
+        if (length > 0 && (size_t)length < sizeof name) {
+            (void)unlink(name);
+        }
+    }
+}
+
+// Whether the head is one, and of a format that is read here.
+static lac_status check_head(const char *name, const head *h, lac_error *err)
+{
+    const size_t word = sizeof mark - 1;
+    if (memcmp(h->mark, mark, word) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    }
+    if (h->mark[word] != mark[word]) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: is a checkpoint of another version of Lacuna: its format is '%c', "
+                        "'%c' is read here",
+                        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?',
+                        mark[word]);
+    }
+    return LAC_OK;
+}
+
+// The bytes after the head, sound or not at all.
+static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out, size_t *size,
+                             lac_error *err)
+{
+    struct stat info = {0};
+    head h;
+    if (fstat(fd, &info) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno));
+    }
+    if (!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h) {
+        return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    }
+    lac_status status = check_head(name, &h, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    *size = (size_t)info.st_size - sizeof h;
+    out->bytes = malloc(*size + 1);
+    if (out->bytes == NULL) {
+        return lac_fail_memory(err);
+    }
+    bool whole = h.size == *size;
+    for (size_t at = 0; whole && at < *size;) {
+        ssize_t got = pread(fd, out->bytes + at, *size - at, (off_t)(sizeof h + at));
+        whole = got > 0;
+        at += whole ? (size_t)got : 0;
+    }
+    if (!whole) {
+        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
+                        (unsigned long long)h.size + sizeof h);
+    }
+    if (sum_of(out->bytes, *size) != h.sum) {
+        return lac_fail(err, LAC_EIO, "%s: is damaged: differs from its checksum", name);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    size_t size = 0;
+    *out = (lac_kept_checkpoint){.records = 0};
+    char *place = realpath(path, NULL); // through the links, as the file itself is written
+    char *name = join(place != NULL ? place : path, ".checkpoint");
+    int fd = name != NULL ? open(name, O_RDONLY | O_CLOEXEC) : -1;
+    if (name == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    if (fd < 0 && errno == ENOENT) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has no checkpoint to go on from", path));
+    }
+    if (fd < 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno)));
+    }
+    LAC_TRY(read_bytes(name, fd, out, &size, err));
+    lac_tape tape = {.loading = true, .bytes = out->bytes, .size = size};
+    pass_about(&tape, out);
+    if (!lac_tape_good(&tape)) {
+        status =
+            tape.no_memory ? lac_fail_memory(err) : lac_fail(err, LAC_EIO, "%s: is damaged", name);
+    }
+    out->from.state = out->bytes + tape.at;
+    out->from.size = size - tape.at;
+out:
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    free(place);
+    free(name);
+    return status;
+}
+
+void lac_kept_checkpoint_clear(lac_kept_checkpoint *checkpoint)
+{
+    free(checkpoint->program);
+    free(checkpoint->libraries);
+    free(checkpoint->case_text);
+    free(checkpoint->bytes);
+    *checkpoint = (lac_kept_checkpoint){.records = 0};
+}

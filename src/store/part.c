@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The names under which files are built, and what a killed process left under one.
+#include "store/part.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+enum { NAME_KEPT = 200, NUMBER = 24 }; // with the rest below the 255 bytes of a name
+
+static const char middle[] = ".lacuna-";
+static const char ending[] = ".part";
+
+// Length of the folder in a path, its slash included; 0: the current one.
+static int folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL ? (int)(slash - path) + 1 : 0;
+}
+
+char *lac_part_name(const char *path)
+{
+    int folder = folder_length(path);
+    size_t size = strlen(path) + sizeof middle + sizeof ending + NUMBER;
+    char *part = malloc(size);
+    if (part != NULL) {
+        (void)snprintf(part, size, "%.*s.%.*s%s%ld%s", folder, path, NAME_KEPT, path + folder,
+                       middle, (long)getpid(), ending);
+    }
+    return part;
+}
+
+// The process that made a part of the file of that name; 0: it is none.
+static pid_t maker_of(const char *part, const char *name)
+{
+    size_t kept = strnlen(name, NAME_KEPT);
+    if (part[0] != '.' || strncmp(part + 1, name, kept) != 0) {
+        return 0;
+    }
+    const char *rest = part + 1 + kept;
+    if (strncmp(rest, middle, sizeof middle - 1) != 0) {
+        return 0;
+    }
+    const char *number = rest + sizeof middle - 1;
+    char *end;
+    errno = 0;
+    long pid = strtol(number, &end, 10);
+    bool sound = isdigit((unsigned char)*number) && errno == 0 && pid > 0 && (pid_t)pid == pid;
+    return sound && strcmp(end, ending) == 0 ? (pid_t)pid : 0;
+}
+
+static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
+
+bool lac_part_locked(int folder, const char *path)
+{
+    int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0) {
+        return false;
+    }
+    bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    (void)close(fd);
+    return locked;
+}
+
+void lac_part_sweep(const char *path)
+{
+    int length = folder_length(path);
+    char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    DIR *folder = name != NULL ? opendir(name) : NULL;
+    const struct dirent *entry = NULL;
+    while (folder != NULL && (entry = readdir(folder)) != NULL) {
+        pid_t pid = maker_of(entry->d_name, path + length);
+        if (pid > 0 && is_dead(pid) && !lac_part_locked(dirfd(folder), entry->d_name)) {
+            (void)unlinkat(dirfd(folder), entry->d_name, 0);
+        }
+    }
+    if (folder != NULL) {
+        (void)closedir(folder);
+    }
+    free(name);
+}

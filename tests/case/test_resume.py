@@ -1,0 +1,442 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs that are stopped and go on: the file against that of a run that was not stopped.
+
+usage: test_resume.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import netCDF4
+import numpy as np
+
+PROGRAM, SOURCE = "", ""
+
+# A slope of 64 cells under a load that jumps, to failure: hundreds of steps.
+CASE = """\
+lacuna: 1
+interface: {size: "1 m", levels: 3, domain: {full: {}}}
+load:
+  normal: {pressure: "3 MPa"}
+  pore_pressure: [{step: {value: "0.005 MPa", at: "4 hour"}}]
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
+initial:
+  slip_rate: "1 cm/week"
+  state: {ratio_to_steady: 0.9}
+  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}
+material: {shear_modulus: "20 GPa", poisson: 0.25, shear_speed: "3 km/s"}
+transfer: {hierarchy: {k0: 10 GPa/m, ratio: 0.5}}
+time: {end: "30 day", failure: {mean_slip_rate: "10 um/s"}}
+solver: {rtol: 1e-7}
+analysis: {rg: {critical_fraction: 0.5}}
+output:
+  every: {time: 10 min, steps: 3}
+  fields: [slip, slip_rate, state, traction]
+  fields_every: {time: 30 min, per_decade: 2}
+  checkpoint: {steps: 40, time: 1 hour}
+"""
+
+# Shipped cases made small, and what is set in them: every kind of load with a memory or a file,
+# transfer, formulation, method, indicator and way of output.
+EVENTS = ["analysis={events: {slip_rate: 1 mm/s}, rg: {critical_fraction: 0.5}}",
+          "interface.levels=3"]
+FIELDS = ["output.fields=[slip, slip_rate, state, traction]"]
+TABLE = {
+    "events": ("events.yaml", [*EVENTS, *FIELDS, "time.end=4 s", "output.checkpoint={time: 0.1 s}",
+                               "output.fields_every={steps: 40}"]),
+    "events, adams": ("events.yaml", [*EVENTS, "time.end=1 s", "solver.method=adams",
+                                      "output.checkpoint={steps: 50}"]),
+    "elastic": ("transfer/elastic.yaml", [*FIELDS, "interface.levels=3",
+                                          "output.checkpoint={steps: 60}"]),
+    "elastic, adams": ("transfer/elastic.yaml",
+                       ["interface.levels=3", "solver.method=adams", "solver.projection=true",
+                        "solver.formulation=traction", "output.checkpoint={steps: 40}"]),
+    "elastic, slip": ("transfer/line.yaml", ["solver.formulation=slip", "output.every=1 day",
+                                             "output.checkpoint={per_decade: 3}"]),
+    "map": ("friction/map.yaml", [*FIELDS, "output.checkpoint={per_decade: 2}",
+                                  "output.every={per_decade: 10}"]),
+    "rain, compared": ("load/rain.yaml", ["output.checkpoint={time: 10 day}",
+                                          "output.every=1 hour"]),
+    "lagged reservoir": ("load/reservoir.yaml", ["solver.method=adams", "solver.formulation=slip",
+                                                 "output.checkpoint={steps: 60}"]),
+    "record": ("load/record.yaml", ["solver.method=erk", "output.every={steps: 7}",
+                                    "output.checkpoint={steps: 100}"]),
+    "shaking": ("load/shaking.yaml", ["solver.formulation=rate", "output.checkpoint={steps: 90}"]),
+    "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
+}
+
+# Of the summary, what is the process's own.
+OWN_JSON = {"wall_time_s", "cpu_time_s", "peak_memory_bytes", "output", "resumed_at_s",
+            "resumed_from"}
+
+# Of the file's own making, or of how long it took.
+OWN = {"history", "date_created", "date_modified", "wall_time_s", "resumed", "case"}
+
+
+def contents(path):
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        values = {name: variable[...].tobytes() for name, variable in file.variables.items()}
+        attributes = {name: file.getncattr(name) for name in file.ncattrs() if name not in OWN}
+    return values, attributes
+
+
+def lookup3(data):
+    """Jenkins' hash, HDF5's checksum of its own structure."""
+    def rotate(x, k):
+        return ((x << k) | (x >> (32 - k))) & 0xffffffff
+    a = b = c = (0xdeadbeef + len(data)) & 0xffffffff
+    while len(data) > 12:
+        x, y, z = (int.from_bytes(data[i:i + 4], "little") for i in (0, 4, 8))
+        a, b, c = (a + x) & 0xffffffff, (b + y) & 0xffffffff, (c + z) & 0xffffffff
+        for k in (4, 6, 8, 16, 19, 4):
+            a = ((a - c) & 0xffffffff) ^ rotate(c, k)
+            c = (c + b) & 0xffffffff
+            a, b, c = b, c, a
+        data = data[12:]
+    data = data.ljust(12, b"\0")
+    x, y, z = (int.from_bytes(data[i:i + 4], "little") for i in (0, 4, 8))
+    a, b, c = (a + x) & 0xffffffff, (b + y) & 0xffffffff, (c + z) & 0xffffffff
+    for k in (14, 11, 25, 16, 4, 14, 24):
+        c = ((c ^ b) - rotate(b, k)) & 0xffffffff
+        a, b, c = b, c, a
+    return b
+
+
+class Resume(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        with open(self.path("c.yaml"), "w", encoding="utf-8") as file:
+            file.write(CASE)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def start(self, *words, case="c.yaml", **more):
+        return subprocess.Popen([PROGRAM, "run", case, *words, "--no-progress"], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+
+    def run_case(self, status, *words, **more):
+        process = self.start(*words, **more)
+        out, err = process.communicate(timeout=200)
+        self.assertEqual(process.returncode, status, err)
+        if status in (1, 2, 3):
+            self.assertEqual(err.count("\n"), 1, err)
+        return out, err
+
+    def stop(self, number, after, *words, **more):
+        """Starts a run and stops it after some seconds: how it ended, 0 where it was faster."""
+        process = self.start(*words, **more)
+        try:
+            process.communicate(timeout=after)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
+        process.communicate(timeout=60)
+        # A signal before there is anything to close ends the program as any other.
+        self.assertIn(process.returncode, (0, 4, -number))
+        return process.returncode
+
+    def same(self, one, other):
+        a, b = contents(self.path(one)), contents(self.path(other))
+        self.assertEqual(list(a[0]), list(b[0]))
+        for name in a[0]:
+            self.assertEqual(a[0][name], b[0][name], name)
+        self.assertEqual({k: str(v) for k, v in a[1].items()},
+                         {k: str(v) for k, v in b[1].items()})
+
+    def begin_or_resume(self):
+        """A kill may have come before the first checkpoint."""
+        there = os.path.exists(self.path("out.nc.checkpoint"))
+        return "--resume" if there and self.is_unfinished() else "--force"
+
+    def stop_anywhere(self, number, method, formulation):
+        """Stops a run wherever it is, twice where that can be, and compares in the end."""
+        words = ["-q", "--set", "solver.method=" + method,
+                 "--set", "solver.formulation=" + formulation]
+        if formulation == "inertia":
+            words += ["--set", "inertia.mass_per_area=5e5 kg/m2"]
+        chance = random.Random(method + formulation)
+        began = time.time()
+        self.run_case(0, "-o", "whole.nc", "--force", *words)
+        took = time.time() - began
+        for _ in range(2):
+            after = took * chance.uniform(0.2, 0.8)
+            if self.stop(number, after, "-o", "out.nc", self.begin_or_resume(), *words) == 0:
+                break
+        else:
+            self.run_case(0, "-o", "out.nc", self.begin_or_resume(), *words)
+        self.same("whole.nc", "out.nc")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.nc", "whole.nc"])
+
+    def test_killed_or_ended_at_any_moment(self):
+        for method, formulation in (("bdf", "rate"), ("bdf", "slip"), ("adams", "slip"),
+                                    ("erk", "traction"), ("bdf", "inertia")):
+            for number in (signal.SIGKILL, signal.SIGTERM):
+                with self.subTest(method=method, formulation=formulation, signal=number):
+                    self.setUp()
+                    self.stop_anywhere(number, method, formulation)
+
+    def last_checkpoint(self):
+        try:
+            state = os.stat(self.path("out.nc.checkpoint"))
+        except FileNotFoundError:
+            return None
+        return state.st_ino, state.st_mtime_ns
+
+    def kill_after_checkpoints(self, count, *words, **more):
+        """Kills a run once it has made so many checkpoints; False where it was faster."""
+        last = self.last_checkpoint()
+        process = self.start(*words, **more)
+        while process.poll() is None and count > 0:
+            now = self.last_checkpoint()
+            count -= now not in (None, last)
+            last = now
+            time.sleep(0.0005)
+        process.kill()
+        process.communicate(timeout=60)
+        self.assertIn(process.returncode, (0, -signal.SIGKILL))
+        return process.returncode != 0 and self.is_unfinished()
+
+    def is_unfinished(self):
+        """The kill may have come when all was done but the process's own end."""
+        try:
+            with netCDF4.Dataset(self.path("out.nc")) as file:
+                return file.status != "complete"
+        except OSError:
+            return False  # half closed
+
+    def summary(self, *words, **more):
+        out, _ = self.run_case(0, *words, "--json", **more)
+        return {key: value for key, value in json.loads(out).items() if key not in OWN_JSON}
+
+    def killed_is_same(self, case, settings):
+        """A run killed in two places, against one that was not."""
+        more = {"case": os.path.join(SOURCE, "cases", case)}
+        words = [word for setting in settings for word in ("--set", setting)]
+        whole = self.summary("-o", "whole.nc", *words, **more)
+        kills = 0
+        for count in (3, 1):
+            begin = "--resume" if kills > 0 else "--force"
+            if self.kill_after_checkpoints(count, "-o", "out.nc", "-q", begin, *words, **more):
+                kills += 1
+            elif kills > 0:
+                self.start("-o", "out.nc", "-q", "--resume", *words, **more).communicate()
+                break
+        else:
+            self.assertGreater(kills, 0, "every run was faster than its end")
+            part = self.summary("-o", "out.nc", "--resume", *words, **more)
+            self.assertEqual(whole, part)
+        self.same("whole.nc", "out.nc")
+        with netCDF4.Dataset(self.path("out.nc")) as file:
+            self.assertRegex(file.resumed, "^planned checkpoint at [0-9.e+-]+ s")
+
+    def test_every_kind_goes_on_to_the_bit(self):
+        for name, (case, settings) in TABLE.items():
+            with self.subTest(name):
+                self.setUp()
+                self.killed_is_same(case, settings)
+
+    def fill_disk(self, limit, *words):
+        def set_limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        return self.run_case(3, "-q", "-o", "out.nc", *words, preexec_fn=set_limit)
+
+    def is_beginning_of_whole(self):
+        """What a full disk left can be read, and says what the whole run's file says."""
+        with netCDF4.Dataset(self.path("whole.nc")) as whole, \
+                netCDF4.Dataset(self.path("out.nc")) as part:
+            self.assertEqual(part.status, "failed")
+            self.assertGreater(len(part["time"]), 10)
+            for name, variable in part.variables.items():
+                if variable.dimensions[:1] in (("time",), ("snapshot",)):
+                    np.testing.assert_array_equal(variable[...], whole[name][:len(variable)], name)
+
+    def test_full_disk(self):
+        self.run_case(0, "-q", "-o", "whole.nc")
+        # A megabyte beyond what is written must be free at any time.
+        size = os.path.getsize(self.path("whole.nc"))
+        full = "^lacuna: [^ ]*out.nc: cannot write: File too large\n$"
+        _, err = self.fill_disk((1 << 20) + size * 19 // 20)
+        self.assertRegex(err, full)
+        self.is_beginning_of_whole()
+        # Going on takes room for both files; where there is none nothing is lost.
+        files = {name: self.bytes_of(name) for name in ("out.nc", "out.nc.checkpoint")}
+        _, err = self.fill_disk(size // 2, "--resume")
+        self.assertRegex(err, full)
+        self.assertEqual({name: self.bytes_of(name) for name in files}, files)
+        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.same("whole.nc", "out.nc")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.nc", "whole.nc"])
+
+    def write_forced(self):
+        """A case that plans nothing, long enough to be stopped in its midst."""
+        text = "\n".join(line for line in CASE.splitlines() if "checkpoint" not in line)
+        text = text.replace("every: {time: 10 min, steps: 3}", "every: 1 s")
+        with open(self.path("f.yaml"), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def test_forced_within_tolerance(self):
+        self.write_forced()
+        began = time.time()
+        self.run_case(0, "-q", "-o", "whole.nc", case="f.yaml")
+        took = time.time() - began
+        share = 0.5
+        while self.stop(signal.SIGTERM, share * took, "-o", "out.nc", "-q", "--force",
+                        case="f.yaml") != 4:
+            share = 0.1 + 0.8 * random.random()
+        out, _ = self.run_case(0, "-o", "out.nc", "--resume", "--json", case="f.yaml")
+        self.assertEqual(json.loads(out)["resumed_from"], "forced")
+        with netCDF4.Dataset(self.path("whole.nc")) as a, \
+                netCDF4.Dataset(self.path("out.nc")) as b:
+            self.assertRegex(b.resumed, r"^forced checkpoint at [0-9.e+]+ s$")
+            self.assertEqual(b.status, "complete")
+            self.assertEqual(len(b.history.splitlines()), 2)
+            self.assertLess(abs(a.failure_time_s / b.failure_time_s - 1), 1e-5)
+            n = len(a["time"]) - 2
+            np.testing.assert_array_equal(a["time"][:n], b["time"][:n])
+            np.testing.assert_allclose(a["slip"][1:n], b["slip"][1:n], rtol=1e-3)
+        self.assertFalse(os.path.exists(self.path("out.nc.checkpoint")))
+
+    def refused(self, status, line, *words):
+        _, err = self.run_case(status, "-q", *words)
+        self.assertRegex(err, "^lacuna: " + line + "\n$")
+
+    def test_refused_without_a_run_to_go_on(self):
+        self.refused(3, "--resume: none.nc: No such file or directory", "--resume", "-o", "none.nc")
+        self.run_case(0, "-q", "-o", "whole.nc")
+        self.refused(2, "--resume: whole.nc is complete", "--resume", "-o", "whole.nc")
+        self.refused(2, "--resume keeps the file, --force replaces it: not both", "--resume",
+                     "--force", "-o", "whole.nc")
+        with open(self.path("text.nc"), "w", encoding="utf-8") as file:
+            file.write("text")
+        self.refused(3, "text.nc: is not a netCDF file", "--resume", "-o", "text.nc")
+
+    def bytes_of(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def refused_with(self, status, line, name, content):
+        """Another content of a file is refused; then the file is what it was."""
+        was = self.bytes_of(name)
+        with open(self.path(name), "wb") as file:
+            file.write(content)
+        self.refused(status, line, "--resume", "-o", "out.nc")
+        with open(self.path(name), "wb") as file:
+            file.write(was)
+
+    def test_refused_checkpoints(self):
+        self.assertTrue(self.kill_after_checkpoints(3, "-o", "out.nc", "-q"))
+        older = self.bytes_of("out.nc")
+        self.assertTrue(self.kill_after_checkpoints(3, "-o", "out.nc", "-q", "--resume"))
+        go_on = ["--resume", "-o", "out.nc"]
+        self.refused(2, "--resume: out.nc was begun with another case: it said friction: "
+                     "a: 0.01, now friction: a: 0.011", *go_on, "--set", "friction.aging.a=0.011")
+        self.refused(2, "--resume: the checkpoint of out.nc is at .*, not before the end of the run",
+                     *go_on, "--until", "1 s")
+        saved = self.bytes_of("out.nc.checkpoint")
+        named = "[^ ]*out.nc.checkpoint: "
+        for status, line, content in (
+                (3, "is damaged: differs from its checksum",
+                 saved[:1000] + bytes([saved[1000] ^ 1]) + saved[1001:]),
+                (3, f"is damaged: {len(saved) // 2} bytes of {len(saved)}",
+                 saved[:len(saved) // 2]),
+                (3, "is not a checkpoint of Lacuna", b""),
+                (3, "is not a checkpoint of Lacuna", b"CDF" + saved[3:]),
+                (2, "is a checkpoint of another version of Lacuna: its format is '1', '2' is read "
+                 "here", saved[:7] + b"1" + saved[8:])):
+            self.refused_with(status, named + line, "out.nc.checkpoint", content)
+        self.refused_with(2, "[^ ]*out.nc: is older than its checkpoint: [0-9]+ records of [0-9]+",
+                          "out.nc", older)
+        with netCDF4.Dataset(self.path("out.nc"), "a") as file:
+            made = file.date_created
+            file.date_created = "2001-02-03T04:05:06Z"
+        self.refused(2, f"[^ ]*out.nc: its checkpoint is of another run, begun {made}", *go_on)
+        os.remove(self.path("out.nc.checkpoint"))
+        self.refused(2, "out.nc: has no checkpoint to go on from", *go_on)
+
+    def test_refused_where_a_file_has_changed(self):
+        for name in ("load/record.yaml", "data/shaking.csv"):
+            os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+            shutil.copy(os.path.join(SOURCE, "cases", name), self.path(name))
+        words = ["-o", "out.nc", "-q", "--set", "output.checkpoint={steps: 50}"]
+        more = {"case": "load/record.yaml"}
+        self.assertTrue(self.kill_after_checkpoints(2, *words, **more))
+        with open(self.path("data/shaking.csv"), "a", encoding="utf-8") as file:
+            file.write("20.00,0.0\n")
+        _, err = self.run_case(2, "--resume", *words, **more)
+        self.assertRegex(err, "^lacuna: --resume: out.nc was begun with another case: it said "
+                         "files: shaking.csv: [0-9a-f]{16}, now files: shaking.csv: [0-9a-f]{16}\n$")
+        _, err = self.run_case(2, "-o", "data/shaking.csv", "--force", **more)
+        self.assertRegex(err, "data/shaking.csv: is read by this case, must not be the output")
+
+    def hold(self, *words):
+        """A run that stands still once it has made a checkpoint."""
+        last = self.last_checkpoint()
+        process = self.start(*words)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        while self.last_checkpoint() in (None, last):
+            self.assertIsNone(process.poll())
+            time.sleep(0.0005)
+        process.send_signal(signal.SIGSTOP)
+        return process
+
+    def test_refused_while_another_process_writes(self):
+        process = self.hold("-o", "out.nc", "-q")
+        self.refused(3, "out.nc: another process is writing it", "--resume", "-o",
+                     "out.nc")
+        self.refused(3, "out.nc: cannot replace: another process is writing it", "--force", "-o",
+                     "out.nc")
+        # What becomes of the file of a run that has lost its name must not be taken for another's.
+        os.remove(self.path("out.nc"))
+        process.send_signal(signal.SIGCONT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 3)
+        self.assertRegex(err, "^lacuna: .*out.nc: was replaced or removed while it was being "
+                         "written\n$")
+
+    def test_killed_while_closing(self):
+        """HDF5 cuts the file before it says so in its first bytes."""
+        self.assertTrue(self.kill_after_checkpoints(3, "-o", "out.nc", "-q"))
+        bytes_now = self.bytes_of("out.nc")
+        length = int.from_bytes(bytes_now[28:36], "little")
+        self.assertEqual(length, len(bytes_now))
+        # The first bytes count 1024 more than there are.
+        head = bytearray(bytes_now[:44])
+        head[28:36] = (length + 1024).to_bytes(8, "little")
+        with open(self.path("out.nc"), "r+b") as file:
+            file.write(head + lookup3(bytes(head)).to_bytes(4, "little"))
+        with self.assertRaises(OSError):
+            netCDF4.Dataset(self.path("out.nc"))
+        self.run_case(0, "-q", "-o", "whole.nc")
+        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.same("whole.nc", "out.nc")
+
+    def test_end_and_most_steps_may_change(self):
+        self.run_case(0, "-q", "-o", "whole.nc")
+        self.run_case(1, "-q", "-o", "out.nc", "--set", "solver.max_steps=100")
+        self.run_case(0, "-q", "-o", "out.nc", "--resume", "--threads", "2")
+        self.same("whole.nc", "out.nc")
+
+
+def main():
+    global PROGRAM, SOURCE
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    SOURCE = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
+
+
+if __name__ == "__main__":
+    main()

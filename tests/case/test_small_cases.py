@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The small cases of one model each show what their first lines say, by closed forms.
+
+usage: test_small_cases.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import math
+import os
+import sys
+import unittest
+
+import netCDF4
+import numpy
+
+import test_cli
+from test_cli import Case
+
+A_MINUS_B, P, DAY = 0.005, 5e6, 86400.0
+
+
+class Small(Case):
+    def case(self, name):
+        return os.path.join(test_cli.SOURCE, "cases", name + ".yaml")
+
+    def follow(self, name, *words):
+        """Runs a case; the summary and the series of its file."""
+        done = self.expect(0, "run", self.case(name), "--json", "--force", "-o", "out.nc", *words)
+        with netCDF4.Dataset(self.path("out.nc")) as data:
+            series = {key: numpy.array(data[key][:]) for key in ("time", "slip_rate", "shear_force",
+                                                                 "apparent_friction")}
+        return json.loads(done.stdout), series
+
+    def press(self, name, *words):
+        return json.loads(self.expect(0, "contact", self.case(name), "--json", "--force", "-o",
+                                      "out.nc", *words).stdout)
+
+    def near(self, value, expected, relative):
+        self.assertLess(abs(value / expected - 1), relative, (value, expected))
+
+
+class Loads(Small):
+    def test_creep_comes_to_the_rate_of_its_load(self):
+        slope = 1e-3 / DAY * math.exp((math.tan(math.radians(30)) - 0.58) / A_MINUS_B)
+        for name, rate in (("ratio", 1e-6 / math.e), ("constant", 1e-6 / math.e), ("slope", slope)):
+            with self.subTest(name):
+                self.near(self.follow("load/" + name)[1]["slip_rate"][-1], rate, 1e-4)
+
+    def test_a_stiff_spring_holds_and_a_soft_one_does_not(self):
+        _, held = self.follow("load/spring")
+        self.near(held["slip_rate"][-1], 1e-6, 1e-4)
+        self.near(held["apparent_friction"][-1], 0.6, 1e-6)
+        summary, _ = self.follow("load/spring", "--set", "load.shear.0.spring.stiffness=0.1 GPa/m")
+        self.assertGreater(summary["max_slip_rate_m_s"], 1e-3)
+
+    def test_a_ramp_gains_by_the_rate(self):
+        _, run = self.follow("load/ramp")
+        during = (run["time"] > 3 * DAY) & (run["time"] < 11 * DAY)
+        gain = numpy.diff(numpy.log(run["slip_rate"][during])) / numpy.diff(run["time"][during])
+        numpy.testing.assert_allclose(gain, 2.5e3 / DAY / (A_MINUS_B * P), rtol=1e-3)
+        self.near(run["slip_rate"][-1], 1e-6 * math.e, 1e-4)
+
+    def test_a_step_acts_at_once_and_fades(self):
+        _, run = self.follow("load/step")
+        self.near(run["slip_rate"][run["time"] == 3600][-1], 1e-6 * math.e, 1e-6)
+        self.near(run["slip_rate"][-1], 1e-6 * math.exp(3), 1e-4)
+
+    def test_a_slow_swing_is_followed(self):
+        _, run = self.follow("load/sine", "--set", "output.every=1 hour")
+        swing = numpy.sin(2 * math.pi * run["time"] / (10 * DAY))
+        numpy.testing.assert_allclose(numpy.log(run["slip_rate"] / 1e-6), swing, atol=3e-3)
+
+    def test_a_plate_carries_the_fault_along(self):
+        _, run = self.follow("load/back-slip")
+        self.near(run["slip_rate"][-1], 1e-9, 1e-3)
+        self.near(run["apparent_friction"][-1], 0.6, 1e-4)
+
+    def test_creep_follows_the_piezometer(self):
+        _, run = self.follow("load/piezometer")
+        # friction is in proportion to the effective pressure's inverse
+        head = numpy.interp(run["time"] / DAY, range(11),
+                            [4, 4, 4.6, 6.1, 6.4, 6, 5.4, 4.9, 4.5, 4.2, 4])
+        total = 2500 * 9.80665 * 40 * math.cos(math.radians(20)) ** 2
+        rise = (total - 4 * 9807) / (total - head * 9807) - 1
+        self.assertLess(abs(run["time"][run["slip_rate"].argmax()] - 4 * DAY), 0.1 * DAY)
+        # between that of the contacts as they were, and of contacts that had time to renew
+        peak = math.log(run["slip_rate"].max() / run["slip_rate"][0])
+        self.assertTrue(0.4 * rise.max() / 0.015 < peak < 0.4 * rise.max() / 0.010, peak)
+
+
+class Domains(Small):
+    def test_equal_cells_fail_with_the_block(self):
+        exact = 1.40259 * 0.7e-3 / (0.81e-3 / (7 * DAY))
+        for name in ("full", "cascade"):
+            with self.subTest(name):
+                self.near(self.follow("domain/" + name)[0]["failure_time_s"], exact, 1e-4)
+
+
+class Friction(Small):
+    def test_weakening_is_the_slip_law_above_steady_state(self):
+        weakening, slip = (self.follow("friction/" + law)[0]["failure_time_s"]
+                           for law in ("weakening", "slip"))
+        self.assertEqual(weakening, slip)
+
+    def test_tails_are_cut_where_said(self):
+        self.follow("friction/tails")
+        with netCDF4.Dataset(self.path("out.nc")) as data:
+            rate, state = (numpy.array(data[key][0]) for key in ("cell_slip_rate", "cell_state"))
+        # at the start theta = x^(1 - b/a) dc/v
+        dc = state * rate * 0.8 ** 0.4 / 1e-4
+        self.assertGreaterEqual(rate.min(), 0.01 * 1e-3 / DAY * (1 - 1e-9))
+        self.assertTrue(dc.min() > 1 - 1e-9 and 10 < dc.max() < 100)
+        # 256 draws of exponent 1.5, whose median is 2^(1/1.5)
+        self.near(numpy.median(dc), 2 ** (1 / 1.5), 0.15)
+
+
+class Solvers(Small):
+    def test_every_way_finds_the_first_event(self):
+        for name in ("bdf", "adams", "erk", "slip", "traction"):
+            with self.subTest(name):
+                _, run = self.follow("solver/" + name)
+                k = numpy.argmax(run["slip_rate"] > 1e-3)
+                u = numpy.log(run["slip_rate"][k - 1:k + 1] / 1e-3)
+                t = run["time"][k - 1:k + 1]
+                self.near(t[0] - u[0] * (t[1] - t[0]) / (u[1] - u[0]), 5.615967767843e6, 1e-5)
+
+
+class Estimates(Small):
+    """What `check` says of the steps holds; of what it cannot know it says so."""
+
+    NAMES = ("block", "century", "measured", "friction/spread", "friction/tails", "transfer/none",
+             "transfer/hierarchy", "domain/full", "load/tides", "load/ratio", "solver/bdf", "bridge")
+
+    def estimate(self, name, *words):
+        return json.loads(self.expect(0, "check", self.case(name), "--json", *words).stdout)["estimate"]
+
+    def test_steps_are_in_the_range(self):
+        for name in self.NAMES:
+            with self.subTest(name):
+                said, (took, _) = self.estimate(name), self.follow(name)
+                self.assertGreaterEqual(took["steps"], said["steps_least"])
+                known = said["steps_most"] is not None
+                self.assertEqual(known, said["cpu_time_most_s"] is not None)
+                self.assertEqual(known, said["steps_class"] != "not estimated")
+                if known:
+                    self.assertLessEqual(took["steps"], said["steps_most"])
+
+    def test_what_turns_or_drives_is_not_estimated(self):
+        for name, known in (("load/tides", False), ("peers/spring-slider", False), ("events", False),
+                            ("load/constant", True), ("vajont", True)):
+            self.assertEqual(self.estimate(name)["steps_class"] != "not estimated", known, name)
+
+    def test_a_search_and_the_cascade_count(self):
+        press, search = self.estimate("normal/pressure"), self.estimate("normal/dimension")
+        self.assertIsNone(press["cascade_time_s"])
+        self.assertGreater(search["cpu_time_most_s"], search["cpu_time_least_s"])
+        one, seeds = (self.estimate("rg/rough-joint", "--set", f"rg.seeds={n}") for n in (1, 4))
+        self.near(seeds["cascade_time_s"], 4 * one["cascade_time_s"], 1e-9)
+        self.assertIsNone(self.estimate("vajont")["cascade_time_s"])
+        self.assertGreater(self.estimate("rg/creep-to-failure")["cascade_time_s"], 0)
+
+
+class Normals(Small):
+    def test_the_load_is_what_the_first_lines_say(self):
+        rock = 2700 * 9.80665 * 100
+        for name, pressure in (("pressure", 3e6), ("depth", rock), ("slope", 0.75 * rock)):
+            with self.subTest(name):
+                self.near(self.press("normal/" + name)["mean_pressure_Pa"], pressure, 1e-9)
+
+    def test_a_load_that_follows_presses_to_the_same(self):
+        for name, key, wanted in (("approach", "approach_m", 0.01), ("dimension", "d_blocks", 1.5)):
+            with self.subTest(name):
+                found = self.press("normal/" + name)
+                self.near(found[key], wanted, 1e-3)
+                again = self.press("normal/pressure", "--set", "load.normal="
+                                   "{pressure: %.17g}" % found["mean_pressure_Pa"])
+                self.assertEqual(again["n_cells"], found["n_cells"])
+                self.near(again[key], found[key], 1e-6)
+
+
+class Rules(Small):
+    def test_what_sheds_more_slides_sooner(self):
+        found = [json.loads(self.expect(0, "rg", self.case("rg/" + rule), "--json", "--force", "-o",
+                                        "out.nc").stdout) for rule in ("fix", "cons", "lump")]
+        self.assertEqual([one["rule"] for one in found], ["fix", "cons", "lump"])
+        for one in found[1:]:
+            self.assertEqual(one["q_nom_Pa"], found[0]["q_nom_Pa"])
+            self.assertTrue(0.7 <= one["q_crit_over_q_nom"] <= 1)
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    test_cli.PROGRAM, test_cli.SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+
+
+if __name__ == "__main__":
+    main()
