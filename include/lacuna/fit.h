@@ -56,12 +56,13 @@ typedef struct lac_fit_result {
     double log_rate_rms;                       ///< of the best fit, of ln v [1]; NaN
     double offset;                             ///< zero of the displacements [m]
     double autocorrelation; ///< of the displacements' successive residuals, white if small [1]
-    bool poor;              ///< they hang together more than white errors would, at 99 %
-    double log_likelihood;  ///< of the best fit, offset integrated out
-    double failure;         ///< time of failure of the best fit [s]; NaN: none by time.end
-    double failure_error;   ///< its standard error from the least squares [s]
-    int64_t runs;           ///< integrations made
-    size_t tried, alive;    ///< places tried before the least squares, those with a likelihood
+    double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
+    bool poor; ///< residuals hang together, or exceed that scatter, as white errors do in 1 of 100
+    double log_likelihood; ///< of the best fit, offset integrated out
+    double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
+    double failure_error;  ///< its standard error from the least squares [s]
+    int64_t runs;          ///< integrations made
+    size_t tried, alive;   ///< places tried before the least squares, those with a likelihood
     bool sampled;
     double acceptance;                                    ///< of the sampler [1]
     double correlation[LAC_MOST_FITTED][LAC_MOST_FITTED]; ///< of the coordinates

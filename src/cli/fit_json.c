@@ -131,6 +131,7 @@ void cli_fit_json(const cli_fit_view *view)
     cli_json_number(&json, "offset_m", r->offset);
     cli_json_number(&json, "log_likelihood", r->log_likelihood);
     cli_json_number(&json, "residual_autocorrelation", r->autocorrelation);
+    cli_json_number(&json, "scatter_m", r->scatter);
     cli_json_boolean(&json, "fits_badly", r->poor);
     put_unknowns(&json, r);
     put_identifiability(&json, r);

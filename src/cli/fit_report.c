@@ -38,9 +38,10 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
         cli_row("misfit", "rms %s after an offset of %s",
                 cli_quantity(r->displacement_rms, "m", text, sizeof text),
                 cli_quantity(r->offset, "m", offset, sizeof offset));
-        cli_row("residuals", "%s: correlation of successive ones %.2f",
+        cli_row("residuals",
+                "%s: correlation of successive ones %.2f; the readings' own scatter %s",
                 r->poor ? "the model fits badly, they are not noise" : "like noise",
-                r->autocorrelation);
+                r->autocorrelation, cli_quantity(r->scatter, "m", text, sizeof text));
     }
     if (r->velocities > 0) {
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,

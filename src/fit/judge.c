@@ -5,9 +5,8 @@
 
 #include "fit/internal.h"
 
-// Correlation of successive residuals; beyond 2.33/sqrt(n) white errors would be so related in one
-// of a hundred series.
-static void look_for_memory(const lac_fit_data *data, const double *r, lac_fit_result *result)
+// Correlation of successive residuals.
+static double find_memory(const lac_fit_data *data, const double *r)
 {
     double squares = 0.0;
     double products = 0.0;
@@ -21,8 +20,42 @@ static void look_for_memory(const lac_fit_data *data, const double *r, lac_fit_r
         products += isnan(before) ? 0.0 : before * z;
         before = z;
     }
-    result->autocorrelation = squares > 0.0 ? products / squares : 0.0;
-    result->poor = result->autocorrelation > 2.33 / sqrt((double)data->displacements);
+    return squares > 0.0 ? products / squares : 0.0;
+}
+
+// What the readings scatter by themselves: each against the straight line between its neighbours.
+static double find_scatter(const lac_fit_data *data)
+{
+    size_t at[2] = {0, 0}; // the last two displacements
+    size_t seen = 0;
+    double sum = 0.0;
+    for (size_t i = 0; i < data->n; i++) {
+        if (isnan(data->displacement[i])) {
+            continue;
+        }
+        if (seen >= 2) {
+            double share =
+                (data->time[at[1]] - data->time[at[0]]) / (data->time[i] - data->time[at[0]]);
+            double off = data->displacement[at[1]] - (1.0 - share) * data->displacement[at[0]] -
+                         share * data->displacement[i];
+            sum += off * off / (1.0 + share * share + (1.0 - share) * (1.0 - share));
+        }
+        at[0] = at[1];
+        at[1] = i;
+        seen++;
+    }
+    return seen > 2 ? sqrt(sum / (double)(seen - 2)) : NAN;
+}
+
+// White errors are so related, or so much larger than the readings' own scatter, in one of a
+// hundred series.
+static void judge_residuals(const lac_fit_data *data, const double *r, lac_fit_result *result)
+{
+    double spread = 2.33 / sqrt((double)data->displacements);
+    result->autocorrelation = find_memory(data, r);
+    result->scatter = find_scatter(data);
+    double ratio = result->displacement_rms / result->scatter;
+    result->poor = result->autocorrelation > spread || ratio * ratio > 1.0 + 2.0 * spread;
 }
 
 static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result *result)
@@ -44,7 +77,7 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     }
     if (data->displacements > 0) {
         result->displacement_rms = sqrt(squares / (double)data->displacements);
-        look_for_memory(data, slip, result);
+        judge_residuals(data, slip, result);
     }
     if (data->velocities > 0) {
         result->log_rate_rms = sqrt(log_squares / (double)data->velocities);

@@ -25,12 +25,16 @@ void lac_fit_quantiles(size_t n, double *x, double quantile[LAC_FIT_QUANTILES])
     }
 }
 
-// Lower triangle L of the covariance, L L^T, each row held to a tenth of the prior's width or a
-// unit: what no reading tells of has no bound else.
+// Lower triangle L of the covariance, L L^T, made so small that no coordinate scatters by more than
+// a fifth of its range or a unit: along what no reading tells of, least squares know no bound.
 static void find_spread(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FITTED])
 {
     size_t n = fit->def->count;
+    double scale = 1.0;
     for (size_t i = 0; i < n; i++) {
+        double width = fit->high[i] - fit->low[i];
+        double most = isfinite(width) ? 0.2 * width : 1.0;
+        scale = fmin(scale, most / sqrt(fmax(fit->covariance[i][i], 1e-300)));
         for (size_t j = 0; j <= i; j++) {
             double sum = fit->covariance[i][j];
             for (size_t k = 0; k < j; k++) {
@@ -41,16 +45,11 @@ static void find_spread(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_F
     }
     for (size_t i = 0; i < n; i++) {
         double width = fit->high[i] - fit->low[i];
-        double most = isfinite(width) ? 0.1 * width : 1.0;
-        double length = 0.0;
-        for (size_t j = 0; j <= i; j++) {
-            length += l[i][j] * l[i][j];
-        }
-        double scale = sqrt(length) > most ? most / sqrt(length) : 1.0;
         for (size_t j = 0; j <= i; j++) {
             l[i][j] *= scale;
         }
-        l[i][i] = fmax(l[i][i], 1e-6 * most); // walkers in a plane would stay in it
+        // walkers in a plane would stay in it
+        l[i][i] = fmax(l[i][i], 1e-6 * (isfinite(width) ? width : 1.0));
     }
 }
 
