@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of a case by their dotted keys.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -117,14 +118,12 @@ static lac_status rebase(char **path, const char *folder, lac_error *err)
     if (*path == NULL || (*path)[0] == '/') {
         return LAC_OK;
     }
-    size_t before = strlen(folder);
-    size_t size = strlen(*path) + 1;
-    char *whole = malloc(before + size);
+    size_t size = strlen(folder) + strlen(*path) + 1;
+    char *whole = malloc(size);
     if (whole == NULL) {
         return lac_fail_memory(err);
     }
-    memcpy(whole, folder, before);
-    memcpy(whole + before, *path, size);
+    (void)snprintf(whole, size, "%s%s", folder, *path);
     free(*path);
     *path = whole;
     return LAC_OK;
