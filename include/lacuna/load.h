@@ -73,6 +73,7 @@ typedef struct lac_load_kind {
     lac_descriptor about;
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
+    bool linear;       ///< linear in time between its breaks
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
     /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
     lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,

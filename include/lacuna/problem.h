@@ -155,6 +155,30 @@ double lac_problem_next_break(const lac_problem *problem, double t);
 /// times where b > 10 a (with damping less), or of dc/v [s].
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
 
+/// What a problem is made of, for those who treat its cells one by one.
+typedef struct lac_problem_parts {
+    const double *pressure; ///< [n] total normal pressure [Pa]
+    const double *traction; ///< [n] at t = 0 [Pa]
+    const lac_friction *friction;
+    const lac_transfer *transfer;
+    double damping; ///< eta [Pa s/m]
+    bool linear;    ///< the loads are linear in time between their breaks
+} lac_problem_parts;
+
+lac_problem_parts lac_problem_parts_of(const lac_problem *problem);
+
+/// What the loads do at one time: q_i = traction_i + pressure_i ratio + spring - stiffness mean
+/// slip, effective pressure pressure_i share; and their rates.
+typedef struct lac_problem_load {
+    double ratio, ratio_rate;   ///< [1], [1/s]
+    double spring, spring_rate; ///< [Pa], [Pa/s]
+    double stiffness;           ///< of the mean slip [Pa/m]
+    double share, share_rate;   ///< [1], [1/s]
+} lac_problem_load;
+
+/// @return false where the effective normal pressure is not positive
+bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load *load);
+
 /// Whether the effective normal pressure is positive at time t.
 bool lac_problem_pressed(const lac_problem *problem, double t);
 

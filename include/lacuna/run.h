@@ -7,6 +7,13 @@
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 
+/// How much is resolved in time; docs/choosing.md.
+typedef enum lac_fidelity {
+    LAC_FIDELITY_ODE = 0, ///< all cells, at every step
+    LAC_FIDELITY_EVENTS,  ///< every cell at steps of its own: docs/theory/fidelity-events.md
+    LAC_FIDELITY_STATIC,  ///< no time: the cascade of rg.h, not a run
+} lac_fidelity;
+
 /// How often something is recorded; the tightest of what is given counts.
 typedef struct lac_cadence {
     double time;       ///< [s]; NaN: not by time
@@ -65,6 +72,9 @@ typedef struct lac_step {
     size_t n;
     const double *slip_rate; ///< [n] [m/s]
     const double *slip;      ///< [n] since the start [m]
+    const uint32_t *changed; ///< [changes] the only cells that moved on, the others' values are of
+                             ///< no meaning; NULL: all did
+    size_t changes;
 } lac_step;
 
 /// Which ends of an event lie outside the run.
@@ -116,7 +126,10 @@ typedef struct lac_progress {
 } lac_progress;
 
 typedef struct lac_run_def {
-    lac_method method;
+    lac_fidelity fidelity;
+    lac_method method;   ///< of fidelity ODE
+    double wake;         ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
+                         ///< cell before it is looked at, over its error a step
     double rtol;         ///< relative on v and theta, whatever the formulation
     int projection;      ///< 1: records and snapshots are moved onto the balance; 0: as integrated
     int64_t max_order;   ///< 0: the method's own
@@ -153,6 +166,9 @@ typedef struct lac_run_result {
 
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
 lac_run_def lac_run_default(void);
+
+/// What a fidelity is called in a case: "ode" ...
+const char *lac_fidelity_name(lac_fidelity fidelity);
 
 /// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
 /// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.

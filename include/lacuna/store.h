@@ -14,6 +14,7 @@ enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TR
 typedef struct lac_provenance {
     const char *title, *institution, *references;
     const char *case_text;    ///< the whole resolved case
+    const char *fidelity;     ///< what a run resolved in time; NULL: there is no run
     const char *command_line; ///< for `history`
     const char *libraries;    ///< names and versions
     int64_t seed;             ///< of the surface or domain; INT64_MIN: none

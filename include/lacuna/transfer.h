@@ -30,6 +30,8 @@ typedef struct lac_transfer_kind {
                   double *x, double *work);
     /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
     double (*stiffness)(const void *state, size_t level);
+    /// The blocks, where K is sum_l stiffness(l) (P_l - P_{l+1}) over them. NULL: it is not
+    const lac_hierarchy *(*blocks)(const void *state);
 } lac_transfer_kind;
 
 /// A transfer kind made for one domain. Immutable but for scratch of its own: one thread at a time.

@@ -295,11 +295,23 @@ static double share_at(double before, double after, double limit)
     return share >= 0.0 && share <= 1.0 ? share : 1.0; // from v = 0: at the very end
 }
 
+// The cells that the step moved on: all, or those that it lists.
+static size_t moved_on(const lac_catalogue *c, const lac_step *step)
+{
+    return step->changed != NULL ? step->changes : c->domain->n;
+}
+
+static size_t cell_of(const lac_step *step, size_t k)
+{
+    return step->changed != NULL ? step->changed[k] : k;
+}
+
 // Collects the cells that begin or cease to move, in the order of time.
 static size_t collect(const lac_catalogue *c, const lac_step *step)
 {
     size_t changes = 0;
-    for (size_t i = 0; i < c->domain->n; i++) {
+    for (size_t k = 0; k < moved_on(c, step); k++) {
+        size_t i = cell_of(step, k);
         double v = fabs(step->slip_rate[i]);
         bool now = v >= (c->moves[i] ? c->fall : c->rise);
         if (now == (bool)c->moves[i]) {
@@ -352,7 +364,6 @@ out:
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err)
 {
-    const size_t n = c->domain->n;
     lac_status status = LAC_OK;
     c->origin = step->time_origin;
     c->local = step->time_local;
@@ -362,14 +373,15 @@ lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_
             LAC_TRY(apply(c, step, &c->change[k], sink, err));
         }
     }
-    for (size_t k = 0; k < c->actives; k++) {
-        lac_open_event *e = &c->open[c->event[c->active[k]]];
-        e->max_rate = fmax(e->max_rate, fabs(step->slip_rate[c->active[k]]));
-    }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t k = 0; k < moved_on(c, step); k++) {
+        size_t i = cell_of(step, k);
         c->rate[i] = fabs(step->slip_rate[i]);
+        c->slip[i] = step->slip[i];
+        if (c->moves[i]) {
+            lac_open_event *e = &c->open[c->event[i]];
+            e->max_rate = fmax(e->max_rate, c->rate[i]);
+        }
     }
-    memcpy(c->slip, step->slip, n * sizeof *c->slip);
     c->begun = true;
 out:
     return status;

@@ -9,6 +9,8 @@
 
 /// y_i = exp(x_i)
 void lac_vexp(size_t n, const double *x, double *y);
+/// y_i = exp(-x_i)
+void lac_vexp_minus(size_t n, const double *x, double *y);
 /// y_i = ln(x_i)
 void lac_vlog(size_t n, const double *x, double *y);
 /// y_i = asinh(x_i)

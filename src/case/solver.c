@@ -7,11 +7,29 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", NULL};
 static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", NULL};
 
 const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
+    {.key = "fidelity",
+     .unit = "1",
+     .fallback = LAC_FIDELITY_ODE,
+     .type = LAC_CHOICE,
+     .choices = fidelities,
+     .offset = FIELD(run.fidelity),
+     .doc = "what is resolved in time: ode (all cells at every step), events (each cell at steps "
+            "of its own, for cells that slip one by one); static has no time (lacuna rg)"},
+    {.key = "wake",
+     .unit = "1",
+     .fallback = 1.0,
+     .min = 0,
+     .max = 100,
+     .flags = LAC_ABOVE_MIN,
+     .offset = FIELD(run.wake),
+     .doc = "with fidelity events: error that an unforeseen change of traction may cause before a "
+            "cell is looked at, over the error of its step"},
     {.key = "method",
      .unit = "1",
      .fallback = LAC_BDF,
@@ -76,6 +94,29 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .doc = "of Fourier transforms: estimate is the same to the bit in every run"},
 };
 
+// Cells at steps of their own have one formulation and no method to choose.
+static void check_events(lac_reader *reader, lac_case *c)
+{
+    bool rate = c->formulation == LAC_FORMULATION_AUTO || c->formulation == LAC_FORMULATION_RATE;
+    c->formulation = LAC_FORMULATION_RATE;
+    if (!lac_clean(reader, "solver")) {
+        return;
+    }
+    if (lac_present(reader, "inertia")) {
+        lac_blame_key(reader, "solver.fidelity", "knows no inertia: leave one of them out");
+        return;
+    }
+    if (!rate) {
+        lac_blame_key(reader, "solver.formulation", "must be auto or rate with fidelity events");
+    }
+    if (c->run.method != LAC_BDF) {
+        lac_blame_key(reader, "solver.method", "goes with fidelity ode, not with events");
+    }
+    if (c->run.max_order != 0) {
+        lac_blame_key(reader, "solver.max_order", "goes with fidelity ode, not with events");
+    }
+}
+
 void lac_check_solver(lac_reader *reader, lac_case *c)
 {
     static const struct {
@@ -87,6 +128,10 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
     lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
+    if (c->run.fidelity == LAC_FIDELITY_EVENTS) {
+        check_events(reader, c);
+        return;
+    }
     c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
     int64_t order = c->run.max_order;
     if (!lac_clean(reader, "solver") || order == 0) {

@@ -51,6 +51,11 @@ static const double search_least = 1.5, search_most = 6;
 enum { FEWEST_STEPS = 10, SMOOTH_STEPS = 500, STEPS_PER_FAILURE = 80 };
 static const double safe_ratio = 30, safe_spread_ratio = 300;
 
+// Updates of a cell with steps of its own, as long as none slips and on the way to failure
+// (docs/theory/fidelity-events.md).
+enum { OWN_FEWEST = 30, OWN_STEPS = 1000 };
+static const double own_step_seconds = 2e-6;
+
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
@@ -297,11 +302,21 @@ static void count_time(const lac_case *c, const lac_grid *grid, double cells, cl
     double contact = c->surface.about != NULL ? contact_seconds(c, e) : 0;
     double once = base_seconds + history_seconds(c, e) + calibration_seconds(c, grid, e);
     double massive = e->unknowns > 2 ? massive_factor : 1;
-    double step = cell_step_seconds * massive * cells + elastic_seconds(c, e);
+    double step = e->own_steps ? own_step_seconds
+                               : cell_step_seconds * massive * cells + elastic_seconds(c, e);
     e->cascade_time = cascade_seconds(c, e);
     once += e->integrated && !isnan(e->cascade_time) ? e->cascade_time : 0;
     e->cpu_time_least = contact * (search ? search_least : 1) + once + step * e->steps_least;
     e->cpu_time_most = contact * (search ? search_most : 1) + once + step * e->steps_most;
+}
+
+static void count_own_steps(const lac_case *c, double cells, cli_estimate *e)
+{
+    e->own_steps = e->integrated && c->run.fidelity == LAC_FIDELITY_EVENTS;
+    if (e->own_steps) {
+        e->steps_least = OWN_FEWEST * cells;
+        e->steps_most = e->changing ? NAN : OWN_STEPS * cells;
+    }
 }
 
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
@@ -323,6 +338,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     judge_stability(c, &grid, e);
     count_memory(c, cells, e);
     count_steps(c, cells, e);
+    count_own_steps(c, cells, e);
     count_time(c, &grid, cells, e);
     return status;
 }
@@ -335,7 +351,10 @@ static double rounded(double x, int digits)
 
 static const char *steps_class(const cli_estimate *e)
 {
-    return e->changing ? "not estimated" : e->stable ? "hundreds" : "per cell";
+    return e->own_steps  ? "own"
+           : e->changing ? "not estimated"
+           : e->stable   ? "hundreds"
+                         : "per cell";
 }
 
 // One figure where the two are near each other.
@@ -357,8 +376,9 @@ static void print_time(const cli_estimate *e)
 
 void cli_estimate_print(const cli_estimate *e)
 {
-    puts(e->integrated ? "\n# What it will cost with bdf, roughly"
-                       : "\n# What it will cost, roughly");
+    puts(e->own_steps    ? "\n# What it will cost with each cell at its own steps, roughly"
+         : e->integrated ? "\n# What it will cost with bdf, roughly"
+                         : "\n# What it will cost, roughly");
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
         char unknowns[40] = "";
@@ -376,6 +396,12 @@ void cli_estimate_print(const cli_estimate *e)
     }
     if (!isnan(e->stiffness_ratio)) {
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
+    }
+    if (e->own_steps) {
+        printf("#   steps           of each cell its own, %d to %d\n", OWN_FEWEST, OWN_STEPS);
+        cli_wrap("#     ", e->stable ? "the cells move together: fidelity ode is the faster one"
+                                     : "a slip costs some hundred, whatever the number of cells");
+        return;
     }
     printf("#   steps           %s\n", steps_class(e));
     char apart[80];

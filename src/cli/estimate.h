@@ -15,6 +15,7 @@ typedef struct cli_estimate {
                      ///< on its own
     bool integrated; ///< else statics: no steps
     double unknowns; ///< of a contact cell
+    bool own_steps;  ///< cells take steps of their own (solver.fidelity: events), each counts
     bool changing;   ///< a load changes in time: how often cells slip is not known
     double steps_least, steps_most;       ///< most NaN: not estimated
     double memory;                        ///< peak [bytes]

@@ -136,6 +136,7 @@ static lac_status open_store(run_job *job, lac_error *err)
         .inputs = job->inputs,
         .resume = goes_on(job) ? &job->resume : NULL,
     };
+    def.provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     const double *once = NULL;
     if (job->analysis != NULL) {
         def.extras = lac_analysis_extras(job->analysis, &def.extra, &once);

@@ -55,6 +55,11 @@ static const char *formulation(const cli_outcome *outcome)
     return lac_formulation_name(lac_problem_formulation(outcome->scene->problem));
 }
 
+static const char *fidelity(const cli_outcome *outcome)
+{
+    return lac_fidelity_name(outcome->source->run.fidelity);
+}
+
 static const char *end_reason(const cli_outcome *outcome)
 {
     if (strcmp(outcome->status, "failed") == 0) {
@@ -111,6 +116,7 @@ static void print_cost(const cli_outcome *outcome)
     char wall[32], cpu[32];
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
+    cli_row("fidelity", "%s", fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_quantity(outcome->wall_time, "s", wall, sizeof wall),
@@ -163,6 +169,7 @@ static void write_results(cli_json *json, const cli_outcome *outcome)
         cli_json_null(json, "events"); // else the catalogue says how many
     }
     cli_json_number(json, "balance_residual", result->balance_residual);
+    cli_json_text(json, "fidelity", fidelity(outcome));
     cli_json_text(json, "formulation", formulation(outcome));
     cli_json_number(json, "initial_apparent_friction",
                     history->begun ? apparent_friction(&history->first) : NAN);

@@ -1,28 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/clones.h"
 #include "base/vmath.h"
 #include "friction/law.h"
+
+// g_u = -v/dc, g_w = -exp(-w), which stands in g
+LAC_CLONES static void lac_aging_slopes(size_t n, const double *v, const double *inv_dc,
+                                        const double *g, double *g_u, double *g_w)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        g_u[i] = -v[i] * inv_dc[i];
+        g_w[i] = -g[i];
+    }
+}
+
+LAC_CLONES static void lac_aging_renew(size_t n, const double *v, const double *inv_dc, double *g)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        g[i] -= v[i] * inv_dc[i];
+    }
+}
 
 // dtheta/dt = 1 - v theta/dc, for w = ln theta:  g = exp(-w) - v/dc
 static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
                    double *g_u, double *g_w)
 {
-    size_t n = cells->n;
-    const double *w = cells->w;
-    const double *v = cells->v;
     const double *inv_dc = friction->inv_dc + cells->first;
-    for (size_t i = 0; i < n; i++) {
-        g[i] = -w[i];
-    }
-    lac_vexp(n, g, g);
+    lac_vexp_minus(cells->n, cells->w, g);
     if (g_u != NULL) {
-        for (size_t i = 0; i < n; i++) {
-            g_u[i] = -v[i] * inv_dc[i];
-            g_w[i] = -g[i];
-        }
+        lac_aging_slopes(cells->n, cells->v, inv_dc, g, g_u, g_w);
     }
-    for (size_t i = 0; i < n; i++) {
-        g[i] -= v[i] * inv_dc[i];
-    }
+    lac_aging_renew(cells->n, cells->v, inv_dc, g);
 }
 
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};

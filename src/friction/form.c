@@ -2,7 +2,9 @@
 #include "friction/form.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "base/clones.h"
 #include "base/vmath.h"
 #include "friction/cutoff.h"
 #include "friction/law.h"
@@ -25,12 +27,14 @@
 const char *const lac_friction_form_names[] = {"plain", "regularised", NULL};
 
 // F = constant + a U + b W
-static void plain_coefficient(const lac_friction *friction, size_t first, size_t n, const double *u,
-                              const double *w, double *f)
+LAC_CLONES static void lac_form_plain_coefficient(const lac_friction *friction, size_t first,
+                                                  size_t n, const double *u, const double *w,
+                                                  double *f)
 {
     const double *constant = friction->constant + first;
     const double *a = friction->column[LAC_A] + first;
     const double *b = friction->column[LAC_B] + first;
+    LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         f[i] = constant[i] + a[i] * u[i] + b[i] * w[i];
     }
@@ -39,14 +43,12 @@ static void plain_coefficient(const lac_friction *friction, size_t first, size_t
 static void plain_slopes(const lac_friction *friction, size_t first, size_t n,
                          const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    for (size_t i = 0; i < n; i++) {
-        values->f_u[i] = friction->column[LAC_A][first + i];
-        values->f_w[i] = friction->column[LAC_B][first + i];
-    }
+    memcpy(values->f_u, friction->column[LAC_A] + first, n * sizeof(double));
+    memcpy(values->f_w, friction->column[LAC_B] + first, n * sizeof(double));
     if (slopes != NULL) {
-        for (size_t i = 0; i < n; i++) {
-            slopes->f_uu[i] = slopes->f_uw[i] = slopes->f_ww[i] = 0;
-        }
+        memset(slopes->f_uu, 0, n * sizeof(double));
+        memset(slopes->f_uw, 0, n * sizeof(double));
+        memset(slopes->f_ww, 0, n * sizeof(double));
     }
 }
 
@@ -54,8 +56,9 @@ static double at_least_smallest(double a) { return a > SMALLEST_A ? a : SMALLEST
 
 // With r = 1/sqrt(1 + X^2), s = X r and ds = ds/dlnX = s r^2:
 // f_uu = a ds,  f_uw = b ds,  f_ww = b^2/a ds
-static void regularised_slopes(const double *a, const double *b, size_t n, const double *s,
-                               const double *r, const lac_friction_slopes *slopes)
+LAC_CLONES static void lac_form_regularised_slopes(const double *a, const double *b, size_t n,
+                                                   const double *s, const double *r,
+                                                   const lac_friction_slopes *slopes)
 {
     double *f_uu = slopes->f_uu, *f_uw = slopes->f_uw, *f_ww = slopes->f_ww;
     for (size_t i = 0; i < n; i++) {
@@ -88,7 +91,7 @@ static void regularise(const double *a, const double *b, size_t n,
         f_w[i] = r;
     }
     if (slopes != NULL) {
-        regularised_slopes(a, b, n, f_u, f_w, slopes);
+        lac_form_regularised_slopes(a, b, n, f_u, f_w, slopes);
     }
     for (size_t i = 0; i < n; i++) {
         f_w[i] = b[i] * f_u[i];
@@ -101,7 +104,7 @@ static void strength(const lac_friction *friction, size_t first, size_t n, const
                      const double *w, const lac_friction_values *values,
                      const lac_friction_slopes *slopes)
 {
-    plain_coefficient(friction, first, n, u, w, values->f);
+    lac_form_plain_coefficient(friction, first, n, u, w, values->f);
     if (friction->form == LAC_FORM_REGULARISED) {
         regularise(friction->column[LAC_A] + first, friction->column[LAC_B] + first, n, values,
                    slopes);
@@ -128,12 +131,12 @@ double lac_friction_plain(const lac_friction *friction, size_t cell, double u, d
 {
     double f;
     if (!lac_cutoff_any(friction)) {
-        plain_coefficient(friction, cell, 1, &u, &w, &f);
+        lac_form_plain_coefficient(friction, cell, 1, &u, &w, &f);
         return f;
     }
     lac_cutoff cutoff;
     lac_cutoff_map(friction, cell, 1, &u, &w, &cutoff);
-    plain_coefficient(friction, cell, 1, cutoff.rate.value, cutoff.state.value, &f);
+    lac_form_plain_coefficient(friction, cell, 1, cutoff.rate.value, cutoff.state.value, &f);
     return f;
 }
 

@@ -3,7 +3,9 @@
 #include <math.h>
 
 #include "base/vmath.h"
+#include "friction/cutoff.h"
 #include "friction/form.h"
+#include "friction/settle.h"
 
 // h(u) = p f(u, w) + eta e^u - |tau| rises with u = ln|v|. Newton's method on a block of cells at
 // once, no step longer than LONGEST: where h bends upwards a step from the left may be far too
@@ -48,9 +50,7 @@ static double newton_step(const lac_friction *friction, const lac_friction_balan
     return longest;
 }
 
-// One more step of cell i. Whether the next would be rounding.
-static bool settles(const lac_friction *friction, const lac_friction_balance *eq, size_t i,
-                    double *u)
+static lac_friction_balance cell_of(const lac_friction_balance *eq, size_t i)
 {
     lac_friction_balance one = *eq;
     one.first += i;
@@ -58,6 +58,14 @@ static bool settles(const lac_friction *friction, const lac_friction_balance *eq
     one.w += i;
     one.traction += i;
     one.pressure += i;
+    return one;
+}
+
+// One more step of cell i. Whether the next would be rounding.
+static bool settles(const lac_friction *friction, const lac_friction_balance *eq, size_t i,
+                    double *u)
+{
+    lac_friction_balance one = cell_of(eq, i);
     return newton_step(friction, &one, u) <= CLOSE;
 }
 
@@ -92,11 +100,9 @@ static void begin(const lac_friction *friction, const lac_friction_balance *eq, 
     }
 }
 
-void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *eq, double *u,
-                        double *v)
+// ln|v| by steps of the general strength.
+static void search(const lac_friction *friction, const lac_friction_balance *eq, double *u)
 {
-    assert(eq->n <= LAC_FRICTION_BLOCK && eq->first + eq->n <= friction->n);
-    begin(friction, eq, u);
     double longest = INFINITY;
     for (int step = 0; step < MOST_STEPS && longest > CLOSE; step++) {
         longest = newton_step(friction, eq, u);
@@ -106,6 +112,36 @@ void lac_friction_rates(const lac_friction *friction, const lac_friction_balance
             u[i] = bisect(friction, eq, i);
         }
     }
+}
+
+// Those of the cells that have not settled, one by one.
+static void search_rest(const lac_friction *friction, const lac_friction_balance *eq,
+                        const double *settled, double *u, double *v)
+{
+    for (size_t i = 0; i < eq->n; i++) {
+        if (settled[i] == 0) {
+            lac_friction_balance one = cell_of(eq, i);
+            search(friction, &one, &u[i]);
+            v[i] = copysign(exp(u[i]), eq->traction[i]);
+        }
+    }
+}
+
+void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *eq, double *u,
+                        double *v)
+{
+    assert(eq->n <= LAC_FRICTION_BLOCK && eq->first + eq->n <= friction->n);
+    if (lac_friction_count_cold(eq->n, u) > 0) {
+        begin(friction, eq, u);
+    }
+    if (!lac_cutoff_any(friction)) {
+        double settled[LAC_FRICTION_BLOCK];
+        if (lac_friction_settle(friction, eq, u, v, settled) > 0) {
+            search_rest(friction, eq, settled, u, v);
+        }
+        return;
+    }
+    search(friction, eq, u);
     lac_vexp(eq->n, u, v);
     for (size_t i = 0; i < eq->n; i++) {
         v[i] = copysign(v[i], eq->traction[i]);

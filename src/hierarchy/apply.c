@@ -1,18 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/clones.h"
+#include "base/parts.h"
 #include "hierarchy/blocks.h"
+
+// One pass over a partition.
+typedef struct pass {
+    const lac_partition *part;
+    double k;
+    const double *x, *mean_b, *force_b; // of the partition's blocks; of the next partition's
+    double *out;
+} pass;
 
 // sum_B = sum of x over the children of B. Blocks have 1 to 4 children in no order a processor
 // could foresee, so four are always read and those that are not children are multiplied by 0.
 // The partition of the parents follows that of the children.
-static void sum_children(const lac_partition *fine, const double *x, double *sum)
+LAC_CLONES static void lac_apply_sum_children(void *context, size_t part, size_t first, size_t end)
 {
-    const uint32_t *child = fine->child;
-    for (uint32_t b = 0; b < fine->whole; b++) {
+    const pass *p = context;
+    const uint32_t *child = p->part->child;
+    const double *x = p->x;
+    double *sum = p->out;
+    size_t whole = end < p->part->whole ? end : p->part->whole;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t b = first; b < whole; b++) {
         const double *c = x + child[b];
         const double *is = lac_is_child[child[b + 1] - child[b]];
         sum[b] = (c[0] * is[0] + c[1] * is[1]) + (c[2] * is[2] + c[3] * is[3]);
     }
-    for (uint32_t b = fine->whole; b < fine[1].count; b++) {
+    for (size_t b = first > whole ? first : whole; b < end; b++) {
         double c[4] = {0};
         for (uint32_t i = child[b]; i < child[b + 1]; i++) {
             c[i - child[b]] = x[i];
@@ -22,20 +38,39 @@ static void sum_children(const lac_partition *fine, const double *x, double *sum
 }
 
 // force_c = force_B + k (mean_c - mean_B)
-static void pass_down(const lac_partition *fine, double k, const double *mean, const double *mean_b,
-                      const double *force_b, double *force)
+LAC_CLONES static void lac_apply_pass_down(void *context, size_t part, size_t first, size_t end)
 {
-    for (uint32_t c = 0; c < fine->count; c++) {
-        uint32_t b = fine->parent[c];
+    const pass *p = context;
+    const uint32_t *parent = p->part->parent;
+    const double *mean = p->x;
+    const double *mean_b = p->mean_b;
+    const double *force_b = p->force_b;
+    double *force = p->out;
+    double k = p->k;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t c = first; c < end; c++) {
+        uint32_t b = parent[c];
         force[c] = force_b[b] + k * (mean[c] - mean_b[b]);
+    }
+}
+
+LAC_CLONES static void lac_apply_take_means(void *context, size_t part, size_t first, size_t end)
+{
+    const pass *p = context;
+    const uint32_t *begin = p->part->first;
+    double *mean = p->out;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t b = first; b < end; b++) {
+        mean[b] /= begin[b + 1] - begin[b];
     }
 }
 
 static void take_means(const lac_partition *part, double *mean)
 {
-    for (uint32_t b = 0; b < part->count; b++) {
-        mean[b] /= part->first[b + 1] - part->first[b];
-    }
+    pass p = {.part = part, .out = mean};
+    (void)lac_parts_run(part->count, lac_apply_take_means, &p);
 }
 
 void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *x, double *y,
@@ -51,7 +86,8 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
     double *mean = work, *force = work + h->blocks;
     const double *below = x;
     for (size_t j = 0; j < root; j++) {
-        sum_children(&part[j], below, mean);
+        pass p = {.part = &part[j], .x = below, .out = mean};
+        (void)lac_parts_run(part[j + 1].count, lac_apply_sum_children, &p);
         below = mean;
         mean += part[j + 1].count;
     }
@@ -64,7 +100,9 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
         mean -= part[j].count;
         force -= part[j].count;
         take_means(&part[j], mean);
-        pass_down(&part[j], k[part[j].level], mean, mean_b, force_b, force);
+        pass p = {&part[j], k[part[j].level], mean, mean_b, force_b, force};
+        (void)lac_parts_run(part[j].count, lac_apply_pass_down, &p);
     }
-    pass_down(&part[0], k[part[0].level], x, mean, force, y);
+    pass p = {&part[0], k[part[0].level], x, mean, force, y};
+    (void)lac_parts_run(part[0].count, lac_apply_pass_down, &p);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <float.h>
 
+#include "base/clones.h"
+#include "base/parts.h"
 #include "hierarchy/blocks.h"
 
 // The elimination of docs/theory/transfer.md, equations 5 to 8. A block stands for its cells as
@@ -9,24 +11,58 @@
 
 static bool good(double g) { return g > 0 && g <= DBL_MAX; }
 
-// g_c = 1/(t_c + k); returns how many are not finite and positive.
-static uint32_t invert_pivots(uint32_t count, double k, const double *t, double *g)
+// One pass over a partition: what is known of its blocks and of the next partition's.
+typedef struct pass {
+    const lac_partition *part;
+    double k;
+    double *g, *w;
+    const double *t, *y, *b;
+    double *t_b, *y_b; // or m and mu of the partition's own
+    double *out;
+    uint32_t bad[LAC_PARTS];
+} pass;
+
+// g_c = 1/(t_c + k), w_c = n_c g_c where blocks have several cells; counts the g that are not
+// finite and positive.
+LAC_CLONES static void lac_solve_invert_pivots(void *context, size_t part, size_t first, size_t end)
 {
+    pass *p = context;
+    const double *t = p->t;
+    double *g = p->g;
+    double k = p->k;
     uint32_t bad = 0;
-    for (uint32_t c = 0; c < count; c++) {
+    LAC_INDEPENDENT
+    for (size_t c = first; c < end; c++) {
         g[c] = 1 / (t[c] + k);
-        bad += !good(g[c]);
+        bad += good(g[c]) ? 0 : 1;
     }
-    return bad;
+    p->bad[part] = bad;
+    const uint32_t *begin = p->part->first;
+    double *w = p->w;
+    if (w == g) {
+        return;
+    }
+    LAC_INDEPENDENT
+    for (size_t c = first; c < end; c++) {
+        w[c] = (begin[c + 1] - begin[c]) * g[c];
+    }
 }
 
 // t_B = sum w_c t_c / sum w_c, y_B = sum w_c y_c / sum w_c over the children of B.
 // Four are always read, as in apply.c. The partition of the parents follows that of the children.
-static void average_children(const lac_partition *fine, const double *w, const double *t,
-                             const double *y, double *t_b, double *y_b)
+LAC_CLONES static void lac_solve_average(void *context, size_t part, size_t first, size_t end)
 {
-    const uint32_t *child = fine->child;
-    for (uint32_t b = 0; b < fine->whole; b++) {
+    const pass *p = context;
+    const uint32_t *child = p->part->child;
+    const double *w = p->w;
+    const double *t = p->t;
+    const double *y = p->y;
+    double *t_b = p->t_b;
+    double *y_b = p->y_b;
+    size_t whole = end < p->part->whole ? end : p->part->whole;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t b = first; b < whole; b++) {
         size_t c = child[b];
         const double *is = lac_is_child[child[b + 1] - child[b]];
         double w0 = w[c] * is[0], w1 = w[c + 1] * is[1];
@@ -35,7 +71,7 @@ static void average_children(const lac_partition *fine, const double *w, const d
         t_b[b] = ((w0 * t[c] + w1 * t[c + 1]) + (w2 * t[c + 2] + w3 * t[c + 3])) * share;
         y_b[b] = ((w0 * y[c] + w1 * y[c + 1]) + (w2 * y[c + 2] + w3 * y[c + 3])) * share;
     }
-    for (uint32_t b = fine->whole; b < fine[1].count; b++) {
+    for (size_t b = first > whole ? first : whole; b < end; b++) {
         double sum = 0, sum_t = 0, sum_y = 0;
         for (uint32_t c = child[b]; c < child[b + 1]; c++) {
             sum += w[c];
@@ -64,50 +100,63 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
     return pardoned;
 }
 
-// w_c = n_c g_c
-static void weigh(const lac_partition *part, const double *g, double *w)
-{
-    for (uint32_t c = 0; c < part->count; c++) {
-        w[c] = (part->first[c + 1] - part->first[c]) * g[c];
-    }
-}
-
 // b_B = mu_B + k m_B: all that the children of B need to know.
-static void offer(const lac_partition *part, double k, const double *m, const double *mu, double *b)
+LAC_CLONES static void lac_solve_offer(void *context, size_t part, size_t first, size_t end)
 {
-    for (uint32_t c = 0; c < part->count; c++) {
+    const pass *p = context;
+    const double *m = p->t;
+    const double *mu = p->y;
+    double *b = p->out;
+    double k = p->k;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t c = first; c < end; c++) {
         b[c] = mu[c] + k * m[c];
     }
 }
 
-// m_c = g_c (y_c + b_B), mu_c = g_c (t_c b_B - k y_c); a single child has its parent's.
-// m replaces t and mu replaces y.
-static void pass_down(const lac_partition *part, double k, const double *g, const double *b,
-                      const double *m_b, const double *mu_b, double *t, double *y)
+// m_c = g_c (y_c + b_B), mu_c = g_c (t_c b_B - k y_c). m replaces t and mu replaces y.
+LAC_CLONES static void lac_solve_pass_down(void *context, size_t part, size_t first, size_t end)
 {
-    for (uint32_t c = 0; c < part->count; c++) {
-        double from_above = b[part->parent[c]];
+    const pass *p = context;
+    const uint32_t *parent = p->part->parent;
+    const double *g = p->g;
+    const double *b = p->b;
+    double *t = p->t_b;
+    double *y = p->y_b;
+    double k = p->k;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t c = first; c < end; c++) {
+        double from_above = b[parent[c]];
         double m = g[c] * (y[c] + from_above);
         y[c] = g[c] * (t[c] * from_above - k * y[c]);
         t[c] = m;
     }
-    for (uint32_t i = 0; i < part->singles; i++) {
-        uint32_t parent = part->single[i];
-        t[part->child[parent]] = m_b[parent];
-        y[part->child[parent]] = mu_b[parent];
-    }
 }
 
 // The same for the cells: x_i = g_i (y_i + b_B).
-static void finish(const lac_partition *cells, const double *g, const double *b, const double *m_b,
-                   const double *y, double *x)
+LAC_CLONES static void lac_solve_finish(void *context, size_t part, size_t first, size_t end)
 {
-    for (uint32_t i = 0; i < cells->count; i++) {
-        x[i] = g[i] * (y[i] + b[cells->parent[i]]);
+    const pass *p = context;
+    const uint32_t *parent = p->part->parent;
+    const double *g = p->g;
+    const double *b = p->b;
+    const double *y = p->y;
+    double *x = p->out;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
+        x[i] = g[i] * (y[i] + b[parent[i]]);
     }
-    for (uint32_t i = 0; i < cells->singles; i++) {
-        uint32_t parent = cells->single[i];
-        x[cells->child[parent]] = m_b[parent];
+}
+
+// A single child has its parent's.
+static void copy_to_singles(const lac_partition *part, const double *parents, double *x)
+{
+    for (uint32_t i = 0; i < part->singles; i++) {
+        uint32_t parent = part->single[i];
+        x[part->child[parent]] = parents[parent];
     }
 }
 
@@ -115,12 +164,21 @@ static void finish(const lac_partition *cells, const double *g, const double *b,
 static bool eliminate(const lac_partition *fine, double k, const double *t, const double *y,
                       double *g, double *w, double *t_b, double *y_b)
 {
-    uint32_t bad = invert_pivots(fine->count, k, t, g);
-    if (w != NULL) {
-        weigh(fine, g, w);
+    pass p = {.part = fine, .k = k, .g = g, .w = w, .t = t, .y = y, .t_b = t_b, .y_b = y_b};
+    size_t parts = lac_parts_run(fine->count, lac_solve_invert_pivots, &p);
+    uint32_t bad = 0;
+    for (size_t i = 0; i < parts; i++) {
+        bad += p.bad[i];
     }
-    average_children(fine, w != NULL ? w : g, t, y, t_b, y_b);
+    (void)lac_parts_run(fine[1].count, lac_solve_average, &p);
     return bad == adopt_singles(fine, t, y, g, t_b, y_b);
+}
+
+// b of the blocks of a partition, over which k ties their children
+static void offer(const lac_partition *part, double k, const double *m, const double *mu, double *b)
+{
+    pass p = {.part = part, .k = k, .t = m, .y = mu, .out = b};
+    (void)lac_parts_run(part->count, lac_solve_offer, &p);
 }
 
 size_t lac_hierarchy_work(const lac_hierarchy *h) { return h->cells + 4 * h->blocks; }
@@ -138,7 +196,7 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
     // Of the blocks of every partition but the cells, finest first: t (then m), y (then mu), g.
     double *g_cell = work, *w = work + h->cells;
     double *t = w + h->blocks, *r = t + h->blocks, *g = r + h->blocks;
-    if (!eliminate(&part[0], k[part[0].level], diagonal, y, g_cell, NULL, t, r)) {
+    if (!eliminate(&part[0], k[part[0].level], diagonal, y, g_cell, g_cell, t, r)) {
         return false;
     }
     for (size_t j = 1; j < root; j++) {
@@ -159,10 +217,20 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
         uint32_t count = part[j].count;
         g -= count;
         offer(&part[j + 1], k[part[j].level], t, r, w);
-        pass_down(&part[j], k[part[j].level], g, w, t, r, t - count, r - count);
+        pass p = {.part = &part[j],
+                  .k = k[part[j].level],
+                  .g = g,
+                  .b = w,
+                  .t_b = t - count,
+                  .y_b = r - count};
+        (void)lac_parts_run(count, lac_solve_pass_down, &p);
+        copy_to_singles(&part[j], t, p.t_b);
+        copy_to_singles(&part[j], r, p.y_b);
         t -= count, r -= count;
     }
     offer(&part[1], k[part[0].level], t, r, w);
-    finish(&part[0], g_cell, w, t, y, x);
+    pass p = {.part = &part[0], .g = g_cell, .b = w, .y = y, .out = x};
+    (void)lac_parts_run(part[0].count, lac_solve_finish, &p);
+    copy_to_singles(&part[0], t, x);
     return true;
 }

@@ -29,5 +29,6 @@ const lac_load_kind lac_pore_constant = {
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(constant_params)},
+    .linear = true,
     .add = add,
 };

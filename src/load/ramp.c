@@ -79,6 +79,7 @@ const lac_load_kind lac_shear_ramp = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ramp_params),
               .fault = fault},
+    .linear = true,
     .add = add_shear,
     .next_break = next_break,
 };
@@ -92,6 +93,7 @@ const lac_load_kind lac_pore_ramp = {
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(ramp_params),
               .fault = fault},
+    .linear = true,
     .add = add_pore,
     .next_break = next_break,
 };

@@ -33,5 +33,6 @@ const lac_load_kind lac_shear_ratio = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(ratio_params)},
     .fixes_shear = true,
+    .linear = true,
     .add = add,
 };

@@ -33,5 +33,6 @@ const lac_load_kind lac_shear_slope = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(slope_params)},
     .fixes_shear = true,
+    .linear = true,
     .add = add,
 };

@@ -41,5 +41,6 @@ const lac_load_kind lac_shear_spring = {
               .params = params,
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(spring_params)},
+    .linear = true,
     .add = add,
 };

@@ -75,6 +75,7 @@ const lac_load_kind lac_shear_step = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(step_params),
               .fault = fault},
+    .linear = true,
     .add = add_shear,
     .next_break = next_break,
 };
@@ -88,6 +89,7 @@ const lac_load_kind lac_pore_step = {
                   sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
               .params_size = sizeof(step_params),
               .fault = fault},
+    .linear = true,
     .add = add_pore,
     .next_break = next_break,
 };

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
 
 static const lac_formulation_kind *const kinds[] = {
@@ -58,7 +59,10 @@ lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, con
 {
     size_t n = problem->n;
     double total = 0.0;
-    memcpy(ws->u, ws->guess, n * sizeof *ws->u);
+    double *u = keep ? ws->guess : ws->u;
+    if (!keep) {
+        memcpy(u, ws->guess, n * sizeof *u);
+    }
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         lac_friction_balance balance = {.first = first,
@@ -68,17 +72,10 @@ lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, con
                                         .pressure = problem->pressure + first,
                                         .share = share,
                                         .damping = problem->damping};
-        lac_friction_rates(problem->friction, &balance, ws->u + first, ws->v + first);
-        double part = 0.0;
-        for (size_t i = first; i < first + length; i++) {
-            part += ws->v[i];
-        }
-        total += part;
+        lac_friction_rates(problem->friction, &balance, u + first, ws->v + first);
+        total += lac_vsum(length, ws->v + first);
     }
-    if (keep) {
-        memcpy(ws->guess, ws->u, n * sizeof *ws->u);
-    }
-    return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / (double)n};
+    return (lac_motion){.u = u, .v = ws->v, .mean = total / (double)n};
 }
 
 size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
@@ -86,9 +83,7 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
                           lac_block_slopes *d)
 {
     size_t length = lac_block_length(problem->n, first);
-    for (size_t i = 0; i < length; i++) {
-        s->speed[i] = fabs(motion->v[first + i]);
-    }
+    lac_vabs(length, motion->v + first, s->speed);
     lac_friction_cells cells = {.first = first,
                                 .n = length,
                                 .u = motion->u + first,
@@ -129,16 +124,13 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
     return total;
 }
 
-double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
-                          const lac_motion *motion, const double *w, double *wdot)
+bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+                        const lac_motion *motion, const double *w, double *wdot)
 {
-    double check = 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         double speed[LAC_FRICTION_BLOCK];
         size_t length = lac_block_length(problem->n, first);
-        for (size_t i = 0; i < length; i++) {
-            speed[i] = fabs(motion->v[first + i]);
-        }
+        lac_vabs(length, motion->v + first, speed);
         lac_friction_cells cells = {.first = first,
                                     .n = length,
                                     .u = motion->u + first,
@@ -148,8 +140,5 @@ double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
         lac_friction_evaluate(problem->friction, &cells, &(lac_friction_values){.g = wdot + first},
                               NULL);
     }
-    for (size_t i = 0; i < problem->n; i++) {
-        check += wdot[i] * 0.0;
-    }
-    return check;
+    return lac_vfinite(problem->n, wdot);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/vmath.h"
+#include "base/vsum.h"
 #include "model/implicit.h"
 #include "model/internal.h"
 
@@ -105,7 +106,7 @@ static lac_motion move(const lac_problem *problem, const lac_drive *drive, const
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         turn_back(problem->slow, length, y + first, ws->u + first, ws->v + first);
-        total += lac_problem_sum(length, ws->v + first);
+        total += lac_vsum(length, ws->v + first);
     }
     return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / (double)n};
 }
@@ -182,7 +183,7 @@ static bool reduce(const lac_problem *problem, const lac_implicit *at, double *b
         return false;
     }
     // ln|v| has been used: its place holds K b_slip.
-    double held = at->drive->spring_stiffness * lac_problem_sum(n, b + 2 * n) / (double)n;
+    double held = at->drive->spring_stiffness * lac_vsum(n, b + 2 * n) / (double)n;
     transfer->kind->apply(transfer->state, b + 2 * n, ws->u, ws->scratch);
     double push = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -338,7 +339,7 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
 void lac_inertia_unexplained(const lac_problem *problem, double *force)
 {
     size_t n = problem->n;
-    double mean = lac_problem_sum(n, force) / (double)n;
+    double mean = lac_vsum(n, force) / (double)n;
     double together = 0.0;
     for (size_t i = 0; i < n; i++) {
         together += share_of(problem, i) * acceleration(problem, i, force[i], mean);

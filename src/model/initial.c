@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
 
 // One cell at the start.
@@ -125,7 +126,7 @@ typedef struct start_load {
 static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
                                 lac_error *err)
 {
-    double sum = lac_problem_sum(domain->n, domain->pressure);
+    double sum = lac_vsum(domain->n, domain->pressure);
     double area = lac_grid_area(&domain->grid);
     double cell = lac_grid_cell_area(&domain->grid);
     double mean = sum * cell / area;

@@ -28,9 +28,6 @@ struct lac_problem {
     double *log_rate0, *log_state0; // [n]
 };
 
-// Sum in the order of the cells.
-double lac_problem_sum(size_t n, const double *x);
-
 // What acts on the cells neither alike nor as their pressures do.
 typedef struct lac_far {
     double back;    // slip of the rock around, since the start [m]
@@ -156,13 +153,14 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
 // v = exp(u) of every cell, and its sum in a fixed order.
 double lac_problem_exp_sum(size_t n, const double *u, double *v);
 
-// Solves for the rates that carry the tractions, into ws->u and ws->v.
+// Solves for the rates that carry the tractions, into ws->v and ws->guess, or ws->u where they are
+// not kept.
 lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, const double *traction,
                                    const double *w, const lac_workspace *ws, bool keep);
 
-// dw/dt of every cell. Gives back 0 where all are finite, NaN elsewhere.
-double lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
-                          const lac_motion *motion, const double *w, double *wdot);
+// dw/dt of every cell; false where one is not finite.
+bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+                        const lac_motion *motion, const double *w, double *wdot);
 
 // Scratch of one block of cells for the friction kernels, on the caller's stack.
 typedef struct lac_block {

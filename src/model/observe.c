@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
 
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
@@ -22,17 +23,13 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
     (void)lac_problem_drive(problem, t, &drive);
     lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
     *mean = fabs(motion.mean);
-    *max = fabs(motion.v[0]);
-    for (size_t i = 1; i < problem->n; i++) {
-        double speed = fabs(motion.v[i]);
-        *max = speed > *max ? speed : *max;
-    }
+    *max = lac_vmost(problem->n, motion.v);
 }
 
 void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
                       double *traction, double *scratch)
 {
-    double mean = lac_problem_sum(problem->n, slip) / (double)problem->n;
+    double mean = lac_vsum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
     lac_problem_couple(problem, drive->far, slip, traction, scratch);
     for (size_t i = 0; i < problem->n; i++) {
@@ -84,7 +81,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
         seen->fastest = fabs(motion.v[i]) > fabs(motion.v[seen->fastest]) ? i : seen->fastest;
     }
     seen->max_rate = fabs(motion.v[seen->fastest]);
-    seen->mean_slip = lac_problem_sum(n, slip) / (double)n;
+    seen->mean_slip = lac_vsum(n, slip) / (double)n;
 
     double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
     double alike = spring + drive.far.elastic; // the mean of the shape is 1

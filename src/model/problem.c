@@ -5,16 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
-
-double lac_problem_sum(size_t n, const double *x)
-{
-    double total = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        total += x[i];
-    }
-    return total;
-}
 
 static void fill_geometry(lac_problem *problem, const lac_domain *domain)
 {
@@ -22,7 +14,7 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
     problem->pressure = domain->pressure;
     problem->cell_area = lac_grid_cell_area(&domain->grid);
     problem->nominal_area = lac_grid_area(&domain->grid);
-    problem->sum_pressure = lac_problem_sum(domain->n, domain->pressure);
+    problem->sum_pressure = lac_vsum(domain->n, domain->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
 }
@@ -46,7 +38,7 @@ static void fill_traction(lac_problem *problem, double share)
         double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
         problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
     }
-    problem->sum_traction0 = lac_problem_sum(problem->n, problem->traction0);
+    problem->sum_traction0 = lac_vsum(problem->n, problem->traction0);
 }
 
 // Without direct effect and damping the traction says nothing of the rate.

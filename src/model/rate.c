@@ -3,22 +3,35 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/clones.h"
+#include "base/parts.h"
 #include "base/vmath.h"
+#include "base/vsum.h"
 #include "model/internal.h"
+
+typedef struct speeds {
+    const double *u;
+    double *v;
+    double sum[LAC_PARTS];
+} speeds;
+
+static void add_speeds(void *context, size_t part, size_t from, size_t end)
+{
+    speeds *s = context;
+    double total = 0.0;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(end, first);
+        lac_vexp(length, s->u + first, s->v + first);
+        total += lac_vsum(length, s->v + first);
+    }
+    s->sum[part] = total;
+}
 
 double lac_problem_exp_sum(size_t n, const double *u, double *v)
 {
-    double total = 0.0;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        lac_vexp(length, u + first, v + first);
-        double part = 0.0;
-        for (size_t i = first; i < first + length; i++) {
-            part += v[i];
-        }
-        total += part;
-    }
-    return total;
+    speeds s = {.u = u, .v = v};
+    size_t parts = lac_parts_run(n, add_speeds, &s);
+    return lac_parts_sum(parts, s.sum);
 }
 
 static void start(const lac_problem *problem, double *x)
@@ -41,30 +54,63 @@ typedef struct rate_field {
     const double *w, *kv; // [n] ln theta, K v
     double loading;       // dq/dt that all cells have in common [Pa/s]
     double *ydot;
+    const lac_problem *problem;
+    const lac_drive *drive;
+    bool good[LAC_PARTS];
 } rate_field;
 
-// The rates of one block of cells. Gives back 0 where all are finite, NaN elsewhere.
-static double block_rates(const lac_problem *problem, const lac_drive *drive,
-                          const rate_field *field, size_t first)
+// (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
+LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_drive *drive,
+                                      const rate_field *field, size_t first, size_t length,
+                                      const lac_block *s)
 {
-    lac_block s;
-    size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, NULL);
     const double *p = problem->pressure + first;
     const double *kv = field->kv + first;
     double *du = field->ydot + first;
-    double *dw = field->ydot + problem->n + first;
-    double check = 0.0;
-
-    // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
+    double share = drive->share;
+    double share_rate = drive->share_rate;
+    double ratio_rate = drive->ratio_rate;
+    double loading = field->loading;
+    double eta = problem->damping;
+    LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
-        double pe = p[i] * drive->share;
-        double drop = s.f[i] * p[i] * drive->share_rate + kv[i] + pe * s.f_w[i] * s.g[i];
-        double force = p[i] * drive->ratio_rate + field->loading - drop;
-        du[i] = force / (pe * s.f_u[i] + problem->damping * s.speed[i]);
-        dw[i] = s.g[i];
-        check += du[i] * 0.0 + dw[i] * 0.0;
+        double pe = p[i] * share;
+        double drop = s->f[i] * p[i] * share_rate + kv[i] + pe * s->f_w[i] * s->g[i];
+        double force = p[i] * ratio_rate + loading - drop;
+        du[i] = force / (pe * s->f_u[i] + eta * s->speed[i]);
     }
-    return check;
+}
+
+// The rates of one block of cells; false where one is not finite.
+static bool block_rates(const lac_problem *problem, const lac_drive *drive, const rate_field *field,
+                        size_t first)
+{
+    lac_block s;
+    size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, NULL);
+    double *du = field->ydot + first;
+    double *dw = field->ydot + problem->n + first;
+    lac_rate_rates(problem, drive, field, first, length, &s);
+    memcpy(dw, s.g, length * sizeof *dw);
+    return lac_vfinite(length, du) && lac_vfinite(length, dw);
+}
+
+static void part_rates(void *context, size_t part, size_t from, size_t end)
+{
+    rate_field *field = context;
+    field->good[part] = true;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        bool good = block_rates(field->problem, field->drive, field, first);
+        field->good[part] = good && field->good[part];
+    }
+}
+
+static bool all_good(size_t parts, const bool *good)
+{
+    bool all = true;
+    for (size_t i = 0; i < parts; i++) {
+        all = all && good[i];
+    }
+    return all;
 }
 
 static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -76,45 +122,11 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
                         .w = y + problem->n,
                         .kv = ws->kv,
                         .loading = drive->spring_rate - drive->spring_stiffness * motion.mean,
-                        .ydot = ydot};
-    double check = 0.0;
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        check += block_rates(problem, drive, &field, first);
-    }
-    return check == 0.0;
-}
-
-// One cell's row of (1 - gamma J) x = b with ln theta eliminated; docs/theory/creep.md.
-typedef struct cell_row {
-    double diagonal; // D: the unknown is dv = v x_u, (D + K) dv = rhs
-    double rhs;
-    double back;   // x_w = back (b_w + gamma g_u x_u)
-    double evolve; // gamma g_u
-} cell_row;
-
-// What the reduction of one cell needs besides its friction.
-typedef struct cell_point {
-    double p, p_rate; // effective normal pressure and its rate
-    double v, eta, gamma;
-    double force; // dq/dt - K v of the cell
-    double b_u, b_w;
-} cell_point;
-
-static cell_row reduce(const cell_point *c, const lac_block *s, const lac_block_slopes *d, size_t i)
-{
-    double e = c->p * s->f_u[i] + c->eta * c->v;
-    double du = (c->force - s->f[i] * c->p_rate - c->p * s->f_w[i] * s->g[i]) / e;
-    double n_u = -s->f_u[i] * c->p_rate - c->p * (d->f_uw[i] * s->g[i] + s->f_w[i] * d->g_u[i]);
-    double n_w = -s->f_w[i] * c->p_rate - c->p * (d->f_ww[i] * s->g[i] + s->f_w[i] * d->g_w[i]);
-    double a_u = n_u - du * (c->p * d->f_uu[i] + c->eta * c->v);
-    double a_w = n_w - du * c->p * d->f_uw[i];
-
-    cell_row row;
-    row.back = 1.0 / (1.0 - c->gamma * d->g_w[i]);
-    row.evolve = c->gamma * d->g_u[i];
-    row.diagonal = (e / c->gamma - a_u - a_w * row.evolve * row.back) / c->v;
-    row.rhs = e * c->b_u / c->gamma + a_w * row.back * c->b_w;
-    return row;
+                        .ydot = ydot,
+                        .problem = problem,
+                        .drive = drive};
+    size_t parts = lac_parts_run(problem->n, part_rates, &field);
+    return all_good(parts, field.good);
 }
 
 // What one solve works on.
@@ -124,40 +136,93 @@ typedef struct solve_field {
     const lac_workspace *ws;
     double *b;
     double loading, gamma;
+    const lac_problem *problem;
+    const lac_drive *drive;
+    bool good[LAC_PARTS];
 } solve_field;
+
+// Rows of (1 - gamma J) x = b with ln theta eliminated; docs/theory/creep.md. The unknown is
+// dv = v x_u:  (D + K) dv = rhs,  x_w = back (b_w + gamma g_u x_u). D goes to ws->diagonal, the
+// right-hand side and back b_w to b; and for the way back 1/v and back gamma g_u to ws->kv and
+// ws->v, whose K v and v are used up. Gives back how many rows have back <= 0.
+LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem, const lac_drive *drive,
+                                         const solve_field *field, size_t first, size_t length,
+                                         const lac_block *s, const lac_block_slopes *d)
+{
+    const double *pressure = problem->pressure + first;
+    double *kv = field->ws->kv + first;
+    double *v_out = field->ws->v + first;
+    double *diagonal = field->ws->diagonal + first;
+    double *b_u = field->b + first;
+    double *b_w = field->b + problem->n + first;
+    double share = drive->share;
+    double share_rate = drive->share_rate;
+    double ratio_rate = drive->ratio_rate;
+    double loading = field->loading;
+    double gamma = field->gamma;
+    double inv_gamma = 1 / gamma;
+    double eta = problem->damping;
+    size_t bad = 0;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < length; i++) {
+        double p = pressure[i] * share;
+        double p_rate = pressure[i] * share_rate;
+        double damped = eta * s->speed[i];
+        double e = p * s->f_u[i] + damped;
+        double force = pressure[i] * ratio_rate + loading - kv[i];
+        double du = (force - s->f[i] * p_rate - p * s->f_w[i] * s->g[i]) / e;
+        double n_u = -s->f_u[i] * p_rate - p * (d->f_uw[i] * s->g[i] + s->f_w[i] * d->g_u[i]);
+        double n_w = -s->f_w[i] * p_rate - p * (d->f_ww[i] * s->g[i] + s->f_w[i] * d->g_w[i]);
+        double a_u = n_u - du * (p * d->f_uu[i] + damped);
+        double a_w = n_w - du * p * d->f_uw[i];
+        double back = 1 / (1 - gamma * d->g_w[i]);
+        double evolve = back * (gamma * d->g_u[i]);
+        double inv_v = 1 / s->speed[i];
+        double w = back * b_w[i];
+        diagonal[i] = (e * inv_gamma - a_u - a_w * evolve) * inv_v;
+        b_u[i] = e * b_u[i] * inv_gamma + a_w * w;
+        b_w[i] = w;
+        kv[i] = inv_v;
+        v_out[i] = evolve;
+        bad += back > 0 ? 0 : 1;
+    }
+    return bad;
+}
+
+// x_u = dv/v, x_w = b_w + slope x_u
+LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t first, size_t end)
+{
+    const solve_field *field = context;
+    const double *inv_v = field->ws->kv;
+    const double *slope = field->ws->v;
+    double *b = field->b;
+    double *b_w = b + field->problem->n;
+    (void)part;
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
+        b[i] *= inv_v[i];
+        b_w[i] += slope[i] * b[i];
+    }
+}
 
 // Fills D and the right-hand side of one block. False where ln theta cannot be eliminated.
 static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
                          const solve_field *field, size_t first)
 {
-    size_t n = problem->n;
-    const lac_workspace *ws = field->ws;
     lac_block s;
     lac_block_slopes d;
     size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, &d);
-    bool good = true;
-    for (size_t i = 0; i < length; i++) {
-        size_t k = first + i;
-        double p = problem->pressure[k];
-        cell_point c = {.p = p * drive->share,
-                        .p_rate = p * drive->share_rate,
-                        .v = s.speed[i],
-                        .eta = problem->damping,
-                        .gamma = field->gamma,
-                        .force = p * drive->ratio_rate + field->loading - ws->kv[k],
-                        .b_u = field->b[k],
-                        .b_w = field->b[n + k]};
-        cell_row row = reduce(&c, &s, &d, i);
-        good = good && row.back > 0.0;
-        ws->diagonal[k] = row.diagonal;
-        field->b[k] = row.rhs;
-        field->b[n + k] = row.back * c.b_w;
-        // Back-substitution: x_u = dv/v, x_w = b_w + slope x_u; 1/v and slope take the place of
-        // K v and v, which are used up.
-        ws->kv[k] = 1.0 / c.v;
-        ws->v[k] = row.back * row.evolve;
+    return lac_rate_reduce(problem, drive, field, first, length, &s, &d) == 0;
+}
+
+static void reduce_part(void *context, size_t part, size_t from, size_t end)
+{
+    solve_field *field = context;
+    field->good[part] = true;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        bool good = reduce_block(field->problem, field->drive, field, first);
+        field->good[part] = good && field->good[part];
     }
-    return good;
 }
 
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -167,21 +232,22 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     const lac_transfer *transfer = &problem->transfer;
     lac_motion motion = move(problem, drive, y, ws, true);
     lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
-    solve_field field = {.motion = &motion, .w = y + n, .ws = ws, .b = b, .gamma = gamma};
+    solve_field field = {.motion = &motion,
+                         .w = y + n,
+                         .ws = ws,
+                         .b = b,
+                         .gamma = gamma,
+                         .problem = problem,
+                         .drive = drive};
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
 
-    bool good = true;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        good = reduce_block(problem, drive, &field, first) && good;
-    }
-    if (!good || !transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b,
-                                        b, ws->scratch)) {
+    size_t parts = lac_parts_run(n, reduce_part, &field);
+    if (!all_good(parts, field.good) ||
+        !transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b, b,
+                               ws->scratch)) {
         return false;
     }
-    for (size_t i = 0; i < n; i++) {
-        b[i] *= ws->kv[i];
-        b[n + i] += ws->v[i] * b[i];
-    }
+    (void)lac_parts_run(n, lac_rate_bring_back, &field);
     return true;
 }
 

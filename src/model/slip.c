@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vsum.h"
 #include "model/implicit.h"
 #include "model/internal.h"
 
@@ -21,12 +22,9 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
-    double check = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
-    for (size_t i = 0; i < n; i++) {
-        ydot[i] = motion.v[i];
-        check += ydot[i] * 0.0;
-    }
-    return check == 0.0;
+    bool good = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
+    memcpy(ydot, motion.v, n * sizeof *ydot);
+    return lac_vfinite(n, ydot) && good;
 }
 
 // x_slip = b_slip + gamma dv
@@ -40,8 +38,8 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     if (!lac_implicit_reduce(problem, &implicit, b + n, ws)) {
         return false;
     }
-    // ln|v| has been used: its place holds K b_slip.
-    double mean = drive->spring_stiffness * lac_problem_sum(n, b) / (double)n;
+    // ws->u is free where rates are kept: K b_slip.
+    double mean = drive->spring_stiffness * lac_vsum(n, b) / (double)n;
     transfer->kind->apply(transfer->state, b, ws->u, ws->scratch);
     for (size_t i = 0; i < n; i++) {
         double rhs = -(ws->u[i] + mean + ws->kv[i]) / gamma;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vsum.h"
 #include "model/implicit.h"
 #include "model/internal.h"
 
@@ -26,12 +27,11 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
     lac_motion motion = move(problem, drive, y, ws, true);
     lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
     double loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
-    double check = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
+    bool good = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
     for (size_t i = 0; i < n; i++) {
         ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - ws->kv[i];
-        check += ydot[i] * 0.0;
     }
-    return check == 0.0;
+    return lac_vfinite(n, ydot) && good;
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part by the row itself.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/course.h"
 
+#include <math.h>
+
 static lac_status too_many_steps(const lac_course *r, lac_error *err)
 {
     return lac_fail(err, LAC_ENUMERIC,
@@ -38,4 +40,13 @@ static lac_status check_advance(lac_course *r, lac_error *err)
 lac_status lac_course_check(lac_course *r, lac_error *err)
 {
     return r->steps >= r->def->max_steps ? too_many_steps(r, err) : check_advance(r, err);
+}
+
+double lac_course_sweep_end(const lac_course *r)
+{
+    if (!r->engine->kind->sweeps || r->between == NULL) {
+        return INFINITY;
+    }
+    double snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
+    return fmin(lac_clock_next(&r->record_clock), snapshot);
 }

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "run/engine.h"
+
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err)
 {
@@ -58,6 +60,14 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
 
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
+    if (def->fidelity == LAC_FIDELITY_STATIC) {
+        return lac_fail(err, LAC_EINPUT,
+                        "solver.fidelity static has no time to run through: lacuna rg works out "
+                        "the cascade; ode and events run");
+    }
+    if (def->fidelity == LAC_FIDELITY_EVENTS && !(def->wake > 0.0)) {
+        return lac_fail(err, LAC_EINPUT, "wake %g must be positive", def->wake);
+    }
     if (!(def->end > 0.0) || !isfinite(def->end)) {
         return lac_fail(err, LAC_EINPUT, "the end of the run, %g s, must be after its start",
                         def->end);
@@ -115,7 +125,11 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
         return lac_fail_memory(err);
     }
     lac_problem_initial(problem, y);
+    if (def->fidelity == LAC_FIDELITY_EVENTS) {
+        LAC_TRY(lac_engine_events_check(problem, err));
+    }
     status = lac_check_start(problem, def, y, y + unknowns, err);
+out:
     free(y);
     return status;
 }

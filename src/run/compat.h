@@ -2,8 +2,9 @@
 #ifndef LACUNA_RUN_COMPAT_H
 #define LACUNA_RUN_COMPAT_H
 
-// SUNDIALS 6.4 (Debian 12) and 7.x from one source: contexts, error handlers and status types are
-// all that differ.
+// SUNDIALS 6.4 (Debian 12) and 7.x from one source: contexts, error handlers, status types and the
+// control of explicit steps are all that differ. LAC_SUN_ERK_CONTROL: Gustafsson's, of the larger
+// caution of its explicit and its implicit form.
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
@@ -23,12 +24,22 @@ static inline void lac_sun_silent(int line, const char *function, const char *fi
 #define LAC_SUN_SILENCE_CVODE(mem) ((void)(mem))
 #define LAC_SUN_SILENCE_ERK(mem) ((void)(mem))
 typedef SUNErrCode lac_sun_status;
+#include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
+#define LAC_SUN_ERK_CONTROL(mem, sun, keep)     \
+    (*(keep) = SUNAdaptController_ImExGus(sun), \
+     *(keep) == NULL ? -1 : ERKStepSetAdaptController((mem), *(keep)))
+#define LAC_SUN_ERK_CONTROL_FREE(control) ((void)SUNAdaptController_Destroy(control))
 #else
 #define LAC_SUN_CONTEXT_CREATE(out) SUNContext_Create(NULL, (out))
 #define LAC_SUN_SILENCE_CONTEXT(sun) ((void)(sun))
 #define LAC_SUN_SILENCE_CVODE(mem) ((void)CVodeSetErrFile((mem), NULL))
 #define LAC_SUN_SILENCE_ERK(mem) ((void)ERKStepSetErrFile((mem), NULL))
 typedef int lac_sun_status;
+enum { LAC_SUN_IMEX_GUSTAFSSON = 5 };
+#define LAC_SUN_ERK_CONTROL(mem, sun, keep) \
+    ((void)(sun), *(keep) = NULL,           \
+     ERKStepSetAdaptivityMethod((mem), LAC_SUN_IMEX_GUSTAFSSON, 1, 0, NULL))
+#define LAC_SUN_ERK_CONTROL_FREE(control) ((void)(control))
 #endif
 
 #endif

@@ -36,6 +36,10 @@ typedef struct lac_course {
 // Before a step: whether another one is allowed, and time still goes on.
 lac_status lac_course_check(lac_course *r, lac_error *err);
 
+// Where a sweep has to end for what is put out at stated times; INFINITY for engines that know all
+// of a step.
+double lac_course_sweep_end(const lac_course *r);
+
 // Whether the case plans checkpoints.
 bool lac_course_plans(const lac_run_def *def);
 

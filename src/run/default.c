@@ -6,6 +6,7 @@
 lac_run_def lac_run_default(void)
 {
     return (lac_run_def){.method = LAC_BDF,
+                         .wake = 1.0,
                          .rtol = 1e-6,
                          .first_step = NAN,
                          .max_steps = 10000000,
@@ -28,4 +29,12 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
     }
     bool forwards = form == LAC_FORM_PLAIN;
     return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}
+
+const char *lac_fidelity_name(lac_fidelity fidelity)
+{
+    static const char *const names[] = {[LAC_FIDELITY_ODE] = "ode",
+                                        [LAC_FIDELITY_EVENTS] = "events",
+                                        [LAC_FIDELITY_STATIC] = "static"};
+    return names[fidelity];
 }

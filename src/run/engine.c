@@ -13,7 +13,9 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
     if (engine == NULL) {
         return lac_fail_memory(err);
     }
-    engine->kind = def->method == LAC_ERK ? &lac_engine_erk : &lac_engine_cvode;
+    engine->kind = def->fidelity == LAC_FIDELITY_EVENTS ? &lac_engine_events
+                   : def->method == LAC_ERK             ? &lac_engine_erk
+                                                        : &lac_engine_cvode;
     engine->problem = problem;
     engine->def = def;
     engine->limit = INFINITY;

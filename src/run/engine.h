@@ -24,7 +24,9 @@ typedef struct lac_engine {
     lac_run_result counts; // only the counters are kept here
     lac_run_result before; // those up to the last restart
     SUNContext sun;
-    void *inner; // the kind's own
+    void *inner;          // the kind's own
+    const lac_sink *sink; // told of every step by kinds that do so themselves; or NULL
+    double peak;          // largest slip rate within the last step, where the kind knows it [m/s]
 } lac_engine;
 
 // A method of integration.
@@ -40,10 +42,17 @@ typedef struct lac_engine_kind {
     bool (*at)(lac_engine *engine, double t, double *y, double *slip);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
+    // A step is a sweep of which only the end is known: `at` gives that, output times end a step,
+    // the kind itself tells the sink of what happens within, and keeps the digits of its time.
+    bool sweeps;
 } lac_engine_kind;
 
 extern const lac_engine_kind lac_engine_cvode; // BDF and Adams
 extern const lac_engine_kind lac_engine_erk;
+extern const lac_engine_kind lac_engine_events; // each cell at steps of its own
+
+// Whether lac_engine_events can follow a problem.
+lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err);
 
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err);

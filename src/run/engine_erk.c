@@ -6,7 +6,7 @@
 
 #include "run/engine.h"
 
-// Dormand-Prince 5(4) on the two unknowns of each cell and, where it is none of them, slip.
+// Cash-Karp 5(4) on the two unknowns of each cell and, where it is none of them, slip.
 // ERKStep 6.4 takes a right-hand side that fails as fatal; the step is then tried again from the
 // last good state with a shorter one.
 typedef struct erk {
@@ -16,6 +16,7 @@ typedef struct erk {
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
     double first;  // step that a restart begins with [s]
+    void *control; // of the step; freed by LAC_SUN_ERK_CONTROL_FREE
 } erk;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -59,6 +60,7 @@ static void erk_free(lac_engine *engine)
     if (c->mem != NULL) {
         ERKStepFree(&c->mem);
     }
+    LAC_SUN_ERK_CONTROL_FREE(c->control);
     if (c->y != NULL) {
         N_VDestroy(c->y);
     }
@@ -94,11 +96,12 @@ static int set_options(lac_engine *engine, erk *c)
     int flag = ERKStepSetUserData(c->mem, engine);
     flag |= ERKStepWFtolerances(c->mem, weights);
     flag |= engine->def->max_order > 0 ? ERKStepSetOrder(c->mem, (int)engine->def->max_order)
-                                       : ERKStepSetTableNum(c->mem, ARKODE_DORMAND_PRINCE_7_4_5);
+                                       : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
     flag |= ERKStepSetMaxNumSteps(c->mem, -1);
     flag |= ERKStepSetMaxErrTestFails(c->mem, 30);
     flag |= ERKStepSetMaxHnilWarns(c->mem, -1);
     flag |= ERKStepSetInterpolantDegree(c->mem, 5);
+    flag |= LAC_SUN_ERK_CONTROL(c->mem, engine->sun, &c->control);
     return flag;
 }
 

@@ -103,7 +103,7 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
     }
     double t = engine->t;
     probe p = {engine, def, kind, found, found + 2 * n};
-    bool good = locate(&p, engine->t - engine->step, &t);
+    bool good = locate(&p, engine->t - (engine->kind->sweeps ? 0.0 : engine->step), &t);
     if (good) {
         engine->step -= engine->t - t;
         engine->t = t;

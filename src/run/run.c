@@ -267,14 +267,17 @@ static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_status status = LAC_OK;
-    double stop = fmin(r->def->end, r->next_break);
+    double stop = fmin(fmin(r->def->end, r->next_break), lac_course_sweep_end(r));
     double mean_before = r->mean_rate;
     LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
+    r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                engine->work, err));
     LAC_TRY(look_for_end(r, mean_before, err));
-    LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
+    if (!engine->kind->sweeps) {
+        LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
+    }
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
     }
@@ -317,7 +320,7 @@ static lac_status go_on(run *r, lac_error *err)
     if (r->broken) {
         return begin_anew(r, err);
     }
-    if (engine->step < digits * engine->t) {
+    if (!engine->kind->sweeps && engine->step < digits * engine->t) {
         move_origin(engine);
         return restart(r, 0.1 * engine->step, err);
     }
@@ -461,6 +464,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
+    r.engine->sink = sink;
     LAC_TRY(allocate_output(&r, err));
     LAC_TRY(def->resume != NULL ? take_up(&r, err) : begin(&r, err));
     LAC_TRY(integrate(&r, err));

@@ -66,6 +66,9 @@ lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenanc
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         LAC_TRY(lac_nc_text(file, NC_GLOBAL, texts[i].name, texts[i].text, err));
     }
+    if (provenance->fidelity != NULL) {
+        LAC_TRY(lac_nc_text(file, NC_GLOBAL, "fidelity", provenance->fidelity, err));
+    }
     LAC_TRY(put_history(file, date, provenance->command_line, err));
     LAC_TRY(put_libraries(file, provenance->libraries, err));
     if (provenance->seed != INT64_MIN) {

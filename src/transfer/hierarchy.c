@@ -140,6 +140,12 @@ static double stiffness(const void *state, size_t level)
     return level < self->levels ? self->k[level] : 0;
 }
 
+static const lac_hierarchy *blocks(const void *state)
+{
+    const hierarchy *self = state;
+    return self->h;
+}
+
 const lac_transfer_kind lac_hierarchy_kind = {
     .about = {.name = "hierarchy",
               .summary = "at every scale a block's slip relative to its parent's is resisted",
@@ -154,4 +160,5 @@ const lac_transfer_kind lac_hierarchy_kind = {
     .apply = apply,
     .solve = solve,
     .stiffness = stiffness,
+    .blocks = blocks,
 };

@@ -60,9 +60,9 @@ static double run_once(const bench_scene *scene, lac_formulation formulation, la
 
 static void table(const bench_scene *scene)
 {
-    (void)printf(
-        "\n%s\nformulation method   rtol    steps       rhs      error   residual   CPU s\n",
-        scene->name);
+    (void)printf("\n%s\nformulation method   rtol    steps       rhs      error   residual  "
+                 "fastest m/s   CPU s\n",
+                 scene->name);
     for (int f = LAC_FORMULATION_RATE; f <= LAC_FORMULATION_SLIP; f++) {
         for (int m = LAC_BDF; m <= LAC_ERK; m++) {
             for (int k = 3; k <= 10; k++) {
@@ -70,10 +70,10 @@ static void table(const bench_scene *scene)
                 double start = cpu_seconds();
                 double rtol = pow(10.0, -k);
                 double time = run_once(scene, (lac_formulation)f, (lac_method)m, rtol, &result);
-                (void)printf("%-11s %-6s %6.0e %8lld %9lld %10.1e %10.1e %7.2f%s\n", names[f],
-                             method_names[m], rtol, (long long)result.steps,
+                (void)printf("%-11s %-6s %6.0e %8lld %9lld %10.1e %10.1e %12.6g %7.2f%s\n",
+                             names[f], method_names[m], rtol, (long long)result.steps,
                              (long long)result.rhs_evaluations, time / scene->want - 1.0,
-                             result.balance_residual, cpu_seconds() - start,
+                             result.balance_residual, result.max_slip_rate, cpu_seconds() - start,
                              isnan(time) ? "  too many steps, or wrong" : "");
                 fflush(stdout);
                 if (isnan(time) && result.steps >= scene->most_steps) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The problems of other earthquake-cycle codes, B1 (a line) and C1 (a plane), in every formulation
-// and by every method: steps, time, and how far off each event is; docs/choosing.md.
+// and by every method: steps, time, how far off each event is, and
+// the worst peak, of the steps' ends and the digits published; docs/choosing.md.
 //   bench_peers [b1|c1|rate|traction|slip|bdf|adams|erk] ...     of each kind all if none is named
 #include <math.h>
 #include <stdio.h>
@@ -45,15 +46,15 @@ static bool wanted(const words *w, const char *name, const char *const *kind, si
 typedef struct peer {
     const char *name;
     void (*create)(lac_formulation, fault *);
-    const double *events;
+    const double *events, *peaks;
     size_t count;
     double end;
     int loosest, tightest; // rtol 10^-k
 } peer;
 
 static const peer peers[] = {
-    {"b1", fault_b1, fault_b1_events, 4, 1.5e10, 4, 8},
-    {"c1", fault_c1, fault_c1_events, 3, 4e9, 4, 6},
+    {"b1", fault_b1, fault_b1_events, fault_b1_peaks, 4, 1.5e10, 4, 8},
+    {"c1", fault_c1, fault_c1_events, fault_c1_peaks, 3, 4e9, 4, 6},
 };
 
 // CPU time of one K x, which on these two is a pair of Fourier transforms [s].
@@ -93,6 +94,11 @@ static void row(const peer *p, const fault *f, lac_method method, double rtol)
         double off = seen.count == p->count ? seen.time[i] / p->events[i] - 1 : (double)NAN;
         (void)printf(" %8.1e", off);
     }
+    double peak = 0;
+    for (size_t i = 0; i < p->count && seen.count == p->count; i++) {
+        peak = fmax(peak, fabs(seen.peak[i] / p->peaks[i] - 1));
+    }
+    (void)printf("  peaks %7.1e", peak);
     (void)printf("\n");
     (void)fflush(stdout);
 }

@@ -166,7 +166,10 @@ class Resume(unittest.TestCase):
                  "--set", "solver.formulation=" + formulation]
         if formulation == "inertia":
             words += ["--set", "inertia.mass_per_area=5e5 kg/m2"]
-        chance = random.Random(method + formulation)
+        self.compare_stopped(number, words, method + formulation)
+
+    def compare_stopped(self, number, words, seed):
+        chance = random.Random(seed)
         began = time.time()
         self.run_case(0, "-o", "whole.nc", "--force", *words)
         took = time.time() - began
@@ -186,6 +189,15 @@ class Resume(unittest.TestCase):
                 with self.subTest(method=method, formulation=formulation, signal=number):
                     self.setUp()
                     self.stop_anywhere(number, method, formulation)
+
+    def test_cells_at_their_own_steps(self):
+        """Also where each cell has a time of its own, which a checkpoint makes one again."""
+        words = ["-q", "--set", "solver.fidelity=events", "--set", "output.checkpoint={steps: 5}",
+                 "--set", "transfer={hierarchy: {k0: 20 MPa/m, ratio: 0.5}}"]
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            with self.subTest(signal=number):
+                self.setUp()
+                self.compare_stopped(number, words, "events")
 
     def last_checkpoint(self):
         try:

@@ -13,6 +13,8 @@ static const double g = 30e9, shear_speed = 3000, f0 = 0.6, v0 = 1e-6;
 
 const double fault_b1_events[4] = {5.922698259157e9, 8.809101683890e9, 1.1701013278305e10,
                                    1.4592844727375e10};
+const double fault_b1_peaks[4] = {1.4001, 1.01025, 1.01135, 1.01134};
+const double fault_c1_peaks[3] = {1.39670, 0.92993, 0.92938};
 const double fault_c1_events[3] = {1.021608001364e9, 2.075715405762e9, 3.132055395233e9};
 
 static void must(lac_status status, const lac_error *err)

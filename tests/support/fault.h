@@ -50,5 +50,7 @@ void fault_c1(lac_formulation formulation, fault *f);
 
 /// Their events [s], to all digits that several codes agree on.
 extern const double fault_b1_events[4], fault_c1_events[3];
+/// The largest rate of each [m/s], to the digits given.
+extern const double fault_b1_peaks[4], fault_c1_peaks[3];
 
 #endif

@@ -59,12 +59,13 @@ static double slider_error(lac_formulation formulation, lac_method method, doubl
     return worst;
 }
 
-// Five events over two years to 1e-6 in at most 12 000 evaluations; tighter ones converge onto the
-// published times.
+// Five events over two years to 1e-6 in some 12 000 evaluations, erk in 10 000; tighter ones
+// converge onto the published times.
 static void spring_slider(void **state)
 {
     lac_formulation formulation = chosen(state);
     const double coarse[] = {1e-7, 1e-7, 1e-6};
+    const int64_t most[] = {12500, 12500, 10500}; // rounding alone moves the first two by 4 %
     for (size_t m = 0; m < 3; m++) {
         int64_t few;
         int64_t many;
@@ -72,7 +73,7 @@ static void spring_slider(void **state)
         double fine = slider_error(formulation, methods[m], 1e-10, &many);
         printf("%-5s rtol %.0e: %.1e in %lld evaluations; 1e-10: %.1e in %lld\n", method_names[m],
                coarse[m], error, (long long)few, fine, (long long)many);
-        assert_true(error < 1e-6 && few <= 12500);
+        assert_true(error < 1e-6 && few <= most[m]);
         assert_true(fine < 5e-9);
     }
 }

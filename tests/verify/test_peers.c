@@ -30,8 +30,8 @@ static double worst_of_two(const fault *f, lac_method method, double rtol)
     return fmax(first, fabs(seen.time[1] / fault_b1_events[1] - 1));
 }
 
-// What the errors stay below at rtol 1e-4, and at 1e-6 where it is given: where it costs least, to
-// save time.
+// What the errors stay below at rtol 1e-4 (those of adams scatter two- to threefold with rounding),
+// and at 1e-6 where it is given: where it costs least, to save time.
 typedef struct bound {
     double loose, tight;
 } bound;
@@ -63,7 +63,7 @@ static void b1_has_its_events_with_rate_as_unknown(void **state)
 static void b1_has_its_events_with_traction_as_unknown(void **state)
 {
     (void)state;
-    b1_in(LAC_FORMULATION_TRACTION, (const bound[]){{2e-5, 0}, {2e-6, 0}, {3e-6, 5e-9}});
+    b1_in(LAC_FORMULATION_TRACTION, (const bound[]){{2e-5, 0}, {5e-6, 0}, {3e-6, 5e-9}});
 }
 
 static void b1_has_its_events_with_slip_as_unknown(void **state)

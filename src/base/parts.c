@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/parts.h"
+
+#include <omp.h>
+
+static size_t begin_of(size_t n, size_t part)
+{
+    size_t grains = (n + LAC_PARTS_GRAIN - 1) / LAC_PARTS_GRAIN;
+    size_t first = grains * part / LAC_PARTS * LAC_PARTS_GRAIN;
+    return first < n ? first : n;
+}
+
+size_t lac_parts_run(size_t n, lac_parts_body *body, void *context)
+{
+    if (n < LAC_PARTS_ALONE) {
+        body(context, 0, 0, n);
+        return 1;
+    }
+#pragma omp parallel for schedule(static) if (omp_get_max_threads() > 1)
+    for (int part = 0; part < LAC_PARTS; part++) {
+        size_t k = (size_t)part;
+        body(context, k, begin_of(n, k), begin_of(n, k + 1));
+    }
+    return LAC_PARTS;
+}
+
+double lac_parts_sum(size_t count, const double *x)
+{
+    double total = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        total += x[i];
+    }
+    return total;
+}

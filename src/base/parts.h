@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_PARTS_H
+#define LACUNA_BASE_PARTS_H
+
+#include <stddef.h>
+
+enum {
+    LAC_PARTS = 64,            ///< a long loop is cut into so many parts, whatever the threads
+    LAC_PARTS_ALONE = 1 << 17, ///< shorter loops are one part
+    LAC_PARTS_GRAIN = 256      ///< parts begin at multiples of this
+};
+
+/// What is done to the elements first ... end - 1, the part-th part of a loop.
+typedef void lac_parts_body(void *context, size_t part, size_t first, size_t end);
+
+/// Runs a loop over n elements, in as many threads as omp_get_max_threads says where it is long.
+/// The parts depend on n alone: what is summed up by parts, in their order, has the same bits for
+/// any number of threads.
+/// @return how many parts there were
+size_t lac_parts_run(size_t n, lac_parts_body *body, void *context);
+
+/// Sum of the first `count` of x, in order.
+double lac_parts_sum(size_t count, const double *x);
+
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_VSUM_H
+#define LACUNA_BASE_VSUM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What is made of a whole array at once: vectorised, in an order that depends on n alone, so that
+// every instruction set gives the same bits.
+
+/// Sum of x.
+double lac_vsum(size_t n, const double *x);
+/// Largest |x|, numbers that are none left out; 0 of nothing.
+double lac_vmost(size_t n, const double *x);
+/// y_i = |x_i|
+void lac_vabs(size_t n, const double *x, double *y);
+/// Whether all x are finite.
+bool lac_vfinite(size_t n, const double *x);
+
+#endif

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A cell over one step: ln v is taken as linear in slip, v = v0/(1 - c t), which self-acceleration
+// and healing both follow. Slip and state are then closed forms of h and rho = ln(v1/v0), and the
+// balance at the end of the step is one equation for rho; docs/theory/fidelity-events.md, eqs. 3-6.
+#include "micro/cell.h"
+
+#include <math.h>
+
+enum { MOST_NEWTON = 30, MOST_STEPS = 100000 };
+
+#define LONGEST 3.0  // step of Newton's method, in ln v
+#define SETTLED 1e-9 // and one after which it stops
+#define LARGEST 300.0
+
+typedef struct strength {
+    double f, f_u, f_w;
+} strength;
+
+// Both forms: with F = constant + a u + b w, f = F or a asinh(exp(F/a)/2).
+static strength strength_at(const lac_micro_rules *rules, const lac_micro_cell *c, double u,
+                            double w)
+{
+    const double same = 20.0; // where the two forms agree to the last bit
+    double plain = c->constant + c->a * u + c->b * w;
+    if (!rules->regularised || plain > same * c->a) {
+        return (strength){plain, c->a, c->b};
+    }
+    double x = 0.5 * exp(plain / c->a);
+    double slope = x / sqrt(1.0 + x * x);
+    return (strength){c->a * asinh(x), c->a * slope, c->b * slope};
+}
+
+// dw/dt
+static double evolution(const lac_micro_rules *rules, const lac_micro_cell *c)
+{
+    double rate = c->v / c->dc;
+    return rules->aging ? exp(-c->w) - rate : -rate * (c->u + c->w - c->ln_dc);
+}
+
+// (1 - e^-x)/x and its derivative, from em = e^-x - 1
+static double phi_of(double x, double em)
+{
+    return fabs(x) < 1e-4 ? 1.0 - x * (0.5 - x / 6.0) : -em / x;
+}
+
+static double phi_slope(double x, double em, double phi)
+{
+    return fabs(x) < 1e-4 ? -0.5 + x / 3.0 : (1.0 + em - phi) / x;
+}
+
+// The start of a step and its length.
+typedef struct start {
+    double h, u, w, v, slip;
+    double skew; // of the slip, where what acts from outside does not change evenly
+} start;
+
+// The end of a step at rho = ln(v1/v0), and derivatives by rho.
+typedef struct finish {
+    double v, slip, dslip; // slip of the step alone [m]
+    double w, dw;
+} finish;
+
+// Aging: theta1 = e^-z theta0 + h E/phi(rho), E = (e^-z - e^-rho)/(rho - z).
+static void age(const start *s, double rho, double e, double phi, double z, double dz, finish *end)
+{
+    double g = -phi_slope(rho, e - 1.0, phi) / phi; // d ln(1/phi)/drho
+    double ez = exp(-z);
+    double d = rho - z;
+    double mean;
+    double dmean;
+    if (fabs(d) < 1e-4) {
+        mean = ez * (1.0 - d * (0.5 - d / 6.0));
+        dmean = -dz * mean + ez * (-0.5 + d / 3.0) * (1.0 - dz);
+    } else {
+        mean = (ez - e) / d;
+        dmean = ((e - dz * ez) - mean * (1.0 - dz)) / d;
+    }
+    double old = exp(s->w) * ez;
+    double theta = old + s->h * mean / phi;
+    end->w = log(theta);
+    end->dw = (-dz * old + s->h * (dmean + mean * g) / phi) / theta;
+}
+
+// Slip law: with O = u + w - ln dc, O1 = O0 e^-z + rho phi(z).
+static void renew(const lac_micro_cell *c, const start *s, double rho, double z, double dz,
+                  finish *end)
+{
+    double em = expm1(-z);
+    double phi = phi_of(z, em);
+    double before = s->u + s->w - c->ln_dc;
+    double after = before * (1.0 + em) + rho * phi;
+    end->w = after - (s->u + rho) + c->ln_dc;
+    end->dw = -before * (1.0 + em) * dz + phi + rho * phi_slope(z, em, phi) * dz - 1.0;
+}
+
+static finish finish_at(const lac_micro_rules *rules, const lac_micro_cell *c, const start *s,
+                        double rho)
+{
+    double em = expm1(-rho);
+    double phi = phi_of(rho, em);
+    double g = -phi_slope(rho, em, phi) / phi;
+    finish end = {.v = s->v / (1.0 + em), .slip = s->skew * s->h * s->v / phi};
+    end.dslip = end.slip * g;
+    double z = end.slip / c->dc;
+    if (rules->aging) {
+        age(s, rho, 1.0 + em, phi, z, z * g, &end);
+    } else {
+        renew(c, s, rho, z, z * g, &end);
+    }
+    return end;
+}
+
+// Solves the balance p f + eta v = A - K slip at the end of the step for rho. False where it is not
+// found, as in a step across an instability.
+static bool balance(const lac_micro_rules *rules, const lac_micro_cell *c, const start *s,
+                    const lac_micro_span *at, double *rho, finish *end)
+{
+    for (int k = 0; k < MOST_NEWTON; k++) {
+        *end = finish_at(rules, c, s, *rho);
+        strength f = strength_at(rules, c, s->u + *rho, end->w);
+        double off = at->pressure1 * f.f + rules->damping * end->v - at->pull1 +
+                     at->own * (s->slip + end->slip);
+        double slope = at->pressure1 * (f.f_u + f.f_w * end->dw) + rules->damping * end->v +
+                       at->own * end->dslip;
+        if (!(slope > 0.0) || !isfinite(off)) {
+            return false;
+        }
+        double by = fmin(fmax(off / slope, -LONGEST), LONGEST);
+        *rho = fmin(fmax(*rho - by, -LARGEST), LARGEST);
+        if (fabs(by) < SETTLED) {
+            // What the last correction still moves.
+            end->slip -= end->dslip * by;
+            end->w -= end->dw * by;
+            end->v *= 1.0 - by;
+            return true;
+        }
+    }
+    return false;
+}
+
+// ln(v1/v0) of v = v0/(1 - rise t), continued beyond its pole by an exponential.
+static double foreseen(double rise, double h)
+{
+    const double most = 0.9;
+    double x = rise * h;
+    return x < most ? -log1p(-x) : -log1p(-most) + (x - most);
+}
+
+// du/dt
+static double rise_of(const lac_micro_rules *rules, const lac_micro_cell *c,
+                      const lac_micro_push *push, double *outside)
+{
+    strength f = strength_at(rules, c, c->u, c->w);
+    double weight = push->pressure * f.f_u + rules->damping * c->v;
+    double drive = push->pull_rate - f.f * push->pressure_rate;
+    *outside = drive / weight;
+    return (drive - push->own * c->v - push->pressure * f.f_w * evolution(rules, c)) / weight;
+}
+
+// What an error of slip over dc is worth in ln v, in a step of slip z dc: the state forgets.
+static double gain(const lac_micro_rules *rules, const lac_micro_cell *c, double own,
+                   double pressure, double z)
+{
+    double direct = c->a * pressure + rules->damping * c->v;
+    return (c->b * pressure / fmax(1.0, z) + own * c->dc) / direct;
+}
+
+// One step from the cell's state over `at`; gives back its error over the tolerance.
+static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
+                      const lac_micro_span *at, finish *end, double *rho)
+{
+    const lac_micro_push push = {.pull_rate = (at->pull1 - at->pull0) / at->length,
+                                 .pressure = at->pressure0,
+                                 .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
+                                 .own = at->own};
+    double direct = c->a * at->pressure1 + rules->damping * c->v;
+    start s = {at->length, c->u,    c->w,
+               c->v,       c->slip, fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
+    double outside;
+    double rise = rise_of(rules, c, &push, &outside);
+    *rho = foreseen(rise, at->length);
+    double expected = s.skew * s.h * s.v / phi_of(*rho, expm1(-*rho));
+    if (!balance(rules, c, &s, at, rho, end)) {
+        return INFINITY;
+    }
+    // ln v bends: it is rho at the end, where its slope at the start would have led elsewhere.
+    double bend = *rho - rise / s.v * end->slip;
+    s.skew *= 1.0 - fmin(fmax(bend, -1.0), 1.0) / 6.0;
+    double first = end->slip;
+    if (!balance(rules, c, &s, at, rho, end)) {
+        return INFINITY;
+    }
+    double z = end->slip / c->dc;
+    double off = fabs(first - expected) / c->dc;
+    return off * gain(rules, c, at->own, at->pressure1, z) / rules->tolerance;
+}
+
+// The part of a span from `from`, `h` long.
+static lac_micro_span part_of(const lac_micro_span *span, double from, double h)
+{
+    double x = from / span->length;
+    double y = fmin((from + h) / span->length, 1.0);
+    double pull = span->pull1 - span->pull0;
+    double pressure = span->pressure1 - span->pressure0;
+    return (lac_micro_span){.length = h,
+                            .pull0 = span->pull0 + x * pull,
+                            .pull1 = span->pull0 + y * pull,
+                            .pressure0 = span->pressure0 + x * pressure,
+                            .pressure1 = span->pressure0 + y * pressure,
+                            .own = span->own,
+                            .skew = span->skew};
+}
+
+// The slip of the next step from the error of one of third order.
+static void adapt(lac_micro_cell *c, double z, double error)
+{
+    const double most = 3.0;
+    const double least = 0.2;
+    double factor = 0.9 * cbrt(1.0 / fmax(error, 1e-6));
+    factor = fmin(fmax(factor, least), most);
+    // A step cut short says nothing of longer ones.
+    if (z > 0.5 * c->z || factor < 1.0) {
+        c->z = fmin(z * factor, most * c->z);
+    }
+}
+
+bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *span,
+                            lac_micro_cell *cell, int64_t *steps)
+{
+    double done = 0.0;
+    double h = span->length;
+    for (int k = 0; k < MOST_STEPS && done < span->length; k++) {
+        bool last = done + h >= span->length * (1.0 - 1e-12);
+        h = last ? span->length - done : h;
+        finish end;
+        double rho;
+        const lac_micro_span part = part_of(span, done, h);
+        double error = attempt(rules, cell, &part, &end, &rho);
+        ++*steps;
+        if (!(error <= 1.0)) {
+            h *= error < 64.0 ? 0.5 : 0.1;
+            continue;
+        }
+        cell->u += rho;
+        cell->w = end.w;
+        cell->v = end.v;
+        cell->slip += end.slip;
+        adapt(cell, end.slip / cell->dc, error);
+        if (last) {
+            return true;
+        }
+        done += h;
+        h *= fmin(0.9 * cbrt(1.0 / fmax(error, 1e-3)), 3.0);
+    }
+    return span->length == 0.0;
+}
+
+// How long a step of slip z dc takes: v = v0/(1 - rise t), ln(v1/v0) within bounds.
+static double time_for(double rise, double v, double slip)
+{
+    const double up = 0.7;
+    const double down = 3.0;
+    double rho = fmin(fmax(rise / v * slip, -down), up);
+    return fabs(rho) < 1e-9 ? slip / v : -expm1(-rho) / rise;
+}
+
+// How long slip takes where v grows as e^(rise t).
+static double time_under(double rise, double v, double slip)
+{
+    return rise > 0.0 ? log1p(rise / v * slip) / rise : slip / v;
+}
+
+// Slip in h where v grows as e^(rise t).
+static double slip_under(double rise, double v, double h)
+{
+    return rise > 0.0 ? v * expm1(fmin(rise * h, LARGEST)) / rise : v * h;
+}
+
+double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *push,
+                           lac_micro_cell *c)
+{
+    double outside;
+    double rise = rise_of(rules, c, push, &outside);
+    double worth = gain(rules, c, push->own, push->pressure, c->z);
+    double small = rules->tolerance / worth;
+    double h = time_for(rise, c->v, c->z * c->dc);
+    // A locked cell that is loaded: its slip is nothing until v has grown.
+    h = fmax(h, time_under(rise, c->v, 0.1 * small * c->dc));
+    // And it may not outlast its healing unseen.
+    h = fmin(h, time_under(outside, c->v, fmax(2.0 * c->z, small) * c->dc));
+    h = fmin(h, c->reach);
+    double rho = foreseen(rise, h);
+    c->told = isfinite(h) ? c->v / phi_of(rho, expm1(-rho)) : c->v;
+    double direct = c->a * push->pressure + rules->damping * c->v;
+    double z = slip_under(outside, c->v, h) / c->dc;
+    double allowed = rules->wake * small;
+    c->high = direct * log1p(allowed / z);
+    c->low = allowed < z ? direct * log1p(-allowed / z) : -INFINITY;
+    return h;
+}

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lacuna/micro.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "micro/tree.h"
+
+struct lac_micro {
+    lac_micro_rules rules;
+    lac_micro_tree tree;
+    lac_micro_load load;
+    double t, age;     // time reached, and that of the last shift [s]
+    double step, peak; // the last step of any cell [s]; the largest rate [m/s]
+    bool at_limit;     // of rate or slip
+    lac_micro_counts counts;
+};
+
+lac_status lac_micro_supports(const lac_friction *friction, lac_error *err)
+{
+    const char *law = friction->law->about.name;
+    if (strcmp(law, "aging") != 0 && strcmp(law, "slip") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "fidelity events follows the aging and the slip law, not \"%s\"", law);
+    }
+    if (friction->ln_v1 != NULL || friction->ln_cut != NULL || friction->response != NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "fidelity events follows no cut-off slip rates (v1, v2) and no alpha");
+    }
+    for (size_t i = 0; i < friction->n; i++) {
+        if (!(friction->column[LAC_A][i] > 0.0)) {
+            return lac_fail(err, LAC_EINPUT, "fidelity events needs a > 0; cell %zu has %g", i,
+                            friction->column[LAC_A][i]);
+        }
+    }
+    return LAC_OK;
+}
+
+static void fill_cells(lac_micro *m, const lac_micro_def *def)
+{
+    const lac_friction *f = def->friction;
+    for (uint32_t i = 0; i < m->tree.n; i++) {
+        lac_micro_cell *c = &m->tree.cell[i];
+        c->a = f->column[LAC_A][i];
+        c->b = f->column[LAC_B][i];
+        c->constant = f->constant[i];
+        c->dc = f->column[LAC_DC][i];
+        c->ln_dc = f->ln_dc[i];
+        c->pressure = def->pressure[i];
+    }
+}
+
+lac_status lac_micro_create(const lac_micro_def *def, lac_micro **out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = NULL;
+    LAC_TRY(lac_micro_supports(def->friction, err));
+    lac_micro *m = calloc(1, sizeof *m);
+    if (m == NULL) {
+        return lac_fail_memory(err);
+    }
+    m->rules = (lac_micro_rules){.aging = strcmp(def->friction->law->about.name, "aging") == 0,
+                                 .regularised = def->friction->form == LAC_FORM_REGULARISED,
+                                 .damping = def->damping,
+                                 .tolerance = def->tolerance,
+                                 .wake = def->wake};
+    status = lac_micro_tree_create(def->hierarchy, def->k, &m->tree, err);
+    if (status != LAC_OK) {
+        free(m);
+        return status;
+    }
+    fill_cells(m, def);
+    *out = m;
+out:
+    return status;
+}
+
+void lac_micro_free(lac_micro *m)
+{
+    if (m != NULL) {
+        lac_micro_tree_clear(&m->tree);
+        free(m);
+    }
+}
+
+double lac_micro_time(const lac_micro *m) { return m->t; }
+
+lac_micro_counts lac_micro_count(const lac_micro *m)
+{
+    lac_micro_counts counts = m->counts;
+    counts.openings = m->tree.openings;
+    return counts;
+}
+
+bool lac_micro_at_limit(const lac_micro *m) { return m->at_limit; }
+
+double lac_micro_peak(lac_micro *m)
+{
+    double peak = m->peak;
+    m->peak = 0.0;
+    return peak;
+}
+
+// Traction that the loads put on a cell, and its effective normal pressure.
+static double traction_at(const lac_micro *m, const lac_micro_cell *c, double t)
+{
+    const lac_micro_load *load = &m->load;
+    return c->traction + c->pressure * (load->ratio + load->ratio_rate * t) + load->common +
+           load->common_rate * t;
+}
+
+static double pressure_at(const lac_micro *m, const lac_micro_cell *c, double t)
+{
+    return c->pressure * (m->load.share + m->load.share_rate * t);
+}
+
+// Plans a cell's next step from time t; E changes at `rate`, the cell's own part left out.
+static void plan(const lac_micro *m, lac_micro_cell *c, double rate, double self)
+{
+    const lac_micro_push push = {.pull_rate =
+                                     c->pressure * m->load.ratio_rate + m->load.common_rate + rate,
+                                 .pressure = pressure_at(m, c, c->t),
+                                 .pressure_rate = c->pressure * m->load.share_rate,
+                                 .own = c->stiffness - self};
+    double h = lac_micro_cell_plan(&m->rules, &push, c);
+    c->due = c->t + h;
+    // What is foreseen, the cell's own part included, wakes nobody.
+    double foreseen = self * c->told * h;
+    if (isfinite(foreseen)) {
+        c->high += fmax(foreseen, 0.0);
+        c->low += fmin(foreseen, 0.0);
+    }
+}
+
+// What acts on a cell from its own time to t. E holds what the cell has told; its own part of that
+// is taken off, so that what is left of the balance is K_ii slip.
+static lac_micro_span span_to(const lac_micro *m, const lac_micro_cell *c,
+                              const lac_micro_view *view, double t)
+{
+    double outer = view->outer;
+    double self = m->tree.node[c->parent].self;
+    double h = t - c->t;
+    double even = 0.5 * (c->outer + outer);
+    bool told_apart = h > 1e-9 * (m->age + t);
+    return (lac_micro_span){.length = h,
+                            .skew = told_apart ? (view->area - c->area) / h - even : 0.0,
+                            .pull0 = traction_at(m, c, c->t) + c->outer - self * c->slip,
+                            .pull1 = traction_at(m, c, t) + outer - self * (c->slip + c->told * h),
+                            .pressure0 = pressure_at(m, c, c->t),
+                            .pressure1 = pressure_at(m, c, t),
+                            .own = c->stiffness - self};
+}
+
+static lac_status cannot(const lac_micro *m, uint32_t i, double t, lac_error *err)
+{
+    const lac_micro_cell *c = &m->tree.cell[i];
+    return lac_fail(err, LAC_ENUMERIC,
+                    "cell %u finds no slip rate that balances its traction within the step of %.3g "
+                    "s, ln v = %g, ln theta = %g",
+                    (unsigned)i, t - c->t, c->u, c->w);
+}
+
+void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *traction,
+                     const lac_micro_state *state)
+{
+    lac_micro_tree *tree = &m->tree;
+    m->load = *load;
+    m->t = m->step = m->age = m->peak = 0.0;
+    m->counts = (lac_micro_counts){0};
+    tree->openings = 0;
+    lac_micro_tree_anchor(tree, load->k_mean);
+    for (uint32_t i = 0; i < tree->n; i++) {
+        lac_micro_cell *c = &tree->cell[i];
+        c->traction = traction[i];
+        c->u = state->log_rate[i];
+        c->w = state->log_state[i];
+        c->v = c->told = exp(c->u);
+        c->slip = state->slip[i];
+        c->t = c->pending = 0.0;
+        c->z = 0.1 * m->rules.tolerance;
+        c->reach = INFINITY;
+        m->peak = fmax(m->peak, c->v);
+    }
+    lac_micro_tree_fill(tree);
+    for (uint32_t i = 0; i < tree->n; i++) {
+        lac_micro_cell *c = &tree->cell[i];
+        lac_micro_view view = lac_micro_tree_view(tree, c->parent, 0.0);
+        double self = tree->node[c->parent].self;
+        c->area = 0.0;
+        c->outer = view.outer;
+        plan(m, c, view.rate - self * c->v, self);
+    }
+    lac_micro_tree_fill(tree);
+    lac_micro_tree_settle(tree, 0.0);
+}
+
+// Takes a cell to time t and plans its next step.
+static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
+{
+    lac_micro_tree *tree = &m->tree;
+    lac_micro_cell *c = &tree->cell[i];
+    lac_micro_view view = lac_micro_tree_view(tree, c->parent, t);
+    double self = tree->node[c->parent].self;
+    const lac_micro_span span = span_to(m, c, &view, t);
+    double told = c->slip + c->told * span.length;
+    double rate = c->told;
+    if (!lac_micro_cell_advance(&m->rules, &span, c, &m->counts.steps)) {
+        return cannot(m, i, t, err);
+    }
+    double jump = c->slip - told;
+    bool woken = c->pending > LAC_MICRO_WAKES * c->high || c->pending < LAC_MICRO_WAKES * c->low;
+    m->counts.updates++;
+    m->counts.wakings += woken;
+    m->step = span.length;
+    m->peak = fmax(m->peak, c->v);
+    c->t = t;
+    c->area = view.area;
+    c->outer = view.outer + self * jump;
+    c->reach =
+        woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v) : 4.0 * c->reach;
+    plan(m, c, view.rate - self * rate, self);
+    lac_micro_tree_add(tree, i, t, jump, c->told - rate);
+    return LAC_OK;
+}
+
+// Until when the mean slip stays below its limit.
+static double time_of_slip(const lac_micro *m, double limit)
+{
+    const lac_micro_node *root = &m->tree.node[m->tree.nodes - 1];
+    double rate = root->rate * root->share;
+    return rate > 0.0 ? root->t + fmax(limit - root->sum * root->share, 0.0) / rate : INFINITY;
+}
+
+static lac_status tell(const lac_micro *m, const lac_micro_limits *limits, uint32_t i, double step,
+                       lac_error *err)
+{
+    const lac_micro_cell *c = &m->tree.cell[i];
+    const lac_micro_update seen = {
+        .cell = i, .t = m->t, .step = step, .rate = c->v, .slip = c->slip};
+    return limits->seen != NULL ? limits->seen(limits->context, &seen, err) : LAC_OK;
+}
+
+// Opens or updates whichever is due next, where that is before `stop`; else time is there.
+static lac_status proceed(lac_micro *m, const lac_micro_limits *limits, double stop, lac_error *err)
+{
+    const lac_micro_node *root = &m->tree.node[m->tree.nodes - 1];
+    double next = fmax(root->due, m->t);
+    uint32_t who = root->who;
+    if (!(next < stop)) {
+        m->t = stop;
+        return LAC_OK;
+    }
+    m->t = next;
+    if (who >= m->tree.n) {
+        lac_micro_tree_open(&m->tree, who - m->tree.n, next);
+        return LAC_OK;
+    }
+    lac_status status = update(m, who, next, err);
+    m->at_limit =
+        m->tree.cell[who].v >= limits->max_rate || root->rate * root->share >= limits->mean_rate;
+    return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
+}
+
+lac_status lac_micro_advance(lac_micro *m, const lac_micro_limits *limits, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    int64_t last = m->counts.updates + m->tree.openings + limits->updates;
+    m->at_limit = false;
+    while (m->counts.updates + m->tree.openings < last && !m->at_limit && m->t < limits->stop &&
+           !lac_micro_wants_shift(m)) {
+        double slipped =
+            isnan(limits->mean_slip) ? INFINITY : fmax(time_of_slip(m, limits->mean_slip), m->t);
+        LAC_TRY(proceed(m, limits, fmin(limits->stop, slipped), err));
+        m->at_limit = m->at_limit || m->t >= slipped;
+    }
+out:
+    return status;
+}
+
+bool lac_micro_wants_shift(const lac_micro *m)
+{
+    const double digits = 1e-11;
+    return m->step > 0.0 && m->step < digits * m->t;
+}
+
+double lac_micro_shift(lac_micro *m)
+{
+    double by = m->t;
+    lac_micro_load *load = &m->load;
+    load->ratio += load->ratio_rate * by;
+    load->common += load->common_rate * by;
+    load->share += load->share_rate * by;
+    lac_micro_tree_shift(&m->tree, by);
+    m->age += by;
+    m->t = 0.0;
+    return by;
+}
+
+lac_status lac_micro_look(const lac_micro *m, const lac_micro_state *state, lac_error *err)
+{
+    int64_t steps = 0;
+    for (uint32_t i = 0; i < m->tree.n; i++) {
+        lac_micro_cell c = m->tree.cell[i];
+        lac_micro_view view = lac_micro_tree_view(&m->tree, c.parent, m->t);
+        const lac_micro_span span = span_to(m, &c, &view, m->t);
+        if (!lac_micro_cell_advance(&m->rules, &span, &c, &steps)) {
+            return cannot(m, i, m->t, err);
+        }
+        state->log_rate[i] = c.u;
+        state->log_state[i] = c.w;
+        state->slip[i] = c.slip;
+    }
+    return LAC_OK;
+}
+
+void lac_micro_told(const lac_micro *m, double *traction, double *slip)
+{
+    for (uint32_t i = 0; i < m->tree.n; i++) {
+        const lac_micro_cell *c = &m->tree.cell[i];
+        lac_micro_view view = lac_micro_tree_view(&m->tree, c->parent, m->t);
+        slip[i] = c->slip + c->told * (m->t - c->t);
+        traction[i] = view.outer - c->stiffness * slip[i];
+    }
+}

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "micro/tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Each block keeps half of what the one below it has left.
+#define KEEPS 0.5
+
+// The builder's state: items that are not yet children, and the first cell of each.
+typedef struct forest {
+    uint32_t *item, *first;
+    uint32_t count, children;
+    const double *k;
+} forest;
+
+static lac_micro_node *node_of(const lac_micro_tree *tree, uint32_t item)
+{
+    return &tree->node[item - tree->n];
+}
+
+// Ties an item to its parent by k.
+static void tie(lac_micro_tree *tree, uint32_t item, uint32_t parent, double k)
+{
+    if (item < tree->n) {
+        tree->cell[item].parent = parent;
+        tree->cell[item].stiffness = k;
+    } else {
+        node_of(tree, item)->parent = parent;
+        node_of(tree, item)->weight = node_of(tree, item)->below - k;
+    }
+}
+
+// A new block over the items from..to.
+static uint32_t join(lac_micro_tree *tree, forest *f, uint32_t from, uint32_t to, double k)
+{
+    uint32_t made = tree->n + tree->nodes;
+    lac_micro_node *node = &tree->node[tree->nodes++];
+    double cells = 0.0;
+    *node = (lac_micro_node){
+        .below = k, .parent = LAC_MICRO_NONE, .first = f->children, .children = to - from};
+    for (uint32_t i = from; i < to; i++) {
+        uint32_t item = f->item[i];
+        tie(tree, item, made - tree->n, k);
+        tree->child[f->children++] = item;
+        cells += item < tree->n ? 1.0 : 1.0 / node_of(tree, item)->share;
+    }
+    node->share = 1.0 / cells;
+    return made;
+}
+
+// Joins the items of each block of a level.
+static void climb(lac_micro_tree *tree, forest *f, const uint32_t *offset, size_t blocks, double k)
+{
+    uint32_t kept = 0;
+    uint32_t next = 0;
+    for (size_t b = 0; b < blocks; b++) {
+        uint32_t from = next;
+        while (next < f->count && f->first[next] < offset[b + 1]) {
+            next++;
+        }
+        f->item[kept] = next - from == 1 ? f->item[from] : join(tree, f, from, next, k);
+        f->first[kept++] = offset[b];
+    }
+    f->count = kept;
+}
+
+lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_micro_tree *out,
+                                 lac_error *err)
+{
+    size_t n = lac_hierarchy_cells(h);
+    *out = (lac_micro_tree){.n = (uint32_t)n};
+    out->cell = calloc(n, sizeof *out->cell);
+    out->node = calloc(n, sizeof *out->node); // n - 1 at most, but for a single cell
+    out->child = calloc(2 * n, sizeof *out->child);
+    forest f = {.item = calloc(n, sizeof *f.item),
+                .first = calloc(n, sizeof *f.first),
+                .count = (uint32_t)n,
+                .k = k};
+    bool made = out->cell != NULL && out->node != NULL && out->child != NULL && f.item != NULL &&
+                f.first != NULL;
+    if (made) {
+        for (uint32_t i = 0; i < n; i++) {
+            f.item[i] = f.first[i] = i;
+        }
+        for (size_t l = 1; l <= lac_hierarchy_levels(h); l++) {
+            climb(out, &f, lac_hierarchy_offsets(h, l), lac_hierarchy_blocks(h, l), k[l - 1]);
+        }
+        if (out->nodes == 0) {
+            (void)join(out, &f, 0, f.count, 0.0);
+        }
+        lac_micro_node *fitted = realloc(out->node, out->nodes * sizeof *fitted);
+        out->node = fitted != NULL ? fitted : out->node;
+    }
+    free(f.item);
+    free(f.first);
+    if (!made) {
+        lac_micro_tree_clear(out);
+        return lac_fail_memory(err);
+    }
+    return LAC_OK;
+}
+
+void lac_micro_tree_clear(lac_micro_tree *tree)
+{
+    free(tree->cell);
+    free(tree->node);
+    free(tree->child);
+    *tree = (lac_micro_tree){0};
+}
+
+void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean)
+{
+    lac_micro_node *root = &tree->node[tree->nodes - 1];
+    root->weight = root->below - k_mean;
+    for (uint32_t j = tree->nodes; j-- > 0;) {
+        lac_micro_node *node = &tree->node[j];
+        double above = node->parent == LAC_MICRO_NONE ? 0.0 : tree->node[node->parent].self;
+        node->self = above + node->weight * node->share;
+    }
+}
+
+static double mean_at(const lac_micro_node *node, double t)
+{
+    return (node->sum + node->rate * (t - node->t)) * node->share;
+}
+
+static double area_at(const lac_micro_node *node, double t)
+{
+    double h = t - node->t;
+    return node->area + (node->sum + 0.5 * node->rate * h) * h * node->share;
+}
+
+// Change of a block's part of E, and of what was handed down to it, since it was last opened.
+static double pending_at(const lac_micro_node *node, double t)
+{
+    return node->received + node->weight * (mean_at(node, t) - node->opened);
+}
+
+lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t)
+{
+    lac_micro_view view = {0};
+    for (uint32_t j = parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
+        const lac_micro_node *node = &tree->node[j];
+        double mean = mean_at(node, t);
+        view.outer += node->weight * mean;
+        view.area += node->weight * area_at(node, t);
+        view.rate += node->weight * node->rate * node->share;
+    }
+    return view;
+}
+
+// Renews a block's bounds from its children. The block keeps half of the change of E that the
+// neediest child can do with; the other half is left to the blocks above.
+static void renew(lac_micro_tree *tree, lac_micro_node *node)
+{
+    double low = -INFINITY;
+    double high = INFINITY;
+    node->next = INFINITY;
+    node->next_who = LAC_MICRO_NONE;
+    for (uint32_t k = node->first; k < node->first + node->children; k++) {
+        uint32_t item = tree->child[k];
+        uint32_t who = item;
+        double due;
+        if (item < tree->n) {
+            const lac_micro_cell *cell = &tree->cell[item];
+            low = fmax(low, cell->low - cell->pending);
+            high = fmin(high, cell->high - cell->pending);
+            due = cell->due;
+        } else {
+            const lac_micro_node *child = node_of(tree, item);
+            low = fmax(low, child->cap_low);
+            high = fmin(high, child->cap_high);
+            due = child->due;
+            who = child->who;
+        }
+        if (due < node->next) {
+            node->next = due;
+            node->next_who = who;
+        }
+    }
+    node->low = KEEPS * low;
+    node->high = KEEPS * high;
+    node->cap_low = (1.0 - KEEPS) * low;
+    node->cap_high = (1.0 - KEEPS) * high;
+}
+
+// When a block opens as things move now.
+static void foresee(const lac_micro_tree *tree, lac_micro_node *node, double t)
+{
+    double pending = pending_at(node, t);
+    double rate = node->weight * node->share * node->rate;
+    double exit = INFINITY;
+    if (pending > node->high || pending < node->low) {
+        exit = t;
+    } else if (rate != 0.0) {
+        exit = t + ((rate > 0.0 ? node->high : node->low) - pending) / rate;
+    }
+    bool opens = exit < node->next;
+    node->due = opens ? exit : node->next;
+    node->who = opens ? tree->n + (uint32_t)(node - tree->node) : node->next_who;
+}
+
+// Hands down what a block has pending to its children; cells that this wakes are due at t.
+static void hand_down(lac_micro_tree *tree, lac_micro_node *node, double t)
+{
+    double pending = pending_at(node, t);
+    node->opened = mean_at(node, t);
+    node->received = 0.0;
+    for (uint32_t k = node->first; k < node->first + node->children; k++) {
+        uint32_t item = tree->child[k];
+        if (item >= tree->n) {
+            lac_micro_node *child = node_of(tree, item);
+            child->received += pending;
+            foresee(tree, child, t);
+            continue;
+        }
+        lac_micro_cell *cell = &tree->cell[item];
+        cell->pending += pending;
+        if (cell->pending > LAC_MICRO_WAKES * cell->high ||
+            cell->pending < LAC_MICRO_WAKES * cell->low) {
+            cell->due = fmin(cell->due, t);
+        }
+    }
+}
+
+static void renew_up(lac_micro_tree *tree, uint32_t from, double t)
+{
+    for (uint32_t j = from; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
+        renew(tree, &tree->node[j]);
+        foresee(tree, &tree->node[j], t);
+    }
+}
+
+void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double slip, double rate)
+{
+    lac_micro_node *path[LAC_MICRO_LEVELS];
+    int depth = 0;
+    for (uint32_t j = tree->cell[cell].parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
+        lac_micro_node *node = &tree->node[j];
+        node->area = area_at(node, t);
+        node->sum += node->rate * (t - node->t) + slip;
+        node->t = t;
+        path[depth++] = node;
+    }
+    double due = tree->cell[cell].due;
+    for (int l = depth; l-- > 0;) {
+        hand_down(tree, path[l], t);
+    }
+    tree->cell[cell].pending = 0.0;
+    tree->cell[cell].due = due;
+    for (int l = 0; l < depth; l++) {
+        path[l]->rate += rate;
+        renew(tree, path[l]);
+        foresee(tree, path[l], t);
+    }
+}
+
+void lac_micro_tree_open(lac_micro_tree *tree, uint32_t j, double t)
+{
+    tree->openings++;
+    hand_down(tree, &tree->node[j], t);
+    renew_up(tree, j, t);
+}
+
+void lac_micro_tree_fill(lac_micro_tree *tree)
+{
+    for (uint32_t j = 0; j < tree->nodes; j++) {
+        lac_micro_node *node = &tree->node[j];
+        node->sum = node->rate = node->t = node->area = node->received = 0.0;
+        for (uint32_t k = node->first; k < node->first + node->children; k++) {
+            uint32_t item = tree->child[k];
+            bool leaf = item < tree->n;
+            node->sum += leaf ? tree->cell[item].slip : node_of(tree, item)->sum;
+            node->rate += leaf ? tree->cell[item].told : node_of(tree, item)->rate;
+        }
+        node->opened = mean_at(node, 0.0);
+    }
+}
+
+void lac_micro_tree_settle(lac_micro_tree *tree, double t)
+{
+    for (uint32_t j = 0; j < tree->nodes; j++) {
+        renew(tree, &tree->node[j]);
+        foresee(tree, &tree->node[j], t);
+    }
+}
+
+void lac_micro_tree_shift(lac_micro_tree *tree, double by)
+{
+    for (uint32_t i = 0; i < tree->n; i++) {
+        tree->cell[i].t -= by;
+        tree->cell[i].due -= by;
+    }
+    for (uint32_t j = 0; j < tree->nodes; j++) {
+        tree->node[j].t -= by;
+        tree->node[j].next -= by;
+        tree->node[j].due -= by;
+    }
+}

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fidelity `events`: every cell at steps of its own. A step of this engine is a sweep of some
+// updates for every cell, or up to a limit of the run; docs/theory/fidelity-events.md.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/micro.h"
+#include "run/engine.h"
+
+enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };
+
+typedef struct cells {
+    lac_micro *micro;
+    double *y;           // [3n] state and slip
+    double *rate, *slip; // [n] of every cell at its last update; NULL: nobody looks
+    bool too_early;      // the last sweep ended at a limit that it had not reached
+    double lack;         // what the state had slipped less than told, at the limit of slip [m]
+    int64_t looks;       // at all cells
+} cells;
+
+static void cells_free(lac_engine *engine)
+{
+    cells *c = engine->inner;
+    if (c != NULL) {
+        lac_micro_free(c->micro);
+        free(c->y);
+        free(c->rate);
+        free(c);
+    }
+    engine->inner = NULL;
+}
+
+// What each cell may err by, in ln v, over one of its steps.
+static double tolerance_of(const lac_run_def *def) { return 10.0 * sqrt(def->rtol); }
+
+lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
+{
+    const lac_problem_parts parts = lac_problem_parts_of(problem);
+    if (parts.transfer->kind->blocks == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "solver.fidelity events goes with transfer hierarchy, not with %s",
+                        parts.transfer->kind->about.name);
+    }
+    if (!parts.linear) {
+        return lac_fail(err, LAC_EINPUT,
+                        "solver.fidelity events follows loads that are linear in time between "
+                        "jumps and bends: ratio, slope, ramp, step, spring, constant");
+    }
+    if (lac_problem_formulation(problem) != LAC_FORMULATION_RATE) {
+        return lac_fail(err, LAC_EINPUT, "solver.fidelity events needs formulation rate");
+    }
+    return lac_micro_supports(parts.friction, err);
+}
+
+static lac_status make(lac_engine *engine, cells *c, lac_error *err)
+{
+    const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
+    lac_status status = LAC_OK;
+    double *k = NULL;
+    LAC_TRY(lac_engine_events_check(engine->problem, err));
+    const lac_transfer *transfer = parts.transfer;
+    const lac_hierarchy *h = transfer->kind->blocks(transfer->state);
+    size_t levels = lac_hierarchy_levels(h);
+    k = calloc(levels + 1, sizeof *k);
+    c->y = calloc(3 * engine->n, sizeof *c->y);
+    if (k == NULL || c->y == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    for (size_t l = 0; l < levels; l++) {
+        k[l] = transfer->kind->stiffness(transfer->state, l);
+    }
+    const lac_micro_def def = {.hierarchy = h,
+                               .k = k,
+                               .friction = parts.friction,
+                               .pressure = parts.pressure,
+                               .damping = parts.damping,
+                               .tolerance = tolerance_of(engine->def),
+                               .wake = engine->def->wake};
+    LAC_TRY(lac_micro_create(&def, &c->micro, err));
+    engine->y = c->y;
+    engine->slip = c->y + 2 * engine->n;
+    lac_problem_initial(engine->problem, engine->y);
+out:
+    free(k);
+    return status;
+}
+
+static lac_status cells_create(lac_engine *engine, lac_error *err)
+{
+    cells *c = calloc(1, sizeof *c);
+    if (c == NULL) {
+        return lac_fail_memory(err);
+    }
+    engine->inner = c;
+    return make(engine, c, err);
+}
+
+static lac_micro_state state_of(lac_engine *engine)
+{
+    return (lac_micro_state){engine->y, engine->y + engine->n, engine->slip};
+}
+
+static void cells_count(lac_engine *engine)
+{
+    const cells *c = engine->inner;
+    lac_micro_counts counts = lac_micro_count(c->micro);
+    const lac_run_result *before = &engine->before;
+    engine->counts.steps = before->steps + counts.updates;
+    // What was evaluated cell by cell, in evaluations of all.
+    int64_t n = (int64_t)engine->n;
+    engine->counts.rhs_evaluations =
+        before->rhs_evaluations + c->looks + (counts.steps + n - 1) / n;
+    engine->counts.error_test_fails = before->error_test_fails + counts.steps - counts.updates;
+    engine->order = ORDER;
+}
+
+static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
+{
+    (void)h;
+    cells *c = engine->inner;
+    lac_problem_load now;
+    if (!lac_problem_load_at(engine->problem, lac_engine_clock(engine, engine->t), &now)) {
+        return lac_fail(err, LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
+                        lac_engine_time(engine));
+    }
+    if (engine->sink != NULL && engine->sink->step != NULL && c->rate == NULL) {
+        c->rate = calloc(2 * engine->n, sizeof *c->rate);
+        if (c->rate == NULL) {
+            return lac_fail_memory(err);
+        }
+        c->slip = c->rate + engine->n;
+    }
+    const lac_micro_load load = {.ratio = now.ratio,
+                                 .ratio_rate = now.ratio_rate,
+                                 .common = now.spring,
+                                 .common_rate = now.spring_rate,
+                                 .share = now.share,
+                                 .share_rate = now.share_rate,
+                                 .k_mean = now.stiffness};
+    const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
+    const lac_micro_state state = state_of(engine);
+    cells_count(engine);
+    engine->before = engine->counts;
+    c->looks = 0;
+    c->too_early = false;
+    c->lack = 0.0;
+    lac_micro_start(c->micro, &load, parts.traction, &state);
+    return LAC_OK;
+}
+
+// Hands an update to the sink as a step of one cell.
+static lac_status tell(void *context, const lac_micro_update *update, lac_error *err)
+{
+    lac_engine *engine = context;
+    cells *c = engine->inner;
+    c->rate[update->cell] = update->rate;
+    c->slip[update->cell] = update->slip;
+    const lac_step step = {.time_origin = engine->origin,
+                           .time_local = engine->base + update->t,
+                           .step = update->step,
+                           .max_rate = update->rate,
+                           .n = engine->n,
+                           .slip_rate = c->rate,
+                           .slip = c->slip,
+                           .changed = &update->cell,
+                           .changes = 1};
+    return engine->sink->step(engine->sink->context, &step, err);
+}
+
+// Moves the time reached into base and origin, to the digits of base.
+static double move_origin(lac_engine *engine, double by)
+{
+    double local = engine->base + by;
+    double origin = engine->origin + local;
+    engine->base = local - (origin - engine->origin);
+    engine->origin = origin;
+    return by;
+}
+
+static lac_micro_limits limits_of(lac_engine *engine, double stop)
+{
+    const lac_run_def *def = engine->def;
+    const cells *c = engine->inner;
+    int64_t updates = UPDATES_A_CELL * (int64_t)engine->n;
+    updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
+    return (lac_micro_limits){.stop = stop,
+                              .mean_rate = c->too_early ? INFINITY : def->failure_rate,
+                              .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
+                              .mean_slip = def->stop_slip + c->lack,
+                              .updates = c->too_early ? updates / 32 + 1 : updates,
+                              .seen = c->rate != NULL ? tell : NULL,
+                              .context = engine};
+}
+
+// What cells tell is linear within their steps; whether a limit is reached, the state says.
+static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
+{
+    cells *c = engine->inner;
+    double mean;
+    double max;
+    lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
+    double slip = lac_engine_mean_slip(engine, engine->slip);
+    if (slip < engine->def->stop_slip && !(mean >= limits->mean_rate)) {
+        c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
+    }
+    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= engine->def->stop_slip);
+}
+
+static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
+{
+    cells *c = engine->inner;
+    lac_micro *micro = c->micro;
+    lac_status status = LAC_OK;
+    double before = lac_micro_time(micro);
+    double passed = 0.0;
+    if (lac_micro_wants_shift(micro)) {
+        double by = move_origin(engine, lac_micro_shift(micro));
+        passed += by;
+        stop -= by;
+    }
+    const lac_micro_limits limits = limits_of(engine, stop);
+    LAC_TRY(lac_micro_advance(micro, &limits, err));
+    const lac_micro_state state = state_of(engine);
+    LAC_TRY(lac_micro_look(micro, &state, err));
+    engine->t = lac_micro_time(micro);
+    engine->step = engine->t + passed - before;
+    engine->peak = lac_micro_peak(micro);
+    engine->order = ORDER;
+    c->looks++;
+    c->too_early = lac_micro_at_limit(micro) && too_early(engine, &limits);
+out:
+    return status;
+}
+
+static bool cells_at(lac_engine *engine, double t, double *y, double *slip)
+{
+    (void)t;
+    if (y != NULL) {
+        memcpy(y, engine->y, 2 * engine->n * sizeof *y);
+    }
+    if (slip != NULL) {
+        memcpy(slip, engine->slip, engine->n * sizeof *slip);
+    }
+    return true;
+}
+
+const lac_engine_kind lac_engine_events = {.create = cells_create,
+                                           .free = cells_free,
+                                           .restart = cells_restart,
+                                           .advance = cells_advance,
+                                           .at = cells_at,
+                                           .count = cells_count,
+                                           .sweeps = true};

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/settle_copies.h"
+
+#define LAC_CLONES TEST_VMATH_TARGET("arch=x86-64-v3")
+#define lac_friction_settle test_v3_settle
+#define lac_friction_count_cold test_v3_count_cold
+#include "friction/settle.c"
