@@ -154,7 +154,7 @@ def main():
     parser.add_argument("--fits", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--steps", type=int, default=1500)
+    parser.add_argument("--steps", type=int, default=3000)
     parser.add_argument("--within", type=float, default=5.0)
     parser.add_argument("--model", choices=("fixed", "free"), default="fixed",
                         help="b known, or estimated too")
