@@ -33,7 +33,8 @@ USES = {
     "store": ["run", "fractal", "rg", "precursor"],
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
-    "cli": ["scene"],
+    "fit": ["scene"],
+    "cli": ["fit"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -52,8 +53,11 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",
+    "sampler": "fit",
+    "sensitivity": "run",
     "spread": "case",
     "store_map": "store",
     "tangential": "contact",
