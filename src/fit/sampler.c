@@ -131,8 +131,7 @@ static void move_half(ensemble *e, uint64_t step, size_t first, size_t other)
 {
     size_t d = e->def->dimension;
     const int half = (int)(e->def->walkers / 2);
-    const int threads = e->def->threads > 1 ? e->def->threads : 1;
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(e->def->threads > 1 ? e->def->threads : 1)
     for (int i = 0; i < half; i++) {
         move(e, step, first + (size_t)i, other);
     }
@@ -147,7 +146,6 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
 {
     const lac_sampler_def *def = e->def;
     const int walkers = (int)def->walkers;
-    const int threads = def->threads > 1 ? def->threads : 1;
     size_t d = def->dimension;
     e->x = malloc(def->walkers * d * sizeof *e->x);
     e->proposal = malloc(def->walkers * d * sizeof *e->proposal);
@@ -157,7 +155,7 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
         return lac_fail_memory(err);
     }
     memcpy(e->x, start, def->walkers * d * sizeof *e->x);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(def->threads > 1 ? def->threads : 1)
     for (int k = 0; k < walkers; k++) {
         e->log_density[k] = density(def, start + (size_t)k * d);
     }
