@@ -104,15 +104,16 @@ foreach(page ${tutorials})
 endforeach()
 
 # The library's allocations fail one after the other.
-add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c
-               memory/forecast.c)
+add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
+                                 memory/failing_malloc.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})
 target_link_options(unit_test_memory PRIVATE
-                    -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc)
+                    -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=fsync)
 add_test(NAME unit.test_memory COMMAND unit_test_memory)
-set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT ${case_environment})
+set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT
+  "${case_environment};UDUNITS2_XML_PATH=${CMAKE_CURRENT_SOURCE_DIR}/memory/units.xml;OMP_WAIT_POLICY=passive")
 
 # The fractal measures as the program gives them, and the tools that read them.
 lacuna_python_test(test_fractal)

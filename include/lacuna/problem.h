@@ -129,6 +129,11 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
                          double *work);
 
+/// What a run that came to no end asks: does the transfer find what the slip takes off the cells?
+/// @param slip  [n] [m], or slip rates [m/s]
+/// @return NULL: it does; the transfer's name where a finite slip has no finite stress
+const char *lac_problem_lost_transfer(const lac_problem *problem, const double *slip, double *work);
+
 /// Slip rate of every cell. @param v  [n] [m/s]
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work);

@@ -9,7 +9,7 @@
 /// order, serves both ways.
 typedef struct lac_tape {
     bool loading;         ///< pieces are read from `bytes`; else added to them
-    bool no_memory;       ///< while saving
+    bool no_memory;       ///< to save in, or for what is loaded
     bool short_of;        ///< while loading: the bytes ended, or did not fit
     const char *refused;  ///< name of what keeps no state; NULL: nothing
     unsigned char *bytes; ///< owned by whoever saves

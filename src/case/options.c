@@ -35,11 +35,10 @@ static const lac_descriptor methods[] = {
          "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
      .reference = CVODES},
     {.name = "erk",
-     .summary = "explicit Runge-Kutta of order 2 to 8, Dormand-Prince 5(4) by default: earthquake "
+     .summary = "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default: earthquake "
                 "cycles without stiff ties",
      .reference = "Reynolds et al. (2023) ACM Trans. Math. Softw. 49, 19, doi 10.1145/3594632 "
-                  "(ARKODE); Dormand & Prince (1980) J. Comput. Appl. Math. 6, 19, doi "
-                  "10.1016/0771-050X(80)90013-3"},
+                  "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"},
 };
 
 static const lac_descriptor formulations[] = {

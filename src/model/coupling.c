@@ -63,3 +63,17 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
     }
     return total;
 }
+
+const char *lac_problem_lost_transfer(const lac_problem *problem, const double *slip, double *work)
+{
+    lac_workspace ws = lac_problem_split(problem, work);
+    const lac_transfer *transfer = &problem->transfer;
+    double given = 0.0;
+    double found = 0.0;
+    transfer->kind->apply(transfer->state, slip, ws.kv, ws.scratch);
+    for (size_t i = 0; i < problem->n; i++) {
+        given += slip[i] * 0.0;
+        found += ws.kv[i] * 0.0;
+    }
+    return given == 0.0 && found != 0.0 ? transfer->kind->about.name : NULL;
+}

@@ -20,6 +20,14 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
     if (lac_problem_slips(problem, t, y, &cell, work)) {
         return LAC_OK;
     }
+    const char *lost =
+        !lac_problem_has_slip(problem)
+            ? NULL
+            : lac_problem_lost_transfer(problem, y + lac_problem_slip_place(problem), work);
+    if (lost != NULL) {
+        return lac_fail(err, LAC_ENUMERIC,
+                        "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
+    }
     lac_formulation formulation = lac_problem_formulation(problem);
     bool log_rate = formulation == LAC_FORMULATION_RATE;
     bool massive = formulation == LAC_FORMULATION_INERTIA;

@@ -179,6 +179,9 @@ lac_status lac_course_resume(lac_course *r, lac_error *err)
     r->checkpoint_clock.every = r->def->checkpoint;
     LAC_TRY(check_identity(r, &tape, err));
     pass_course(&tape, r);
+    if (tape.no_memory) {
+        return lac_fail_memory(err);
+    }
     if (!lac_tape_good(&tape) || tape.at != tape.size) {
         return lac_fail(err, LAC_EINPUT, "the checkpoint does not fit this case and program");
     }

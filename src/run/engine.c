@@ -2,7 +2,9 @@
 #include "run/engine.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err)
@@ -67,6 +69,16 @@ const char *lac_engine_unknown(const lac_engine *engine, size_t component)
 {
     const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
     return names[component / engine->n];
+}
+
+void lac_engine_blame(const lac_engine *engine, lac_error *err)
+{
+    const char *name = lac_problem_lost_transfer(engine->problem, engine->slip, engine->work);
+    if (name != NULL && err != NULL) {
+        size_t used = strlen(err->message);
+        (void)snprintf(err->message + used, sizeof err->message - used,
+                       "; the transfer %s finds no stress for the slip", name);
+    }
 }
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)

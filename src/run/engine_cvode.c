@@ -237,6 +237,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
         err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d",
         name != NULL ? name : "?", lac_engine_time(engine), h, order);
     free(name);
+    lac_engine_blame(engine, err);
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,

@@ -166,6 +166,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
         err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
         name != NULL ? name : "?", lac_engine_time(engine), h, (long long)engine->order);
     free(name);
+    lac_engine_blame(engine, err);
     return status;
 }
 

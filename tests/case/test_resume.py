@@ -69,8 +69,16 @@ TABLE = {
                                           "output.every=1 hour"]),
     "lagged reservoir": ("load/reservoir.yaml", ["solver.method=adams", "solver.formulation=slip",
                                                  "output.checkpoint={steps: 60}"]),
+    "diffused reservoir": ("load/reservoir.yaml",
+                           ["load.pore_pressure.0={reservoir: {file: ../data/lake.csv, time: date, "
+                            "level: 'level_m:m', elevation: '640 m', share: 0.12, distance: '30 m', "
+                            "diffusivity: '1e-4 m2/s'}}", "output.checkpoint={steps: 60}"]),
     "record": ("load/record.yaml", ["solver.method=erk", "output.every={steps: 7}",
                                     "output.checkpoint={steps: 100}"]),
+    "record, netCDF": ("load/record.yaml",
+                       ["load.shear.0={series: {file: RECORD, time: t, value: 'a:m/s2', "
+                        "per: 1e5 kg/m2, offset: 1 hour, outside: zero}}",
+                        "output.every={steps: 7}", "output.checkpoint={steps: 60}"]),
     "shaking": ("load/shaking.yaml", ["solver.formulation=rate", "output.checkpoint={steps: 90}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }
@@ -232,9 +240,19 @@ class Resume(unittest.TestCase):
         out, _ = self.run_case(0, *words, "--json", **more)
         return {key: value for key, value in json.loads(out).items() if key not in OWN_JSON}
 
+    def write_record(self):
+        t = np.arange(0, 20, 0.01)
+        with netCDF4.Dataset(self.path("record.nc"), "w") as data:
+            data.createDimension("t", t.size)
+            data.createVariable("t", "f8", ("t",))[:] = t
+            data["t"].units = "s"
+            data.createVariable("a", "f8", ("t",))[:] = np.sin(9 * t) * np.exp(-((t - 8) / 4)**2)
+            data["a"].units = "m/s2"
+
     def killed_is_same(self, case, settings):
         """A run killed in two places, against one that was not."""
         more = {"case": os.path.join(SOURCE, "cases", case)}
+        settings = [setting.replace("RECORD", self.path("record.nc")) for setting in settings]
         words = [word for setting in settings for word in ("--set", setting)]
         whole = self.summary("-o", "whole.nc", *words, **more)
         kills = 0
@@ -257,6 +275,7 @@ class Resume(unittest.TestCase):
         for name, (case, settings) in TABLE.items():
             with self.subTest(name):
                 self.setUp()
+                self.write_record()
                 self.killed_is_same(case, settings)
 
     def fill_disk(self, limit, *words):

@@ -343,6 +343,8 @@ static void a_stress_that_is_not_found_ends_the_run(void **state)
             print_message("%s\n", err.message);
         }
         assert_non_null(strstr(err.message, "t = "));
+        const char *said = strstr(err.message, "the transfer tired finds no stress for the slip");
+        assert_true(said != NULL || k == 8); // erk, slip: the rate that follows is what is seen
         lac_problem_free(problem);
         tree_clear(&t);
     }

@@ -15,116 +15,7 @@
 #include "lacuna/lacuna.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
-
-static const char text[] =
-    "lacuna: 1\n"
-    "title: Everything at once\n"
-    "interface:\n"
-    "  size: \"16 m\"\n"
-    "  levels: 6\n"
-    "  surface: {self-affine: {hurst: 0.8, rms_height: \"2 cm\", shortest: \"1 m\"}}\n"
-    "material: {shear_modulus: \"10 GPa\", density: \"2700 kg/m3\"}\n"
-    "load:\n"
-    "  normal: {pressure: \"5 MPa\"}\n"
-    "  shear: [{ramp: {rate: \"1 kPa/day\"}}]\n"
-    "  pore_pressure: [{constant: \"0.1 MPa\"}]\n"
-    "friction:\n"
-    "  composite: {a: 0.01, b: 0.015, dc: \"1 mm\", v1: 1, v2: 0.1, alpha: 0.2}\n"
-    "  spread:\n"
-    "    dc: [{lognormal: {sigma: 0.2}}, {size: {reference: \"1 m\"}}]\n"
-    "    a: {uniform: {half_width: 0.1}}\n"
-    "initial:\n"
-    "  slip_rate: \"1 mm/day\"\n"
-    "  state: {ratio_to_steady: 0.5}\n"
-    "  spread: {slip_rate: {normal: {sigma: 0.1}}}\n"
-    "transfer: {hierarchy: {stiffness: elastic}}\n"
-    "time: {start: \"2020-01-01\", end: \"1 min\"}\n"
-    "output: {every: \"20 s\", fields: [slip, traction], fields_every: \"30 s\"}\n"
-    "analysis: {rg: {critical_fraction: 0.5}}\n"
-    "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
-
-static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
-                            lac_error *err)
-{
-    lac_store *store = NULL;
-    lac_analysis *analysis = NULL;
-    const double *once;
-    lac_status status = LAC_OK;
-    lac_run_result result = {0};
-    lac_store_def def = {.path = path,
-                         .force = true,
-                         .provenance = {.title = c->title, .seed = 1},
-                         .dated = c->dated,
-                         .start_date = c->start_date,
-                         .domain = scene->contact.domain,
-                         .hierarchy = scene->hierarchy,
-                         .fields = c->fields,
-                         .compression = c->compression,
-                         .sync_every = 10};
-    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
-    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
-    LAC_TRY(lac_store_create(&def, &store, err));
-    LAC_TRY(lac_store_once(store, once, err));
-    lac_sink sink = lac_store_sink(store);
-    sink = lac_analysis_sink(analysis, &sink);
-    LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
-    LAC_TRY(lac_analysis_finish(analysis, &result, err));
-    LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
-out:
-    lac_store_free(store);
-    lac_analysis_free(analysis);
-    return status;
-}
-
-// What `lacuna contact` does.
-static lac_status whole_contact(const lac_case *c, const char *path, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    lac_scene_contact contact = {0};
-    lac_scene_measure_def how = lac_scene_measure_default();
-    how.scaling.coarsest = 8;
-    how.boxes.largest = 16;
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
-    LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
-    const lac_provenance provenance = {.title = c->title, .seed = 1};
-    const lac_contact_view view = {.grid = &contact.grid,
-                                   .heights = contact.heights,
-                                   .pressure = contact.pressure,
-                                   .boxes = &contact.boxes,
-                                   .clusters = &contact.fractal.clusters,
-                                   .scaling = &contact.fractal.scaling};
-    assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
-    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
-out:
-    lac_scene_contact_clear(&contact);
-    return status;
-}
-
-// Case to netCDF file.
-static lac_status whole_run(const char *path, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    lac_case *c = NULL;
-    lac_scene *scene = NULL;
-    lac_case_report report = {0};
-    const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
-    const lac_case_request how = {.overrides = overrides, .count = 2};
-    LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
-    char *resolved = lac_case_text(c);
-    if (resolved == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
-    free(resolved);
-    LAC_TRY(lac_scene_create(c, &scene, err));
-    LAC_TRY(store_run(c, scene, path, err));
-    LAC_TRY(whole_contact(c, path, err));
-out:
-    lac_scene_free(scene);
-    lac_case_free(c);
-    lac_case_report_clear(&report);
-    return status;
-}
+#include "memory/whole_run.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
 static lac_status whole_shear(const char *path, lac_error *err)
@@ -303,6 +194,7 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     lac_case_report report = {0};
     lac_scene_contact contact = {0};
     lac_stored_cells cells = {0};
+    lac_domain *domain = NULL;
     lac_scene_rg rg = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
     const lac_provenance provenance = {.title = "cascading", .case_text = cascading, .seed = 1};
@@ -313,11 +205,13 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     const lac_contact_view view = {.grid = &contact.grid, .pressure = contact.pressure};
     LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
     LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
+    LAC_TRY(lac_stored_domain_read(path, &domain, err));
     const lac_rg_cells given = {cells.domain, cells.shear, cells.time};
     LAC_TRY(lac_scene_rg_cells(c, &given, &rg, err));
 out:
     lac_scene_rg_clear(&rg);
     lac_stored_cells_clear(&cells);
+    lac_domain_free(domain);
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
     lac_case_report_clear(&report);
@@ -447,6 +341,8 @@ static void one_fails(void **state)
 {
     (void)state;
     every_allocation_fails(whole_run, false);
+    every_allocation_fails(whole_contact, false);
+    every_allocation_fails(whole_resumed, false);
     every_allocation_fails(whole_shear, false);
     every_allocation_fails(whole_history, false);
     every_allocation_fails(whole_cascade, false);
@@ -462,6 +358,8 @@ static void all_fail_from_one_on(void **state)
 {
     (void)state;
     every_allocation_fails(whole_run, true);
+    every_allocation_fails(whole_contact, true);
+    every_allocation_fails(whole_resumed, true);
     every_allocation_fails(whole_shear, true);
     every_allocation_fails(whole_history, true);
     every_allocation_fails(whole_cascade, true);

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory/whole_run.h"
+
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include "lacuna/lacuna.h"
+
+static const char text[] =
+    "lacuna: 1\n"
+    "title: Everything at once\n"
+    "interface:\n"
+    "  size: \"16 m\"\n"
+    "  levels: 3\n"
+    "  surface: {self-affine: {hurst: 0.8, rms_height: \"2 cm\", shortest: \"4 m\"}}\n"
+    "material: {shear_modulus: \"10 GPa\", density: \"2700 kg/m3\"}\n"
+    "load:\n"
+    "  normal: {pressure: \"5 MPa\"}\n"
+    "  shear: [{ramp: {rate: \"1 kPa/day\"}}]\n"
+    "  pore_pressure: [{constant: \"0.1 MPa\"}]\n"
+    "friction:\n"
+    "  composite: {a: 0.01, b: 0.015, dc: \"1 mm\", v1: 1, v2: 0.1, alpha: 0.2}\n"
+    "  spread:\n"
+    "    dc: [{lognormal: {sigma: 0.2}}, {size: {reference: \"1 m\"}}]\n"
+    "    a: {uniform: {half_width: 0.1}}\n"
+    "initial:\n"
+    "  slip_rate: \"1 mm/day\"\n"
+    "  state: {ratio_to_steady: 0.5}\n"
+    "  spread: {slip_rate: {normal: {sigma: 0.1}}}\n"
+    "transfer: {hierarchy: {stiffness: elastic}}\n"
+    "time: {start: \"2020-01-01\", end: \"1 min\"}\n"
+    "output: {every: \"20 s\", fields: [slip, traction], fields_every: \"30 s\"}\n"
+    "analysis: {rg: {critical_fraction: 0.5}}\n"
+    "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
+
+static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
+                            lac_error *err)
+{
+    lac_store *store = NULL;
+    lac_analysis *analysis = NULL;
+    const double *once;
+    lac_status status = LAC_OK;
+    lac_run_result result = {0};
+    lac_store_def def = {.path = path,
+                         .force = true,
+                         .provenance = {.title = c->title, .seed = 1},
+                         .dated = c->dated,
+                         .start_date = c->start_date,
+                         .domain = scene->contact.domain,
+                         .hierarchy = scene->hierarchy,
+                         .fields = c->fields,
+                         .compression = c->compression,
+                         .sync_every = 10};
+    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
+    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
+    LAC_TRY(lac_store_create(&def, &store, err));
+    LAC_TRY(lac_store_once(store, once, err));
+    lac_sink sink = lac_store_sink(store);
+    sink = lac_analysis_sink(analysis, &sink);
+    LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
+    LAC_TRY(lac_analysis_finish(analysis, &result, err));
+    LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
+out:
+    lac_store_free(store);
+    lac_analysis_free(analysis);
+    return status;
+}
+
+// Case to netCDF file.
+lac_status whole_run(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_case_report report = {0};
+    const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
+    const lac_case_request how = {.overrides = overrides, .count = 2};
+    LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
+    char *resolved = lac_case_text(c);
+    if (resolved == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    free(resolved);
+    LAC_TRY(lac_scene_create(c, &scene, err));
+    LAC_TRY(store_run(c, scene, path, err));
+out:
+    lac_scene_free(scene);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static const char measured[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {pressure: 1e6}}\n";
+
+// Case to netCDF file, through a contact and all that is measured of it.
+lac_status whole_contact(const char *path, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    lac_scene_contact contact = {0};
+    const lac_case_request ask = {.purpose = LAC_FOR_CONTACT};
+    lac_scene_measure_def how = lac_scene_measure_default();
+    how.scaling.coarsest = 2;
+    how.boxes.largest = 4;
+    LAC_TRY(lac_case_read_text("case.yaml", measured, sizeof measured - 1, &ask, &c, &report, err));
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
+    const lac_provenance provenance = {.title = "measured", .seed = 1};
+    const lac_contact_view view = {.grid = &contact.grid,
+                                   .heights = contact.heights,
+                                   .pressure = contact.pressure,
+                                   .boxes = &contact.boxes,
+                                   .clusters = &contact.fractal.clusters,
+                                   .scaling = &contact.fractal.scaling};
+    assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
+    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+out:
+    lac_scene_contact_clear(&contact);
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static const char stopped[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 2, domain: {file: {path: cells.asc, pressures: scaled}}}\n"
+    "material: {shear_modulus: 1e9}\n"
+    "load: {normal: {pressure: 1e6}, shear: [{spring: {stiffness: 1e9, speed: 1e-6}}]}\n"
+    "friction: {aging: {a: 0.01, b: 0.015, dc: 1e-5}}\n"
+    "initial: {slip_rate: 1e-6, state: 9}\n"
+    "transfer: {hierarchy: {k0: 1e9}}\n"
+    "time: {end: 0.5}\n"
+    "analysis: {events: {slip_rate: 1e-8}, rg: {critical_fraction: 0.5}}\n"
+    "output: {every: {steps: 2}, checkpoint: {steps: 8}, fields: [slip], fields_every: 0.3}\n";
+
+// The linker sends the library's calls here: what is stored need not outlast a loss of power.
+int __wrap_fsync(int fd);
+
+int __wrap_fsync(int fd)
+{
+    (void)fd;
+    return 0;
+}
+
+// Stops a run at the step that it counts down to.
+static bool stop(void *context)
+{
+    int *left = context;
+    return --*left <= 0;
+}
+
+// A part of the run of `stopped`: to a stop, or from its checkpoint to the end.
+static lac_status run_part(const lac_case *c, const char *path, int left, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_scene *scene = NULL;
+    lac_store *store = NULL;
+    lac_analysis *analysis = NULL;
+    lac_kept_checkpoint kept = {0};
+    lac_run_result result = {0};
+    const double *once;
+    const bool resumes = left == INT_MAX;
+    lac_run_def run = c->run;
+    run.interrupted = stop;
+    run.context = &left;
+    LAC_TRY(lac_scene_create(c, &scene, err));
+    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
+    lac_store_def def = {.path = path,
+                         .force = !resumes,
+                         .provenance = {.case_text = "case", .libraries = "these"},
+                         .domain = scene->contact.domain,
+                         .hierarchy = scene->hierarchy,
+                         .fields = c->fields,
+                         .sync_every = 10,
+                         .events = true,
+                         .inputs = "cells.asc"};
+    if (resumes) {
+        LAC_TRY(lac_kept_checkpoint_read(path, &kept, err));
+        def.resume = &kept;
+        run.resume = &kept.from;
+    }
+    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
+    LAC_TRY(lac_store_create(&def, &store, err));
+    lac_sink sink = lac_store_sink(store);
+    sink = lac_analysis_sink(analysis, &sink);
+    lac_status ran = lac_run(scene->problem, &run, &sink, &result, err);
+    status = ran;
+    if (ran == LAC_OK || ran == LAC_EINTERRUPT) {
+        LAC_TRY(lac_analysis_finish(analysis, &result, err));
+        LAC_TRY(
+            lac_store_finish(store, ran == LAC_OK ? "complete" : "interrupted", &result, 1.0, err));
+        status = ran;
+    }
+out:
+    lac_store_free(store);
+    lac_analysis_free(analysis);
+    lac_kept_checkpoint_clear(&kept);
+    lac_scene_free(scene);
+    return status;
+}
+
+// Cells of a file to a run that is stopped amid its events, and on from its checkpoint.
+lac_status whole_resumed(const char *path, lac_error *err)
+{
+    char cells[64], out[64];
+    lac_status status = LAC_OK;
+    lac_case *c = NULL;
+    lac_case_report report = {0};
+    (void)snprintf(cells, sizeof cells, "%s.asc", path);
+    (void)snprintf(out, sizeof out, "%s.nc", path);
+    const lac_override given = {"interface.domain.file.path", cells};
+    const lac_case_request how = {.overrides = &given, .count = 1};
+    FILE *file = fopen(cells, "w");
+    assert_non_null(file);
+    (void)fputs("ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 0.25\n"
+                "1 1 0 0\n2 1 0 0\n0 0 3 0\n0 1 1 1\n",
+                file);
+    (void)fclose(file);
+    LAC_TRY(lac_case_read_text("case.yaml", stopped, sizeof stopped - 1, &how, &c, &report, err));
+    status = run_part(c, out, 10, err);
+    if (status == LAC_EINTERRUPT) {
+        LAC_TRY(run_part(c, out, INT_MAX, err));
+    }
+out:
+    lac_case_free(c);
+    lac_case_report_clear(&report);
+    (void)unlink(cells);
+    (void)unlink(out);
+    (void)snprintf(out, sizeof out, "%s.nc.checkpoint", path);
+    (void)unlink(out);
+    return status;
+}
