@@ -138,15 +138,23 @@ static void add_pore(const lac_load *load, double t, lac_load_state *sum)
     lac_add_pore(sum, series_at(load, t));
 }
 
-// Straight lines bend at every reading, smooth curves only where the data begin and end.
+// Straight lines bend at every reading, smooth curves turn there: a long step of a cell at rest
+// would leap over what lies between two of them.
 static double next_break(const lac_load *load, double t)
+{
+    const lac_readings *r = &((const series_state *)load->state)->readings;
+    return lac_readings_next(r->t, r->n, t);
+}
+
+static double longest_step(const lac_load *load, double t)
 {
     const series_params *s = load->params;
     const lac_readings *r = &((const series_state *)load->state)->readings;
-    if (s->interpolation == LINEAR || t < r->t[0]) {
-        return lac_readings_next(r->t, r->n, t);
+    if (s->interpolation == LINEAR || t < r->t[0] || t >= r->t[r->n - 1]) {
+        return INFINITY;
     }
-    return t < r->t[r->n - 1] ? r->t[r->n - 1] : INFINITY;
+    size_t i = lac_readings_before(r->t, r->n, t);
+    return 0.125 * (r->t[i + 1] - r->t[i]);
 }
 
 static const char *const interpolations[] = {"linear", "smooth", NULL};
@@ -199,8 +207,8 @@ static const lac_param params[] = {
      .type = LAC_CHOICE,
      .choices = interpolations,
      .offset = offsetof(series_params, interpolation),
-     .doc = "straight lines, at whose corners the integrator begins anew, or a smooth curve that "
-            "overshoots nowhere"},
+     .doc = "straight lines, or a smooth curve that overshoots nowhere; the integrator begins anew "
+            "at every reading"},
     {.key = "outside",
      .unit = "1",
      .fallback = REFUSE,
@@ -222,6 +230,7 @@ const lac_load_kind lac_shear_series = {
     .release = release,
     .add = add_shear,
     .next_break = next_break,
+    .longest_step = longest_step,
 };
 
 const lac_load_kind lac_pore_series = {
@@ -236,4 +245,5 @@ const lac_load_kind lac_pore_series = {
     .release = release,
     .add = add_pore,
     .next_break = next_break,
+    .longest_step = longest_step,
 };

@@ -188,8 +188,7 @@ double lac_problem_next_break(const lac_problem *problem, double t)
 
 double lac_problem_longest_step(const lac_problem *problem, double t)
 {
-    bool feels = problem->kind->id == LAC_FORMULATION_RATE;
-    return feels ? INFINITY : lac_load_longest_step(&problem->loads, t);
+    return lac_load_longest_step(&problem->loads, t);
 }
 
 bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)

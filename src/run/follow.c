@@ -353,7 +353,8 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     f->before = log(fabs(lac_follower_rate(f, problem, 0.0, y)));
     if (CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
         (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
-        CVodeSetInitStep(f->mem, h) != CV_SUCCESS) {
+        CVodeSetInitStep(f->mem, h) != CV_SUCCESS ||
+        CVodeSetMaxStep(f->mem, lac_problem_longest_step(problem, at)) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %g s", at);
     }
     return LAC_OK;

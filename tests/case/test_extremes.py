@@ -91,6 +91,23 @@ class Extremes(unittest.TestCase):
                     method=method, more="material: {shear_modulus: 1 GPa, shear_speed: 1 km/s}")
                 self.assertLess(abs(done["mean_slip_m"] / 1.15704 - 1), 1e-3, formulation)
 
+    def test_smooth_series_is_not_leapt_over(self):
+        """The same of a pulse among readings that are joined smoothly."""
+        with open(os.path.join(self.folder, "pulse.csv"), "w", encoding="utf-8") as file:
+            file.write("t,q\n0,0\n1e6,0\n1000001,1.2e6\n1000002,0\n2e6,0\n")
+        load = (", shear: [{ratio: 0.5}, {series: {file: pulse.csv, time: t, value: 'q:Pa', "
+                "interpolation: smooth}}]")
+        slip = {}
+        for formulation in "rate", "traction", "slip":
+            done = self.completes(
+                shear=load, a=0.01, b=0.015, dc=1e-4, form="regularised", v=1e-14, state=None,
+                end=1.01e6, failure=1e4, rtol=1e-7, steps=50000, formulation=formulation,
+                method="bdf", more="material: {shear_modulus: 1 GPa, shear_speed: 1 km/s}")
+            slip[formulation] = done["mean_slip_m"]
+        self.assertGreater(slip["rate"], 1e-2, slip)
+        self.assertLess(abs(slip["traction"] / slip["rate"] - 1), 1e-3)
+        self.assertLess(abs(slip["slip"] / slip["rate"] - 1), 1e-3)
+
     def fails_in_time(self, v, dc, failure, **changes):
         done = self.completes(v=v, dc=dc, failure=failure, **changes)
         self.assertTrue(done["failed"])
