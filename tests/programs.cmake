@@ -104,7 +104,8 @@ foreach(page ${tutorials})
 endforeach()
 
 # The library's allocations fail one after the other.
-add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c)
+add_executable(unit_test_memory memory/test_memory.c memory/failing_malloc.c
+               memory/forecast.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})
@@ -128,3 +129,27 @@ lacuna_python_test(test_analysis)
 
 # The catalogue of events, found again from the cells' own fields at every step.
 lacuna_python_test(test_events)
+
+# Forecasts of series and runs, wrong series among them.
+lacuna_python_test(test_precursors)
+
+# Fits, and what they write; the bundled cases for it check, and their files meet CF.
+lacuna_python_test(test_fit)
+foreach(bundled block century)
+  add_test(NAME case.fit.${bundled}.check
+           COMMAND lacuna_program check -q ${CMAKE_SOURCE_DIR}/cases/fit/${bundled}.yaml)
+  set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case
+                       ENVIRONMENT ${case_environment})
+endforeach()
+set(fit_output ${CMAKE_CURRENT_BINARY_DIR}/block-fit.nc)
+add_test(NAME case.fit.block.fit
+         COMMAND lacuna_program fit ${CMAKE_SOURCE_DIR}/cases/fit/block.yaml
+                 ${CMAKE_SOURCE_DIR}/cases/data/creep.csv --set fit.steps=20 --set fit.burn=5
+                 --set fit.starts=8 -o ${fit_output} --force)
+add_test(NAME case.fit.block.cf
+         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                 --status complete ${fit_output})
+set_tests_properties(case.fit.block.fit case.fit.block.cf PROPERTIES LABELS case
+                     ENVIRONMENT ${case_environment})
+set_tests_properties(case.fit.block.fit PROPERTIES FIXTURES_SETUP block_fit)
+set_tests_properties(case.fit.block.cf PROPERTIES FIXTURES_REQUIRED block_fit)

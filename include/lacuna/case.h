@@ -77,6 +77,46 @@ typedef enum lac_rg_search { LAC_RG_SERIES = 0, LAC_RG_SOLVE } lac_rg_search;
 
 enum { LAC_MOST_BETAS = 32 };
 
+/// What is held about a parameter before the data, on the coordinate that is sampled.
+typedef enum lac_prior {
+    LAC_PRIOR_FLAT = 0, ///< uniform within the range
+    LAC_PRIOR_NORMAL,   ///< normal about a centre, within the range
+} lac_prior;
+
+/// A number of the case that `lacuna fit` estimates.
+typedef struct lac_fit_parameter {
+    char *key;        ///< dotted, such as friction.aging.dc
+    const char *unit; ///< SI
+    bool log;         ///< the coordinate is ln(value), else the value
+    bool ranged;      ///< the case gives the range; else it is the parameter's own
+    double low, high; ///< of the value [unit]
+    int prior;        ///< lac_prior
+    double centre;    ///< median or mean, as a value [unit]; NaN where flat
+    double sigma;     ///< on the coordinate
+} lac_fit_parameter;
+
+enum { LAC_MOST_FITTED = 16 };
+
+/// How the errors of successive displacements hang together.
+typedef enum lac_fit_errors { LAC_ERRORS_WHITE = 0, LAC_ERRORS_AR1 } lac_fit_errors;
+
+/// What `lacuna fit` does; docs/theory/fitting.md.
+typedef struct lac_fit_def {
+    bool named; ///< the case has the section
+    size_t count;
+    lac_fit_parameter *parameter; ///< [count]
+    char *time;                   ///< column
+    char *displacement, *displacement_unit;
+    char *velocity, *velocity_unit;
+    char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none
+    double displacement_error; ///< [m]; NaN: estimated (with a column sigma: its factor is)
+    double velocity_error;     ///< of ln(velocity) [1]; NaN: estimated
+    int errors;                ///< lac_fit_errors, of displacements
+    int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
+    int64_t starts; ///< places at which the least squares begin
+    int64_t walkers, steps, burn, seed;
+} lac_fit_def;
+
 /// What `lacuna rg` does with the interface.
 typedef struct lac_rg_def {
     bool named;       ///< the case has the section
@@ -149,6 +189,7 @@ typedef struct lac_case {
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
     lac_rg_def rg;
+    lac_fit_def fit;
     lac_slot_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
@@ -165,6 +206,7 @@ typedef enum lac_case_purpose {
     LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
     LAC_FOR_CONTACT, ///< statics: none of those
     LAC_FOR_RG,      ///< statics, and what the cascade needs
+    LAC_FOR_FIT,     ///< what a run needs, and `fit`
     LAC_FOR_CELLS,   ///< the cascade on cells that are known: statics, its beta and its friction
     LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
 } lac_case_purpose;
@@ -201,6 +243,27 @@ void lac_case_free(lac_case *c);
 /// defaults filled in.
 /// @return text the caller frees; NULL where memory is short
 char *lac_case_text(const lac_case *c);
+
+/// A real number of a case, where it is and what it may be.
+typedef struct lac_case_value {
+    double *at;
+    const lac_param *param;
+} lac_case_value;
+
+/// Finds a real parameter that the case holds by its dotted key: of the models it names (list items
+/// by index), of interface and material, initial.slip_rate, initial.state (where a time) and
+/// initial.state.ratio_to_steady.
+/// @return false where there is none
+bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
+
+/// Whether the models' parameters, taken together, are sound: what no single range says.
+/// @return NULL, or what is wrong
+const char *lac_case_fault(const lac_case *c);
+
+/// Puts a folder before every relative path of a case, which is then to be written elsewhere.
+/// @param folder  ends in a slash
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
 /// A kind of model that a case can choose: for `describe` and for slots.
 typedef struct lac_kind {

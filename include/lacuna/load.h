@@ -51,11 +51,21 @@ typedef struct lac_load {
     void *state;        ///< what `prepare` made; NULL
 } lac_load;
 
+/// What loads have read from files, kept for when they are made again; for one thread.
+typedef struct lac_load_files lac_load_files;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_load_files_create(lac_load_files **out, lac_error *err);
+
+/// Frees what was kept; NULL is fine.
+void lac_load_files_free(lac_load_files *files);
+
 /// The run that loads belong to.
 typedef struct lac_load_clock {
-    bool dated;   ///< the run starts at a date
-    double start; ///< that date [s since 1970 UTC]
-    double end;   ///< of the run, since its start [s]; NaN where nothing is run
+    bool dated;            ///< the run starts at a date
+    double start;          ///< that date [s since 1970 UTC]
+    double end;            ///< of the run, since its start [s]; NaN where nothing is run
+    lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
 } lac_load_clock;
 
 /// A shear load or a pore-pressure load: adds its part to the sum.

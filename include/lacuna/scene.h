@@ -121,6 +121,19 @@ void lac_scene_contact_clear(lac_scene_contact *contact);
 /// @return as lac_scene_contact_solve
 lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err);
 
+/// The same, with what its loads read kept for scenes made later.
+/// @param files  NULL: nothing is kept
+lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_scene **out,
+                                 lac_error *err);
+
+/// Makes a scene anew after values of friction or initial (or of loads) changed in its case; the
+/// contact, the hierarchy and the transfer stay. After an error the scene has no problem and can
+/// only be renewed or freed.
+/// @param files  as in lac_scene_create_with
+/// @param loads  make the loads anew too
+/// @return as lac_scene_create
+lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
+
 /// Frees a scene; NULL is fine.
 void lac_scene_free(lac_scene *scene);
 

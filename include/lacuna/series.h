@@ -12,11 +12,14 @@ struct lac_units;
 /// How a monitoring file is read. Texts are borrowed.
 typedef struct lac_series_def {
     const char *path;
-    const char *time;              ///< name of the time column
+    const char *time;              ///< name of the time column; NULL: the first, in netCDF "time"
+    const char *time_format;       ///< how its times are written; NULL: ISO 8601, else seconds
     const char *displacement;      ///< column name; NULL: none
     const char *displacement_unit; ///< as UDUNITS reads it; NULL: m
     const char *velocity;          ///< column name; NULL: none
     const char *velocity_unit;     ///< NULL: m/s
+    const char *sigma;             ///< column of a displacement's standard error; NULL: none
+    const char *sigma_unit;        ///< NULL: m
     const char *value;             ///< column of any other quantity; NULL: none
     const char *value_unit;        ///< NULL: value_si
     const char *value_si;          ///< SI unit of what is kept
@@ -30,17 +33,21 @@ typedef struct lac_series {
     double *displacement; ///< [n] [m], NaN where not given; NULL where no column was asked for
     double *velocity;     ///< [n] [m/s], same
     double *value;        ///< [n] [value_si], same
+    double *sigma;        ///< [n] [m], > 0, NaN where not given; NULL where not asked for
     size_t *line;         ///< [n] line of the file
     char *attribution;    ///< the file's leading comment lines, joined; may be ""
     size_t missing;       ///< readings that were NA
     size_t duplicates;    ///< readings dropped because their time had been seen
+    size_t disordered;    ///< rows earlier than the row before them
 } lac_series;
 
 /// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
 /// `#` comments, quoted fields, NA / NaN / empty / - for a missing value. Times are ISO 8601
-/// (without zone: UTC) or seconds. Or a netCDF file (known by its first bytes): columns are
-/// variables of one dimension that they share, times CF ("days since 2015-06-07") or a time unit;
-/// `units` of the file go before those given here, `_FillValue` and NaN are missing.
+/// (without zone: UTC) or seconds, unless `time_format` says otherwise: "unix", "excel", a pattern
+/// such as "%d/%m/%Y %H:%M", or a unit of time ("day", "hours since 2015-06-07"). Or a netCDF file
+/// (known by its first bytes): columns are variables of one dimension that they share, times CF
+/// ("days since 2015-06-07") or a time unit; `units` of the file go before those given here,
+/// `_FillValue` and NaN are missing.
 /// @param units  the units database, for the columns' units
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
 ///         LAC_ENOMEM

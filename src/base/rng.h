@@ -14,7 +14,9 @@ typedef enum lac_stream {
     LAC_STREAM_TEST,
     LAC_STREAM_SURFACE_LOWER,
     LAC_STREAM_PLACE,
-    LAC_STREAM_BOOTSTRAP, // new ones last, for the numbers of the others must stay
+    LAC_STREAM_BOOTSTRAP,
+    LAC_STREAM_SURROGATE,
+    LAC_STREAM_SAMPLER, // new ones last, for the numbers of the others must stay
 } lac_stream;
 
 /// Counter-based random numbers (Philox4x64-10; Salmon et al. 2011, doi 10.1145/2063384.2063405):

@@ -295,4 +295,5 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
+    lac_check_fit(reader, c);
 }

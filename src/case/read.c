@@ -63,6 +63,7 @@ void lac_case_free(lac_case *c)
         }
     }
     free(c->compare);
+    lac_fit_clear(&c->fit);
     free(c->history.step);
     free(c->path);
     free(c->title);

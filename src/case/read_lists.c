@@ -123,9 +123,8 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-// Splits "column:unit" at its last colon.
-static void read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
-                        char **unit)
+void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
+                     char **unit)
 {
     lac_error err = {""};
     double scale;
@@ -157,10 +156,10 @@ static void read_series(lac_reader *reader, const lac_node *node, lac_compare_de
     }
     lac_read_table(reader, node, &table, def);
     if (displacement != NULL) {
-        read_column(reader, displacement, "m", &def->displacement, &def->displacement_unit);
+        lac_read_column(reader, displacement, "m", &def->displacement, &def->displacement_unit);
     }
     if (velocity != NULL) {
-        read_column(reader, velocity, "m/s", &def->velocity, &def->velocity_unit);
+        lac_read_column(reader, velocity, "m/s", &def->velocity, &def->velocity_unit);
     }
     if (displacement == NULL && velocity == NULL) {
         lac_blame(reader, node, "needs displacement or velocity, such as \"disp:mm\"");

@@ -40,7 +40,8 @@ bool lac_needs_run(const lac_reader *reader)
     bool is_static = lac_node_at(reader->root, "load.normal.approach") != NULL ||
                      lac_node_at(reader->root, "load.normal.dimension") != NULL ||
                      (timeless && statics);
-    return reader->purpose == LAC_FOR_RUN || (reader->purpose == LAC_FOR_CHECK && !is_static);
+    return reader->purpose == LAC_FOR_RUN || reader->purpose == LAC_FOR_FIT ||
+           (reader->purpose == LAC_FOR_CHECK && !is_static);
 }
 
 static void read_version(lac_reader *reader)
@@ -197,6 +198,7 @@ void lac_read_sections(lac_reader *reader, lac_case *c)
     }
     lac_read_rg(reader, lac_node_child(reader->root, "rg"), c);
     lac_read_analysis(reader, lac_node_child(reader->root, "analysis"), c);
+    lac_read_fit(reader, lac_node_child(reader->root, "fit"), c);
     const lac_node *compare = lac_node_child(reader->root, "compare");
     if (compare != NULL) {
         lac_read_compare(reader, compare, c);

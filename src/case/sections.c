@@ -24,9 +24,9 @@ static const lac_param case_rows[] = {
     {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
 };
 
-static const char *const case_own[] = {"lacuna",   "interface", "material", "inertia", "load",
-                                       "friction", "initial",   "transfer", "time",    "solver",
-                                       "output",   "rg",        "analysis", "compare", NULL};
+static const char *const case_own[] = {
+    "lacuna", "interface", "material", "inertia", "load",     "friction", "initial", "transfer",
+    "time",   "solver",    "output",   "rg",      "analysis", "fit",      "compare", NULL};
 
 static const lac_param interface_rows[] = {
     {.key = "size",
@@ -412,6 +412,9 @@ static const struct {
     [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)",
                          lac_rg_rows, LAC_RG_ROWS},
                         lac_rg_own},
+    [LAC_SECTION_FIT] = {{"fit", "what lacuna fit estimates, from which columns", lac_fit_rows,
+                          LAC_FIT_ROWS},
+                         lac_fit_own},
     [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
                               cadence_rows, COUNT(cadence_rows)},
                              NULL},

@@ -18,6 +18,7 @@ enum {
     LAC_SECTION_SOLVER,
     LAC_SECTION_OUTPUT,
     LAC_SECTION_RG,
+    LAC_SECTION_FIT,
     LAC_SECTION_CADENCE,
     LAC_SECTION_COMPARE,
     LAC_SECTION_STEP,
@@ -77,6 +78,27 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
+
+/// The keys of `fit`.
+enum { LAC_FIT_ROWS = 14 };
+extern const lac_param lac_fit_rows[LAC_FIT_ROWS];
+extern const char *const lac_fit_own[];
+
+/// Reads `fit`; NULL: none. The rest of the case has been read.
+void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c);
+
+/// What is wrong with it.
+void lac_check_fit(lac_reader *reader, lac_case *c);
+
+/// Frees what the section owns.
+void lac_fit_clear(lac_fit_def *fit);
+
+/// The parameters of `fit` as YAML, indented; the caller frees. NULL where memory is short.
+char *lac_fit_text(const lac_fit_def *fit);
+
+/// Splits "column:unit" at its last colon.
+void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
+                     char **unit);
 
 /// Reads `analysis`; NULL: none.
 void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c);

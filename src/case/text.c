@@ -351,11 +351,12 @@ static void put_history(writer *w, const lac_case *c)
     }
 }
 
-static void put_column(writer *w, const char *key, const char *column, const char *unit,
+// "column:unit", SI where no unit was given.
+static void put_column(writer *w, int depth, const char *key, const char *column, const char *unit,
                        const char *si)
 {
     if (column != NULL) {
-        put_key(w, 2, key);
+        put_key(w, depth, key);
         put(w, " ");
         size_t n = strlen(column);
         put_quoted(w, column);
@@ -375,8 +376,8 @@ static void put_compare(writer *w, const lac_case *c)
         const lac_compare_def *def = &c->compare[i];
         put(w, "  -\n");
         put_section(w, 2, LAC_SECTION_COMPARE, def);
-        put_column(w, "displacement", def->displacement, def->displacement_unit, "m");
-        put_column(w, "velocity", def->velocity, def->velocity_unit, "m/s");
+        put_column(w, 2, "displacement", def->displacement, def->displacement_unit, "m");
+        put_column(w, 2, "velocity", def->velocity, def->velocity_unit, "m/s");
     }
 }
 
@@ -413,6 +414,24 @@ static void put_analysis(writer *w, const lac_case *c)
     }
 }
 
+static void put_fit(writer *w, const lac_case *c)
+{
+    if (!c->fit.named) {
+        return;
+    }
+    char *parameters = lac_fit_text(&c->fit);
+    w->failed = w->failed || parameters == NULL;
+    put(w, "fit:\n");
+    if (parameters != NULL) {
+        put_bytes(w, parameters, strlen(parameters));
+    }
+    put_section(w, 1, LAC_SECTION_FIT, c);
+    put_column(w, 1, "displacement", c->fit.displacement, c->fit.displacement_unit, "m");
+    put_column(w, 1, "velocity", c->fit.velocity, c->fit.velocity_unit, "m/s");
+    put_column(w, 1, "sigma", c->fit.sigma, c->fit.sigma_unit, "m");
+    free(parameters);
+}
+
 char *lac_case_text(const lac_case *c)
 {
     writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
@@ -443,6 +462,7 @@ char *lac_case_text(const lac_case *c)
     put_output(&w, c);
     put_rg(&w, c);
     put_analysis(&w, c);
+    put_fit(&w, c);
     put_compare(&w, c);
     if (w.failed) {
         free(w.text);

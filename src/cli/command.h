@@ -28,6 +28,8 @@ lac_status cli_run(const cli_request *request, lac_error *err);
 lac_status cli_check(const cli_request *request, lac_error *err);
 lac_status cli_contact(const cli_request *request, lac_error *err);
 lac_status cli_rg(const cli_request *request, lac_error *err);
+lac_status cli_precursors(const cli_request *request, lac_error *err);
+lac_status cli_fit(const cli_request *request, lac_error *err);
 lac_status cli_new(const cli_request *request, lac_error *err);
 lac_status cli_describe(const cli_request *request, lac_error *err);
 

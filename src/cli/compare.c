@@ -186,8 +186,8 @@ static void print_one(const cli_compare *compare, size_t i, const lac_history *r
         return;
     }
     lac_series_compare(&view, run, &misfit);
-    printf("\n  beside %s: a scene with stated assumptions, not a fit\n",
-           name_of(&compare->source->compare[i]));
+    printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
+           compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
     print_readings(compare, &view, run, &misfit);
     print_misfit(&view, &misfit);
     if (view.attribution != NULL && view.attribution[0] != '\0') {

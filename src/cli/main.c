@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <errno.h>
 #include <fcntl.h>
+#include <gsl/gsl_errno.h>
 #include <omp.h>
 #include <string.h>
 #include <unistd.h>
@@ -116,6 +117,7 @@ int main(int argc, char **argv)
     lac_error err = {0};
     cli_request request;
     occupy_standard_streams();
+    (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     lac_status status = cli_request_read(argc, argv, &request, &err);
     if (status == LAC_OK) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/options.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,21 @@ static const option table[] = {
     {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
     {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
     {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
+    {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
+    {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
+     "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
+    {CLI_OPT_SERIES, '\0', "displacement", "COL:UNIT", "column and unit: \"disp_mm:mm\""},
+    {CLI_OPT_SERIES, '\0', "velocity", "COL:UNIT", "column and unit: \"rate:mm/day\""},
+    {CLI_OPT_SERIES, '\0', "sigma", "COL:UNIT", "standard error of each displacement"},
+    {CLI_OPT_FORECAST, '\0', "smooth", "HOW",
+     "velocities: average:5, window:\"3 day\", savgol:7,2"},
+    {CLI_OPT_FORECAST, '\0', "raw", NULL, "keep outliers and sensor resets"},
+    {CLI_OPT_FORECAST, '\0', "since", "TIME", "fit from here, not from the onset of acceleration"},
+    {CLI_OPT_FORECAST, '\0', "onset", "S,L", "acceleration: mean of S above that of L: 3,7"},
+    {CLI_OPT_FORECAST, '\0', "rolling", NULL, "forecasts as issued at each reading"},
+    {CLI_OPT_FORECAST, '\0', "issues", "N", "issue times of --rolling at most: 200"},
+    {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
+    {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -37,6 +53,37 @@ static const option table[] = {
 };
 
 enum { OPTIONS = sizeof table / sizeof *table };
+
+// Where in the request the word of an option goes that means something to its command only: its
+// value, or its name where it takes none.
+static const struct {
+    const char *name;
+    size_t offset;
+} places[] = {
+    {"time", offsetof(cli_request, series.time)},
+    {"time-format", offsetof(cli_request, series.time_format)},
+    {"displacement", offsetof(cli_request, series.displacement)},
+    {"velocity", offsetof(cli_request, series.velocity)},
+    {"sigma", offsetof(cli_request, series.sigma)},
+    {"smooth", offsetof(cli_request, forecast.smooth)},
+    {"raw", offsetof(cli_request, forecast.raw)},
+    {"since", offsetof(cli_request, forecast.since)},
+    {"onset", offsetof(cli_request, forecast.onset)},
+    {"rolling", offsetof(cli_request, forecast.rolling)},
+    {"issues", offsetof(cli_request, forecast.issues)},
+    {"failed-at", offsetof(cli_request, forecast.failed_at)},
+    {"horizon", offsetof(cli_request, forecast.horizon)},
+};
+
+static void keep_word(cli_request *request, const option *o, const char *value)
+{
+    const char *word = o->value != NULL ? value : o->name;
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        if (strcmp(places[i].name, o->name) == 0) {
+            memcpy((char *)request + places[i].offset, &word, sizeof word);
+        }
+    }
+}
 
 void cli_options_help(unsigned mask)
 {
@@ -133,6 +180,7 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
                         o->value);
     }
+    keep_word(request, o, value);
     switch (o->bit) {
     case CLI_OPT_OUTPUT:
         request->output = value;

@@ -28,12 +28,23 @@ enum {
     CLI_OPT_COARSEST = 1 << 19,
     CLI_OPT_SNAPSHOT = 1 << 20,
     CLI_OPT_RESUME = 1 << 21,
+    CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
+    CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
 
 enum { CLI_MAX_ARGUMENTS = 2 };
+
+/// Options of monitoring series and of forecasts, as they were written; NULL: not given.
+typedef struct cli_series_words {
+    const char *time, *time_format, *displacement, *velocity, *sigma;
+} cli_series_words;
+
+typedef struct cli_forecast_words {
+    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon;
+} cli_forecast_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
 typedef struct cli_request {
@@ -44,8 +55,10 @@ typedef struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
-    int threads;                                       ///< 0: not given
-    size_t set_count;                                  ///< --set, in order
+    cli_series_words series;
+    cli_forecast_words forecast;
+    int threads;             ///< 0: not given
+    size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values point into them
     char *command_line;      ///< owned
 } cli_request;

@@ -89,13 +89,18 @@ void cli_progress_show(cli_progress *progress, const lac_progress *now)
     }
 }
 
-void cli_progress_steps(cli_progress *progress, size_t done, size_t total)
+void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total)
 {
     char text[64];
-    (void)snprintf(text, sizeof text, "%zu of %zu steps of the history", done, total);
+    (void)snprintf(text, sizeof text, "%zu of %zu %s", done, total, what);
     if (is_due(progress, text)) {
-        draw(progress, (double)done / (double)total, text);
+        draw(progress, total > 0 ? (double)done / (double)total : 0.0, text);
     }
+}
+
+void cli_progress_steps(cli_progress *progress, size_t done, size_t total)
+{
+    cli_progress_stage(progress, "steps of the history", done, total);
 }
 
 void cli_progress_clear(cli_progress *progress)

@@ -22,6 +22,9 @@ void cli_progress_show(cli_progress *progress, const lac_progress *now);
 /// The same for a history of which `done` steps are solved.
 void cli_progress_steps(cli_progress *progress, size_t done, size_t total);
 
+/// The same for any other work. @param what  "steps of the sampler"
+void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total);
+
 /// Takes the bar off the terminal.
 void cli_progress_clear(cli_progress *progress);
 

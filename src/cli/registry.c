@@ -26,6 +26,17 @@ static const cli_command commands[] = {
      "CASE-rg.nc in this folder; -v prints them too.\n",
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
+    {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
+     "Of monitoring data, whose columns --displacement and --velocity name, or of a run. -o FILE "
+     "writes netCDF, which tools/plot_precursors.py draws.\n",
+     "lacuna precursors prism.csv --displacement disp:mm --rolling", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST, cli_precursors},
+    {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
+     "The case's section fit says what is estimated, from which columns. Writes the draws, the "
+     "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
+     "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
+     "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
+     CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -103,7 +103,7 @@ out:
     return status;
 }
 
-lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
+lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *clock,
                              lac_readings *out, lac_error *err)
 {
     char name[LONGEST];

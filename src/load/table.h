@@ -27,6 +27,10 @@ typedef struct lac_readings_def {
 lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
                              lac_readings *out, lac_error *err);
 
+/// The same without a look at what the clock's `files` keep.
+lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *clock,
+                             lac_readings *out, lac_error *err);
+
 void lac_readings_clear(lac_readings *readings);
 
 /// Refuses readings that do not cover a run from its start to its end.

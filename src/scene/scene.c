@@ -118,6 +118,27 @@ out:
     return status;
 }
 
+static lac_status make_loads(lac_scene *scene, lac_load_files *files, lac_error *err)
+{
+    const lac_case *c = scene->source;
+    return lac_load_set_create(
+        &(lac_load_slots){.shear = c->shear.item,
+                          .shear_count = c->shear.count,
+                          .pore = c->pore.item,
+                          .pore_count = c->pore.count},
+        &(lac_load_clock){
+            .dated = c->dated, .start = c->start_date, .end = c->run.end, .files = files},
+        &scene->loads, err);
+}
+
+// What follows from friction and initial values.
+static lac_status make_motion(lac_scene *scene, lac_error *err)
+{
+    const lac_spread_place place = {scene->contact.domain, scene->hierarchy};
+    lac_status status = make_friction(scene->source, &place, &scene->friction, err);
+    return status == LAC_OK ? make_problem(scene, &place, err) : status;
+}
+
 // How the loads that go through the rock reach the cells.
 static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
                               lac_load_set *loads, lac_error *err)
@@ -133,7 +154,33 @@ static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
     return status == LAC_OK ? status : lac_fail_within(err, status, "load.shear: share: elastic");
 }
 
+lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_problem_free(scene->problem);
+    scene->problem = NULL;
+    lac_friction_free(scene->friction);
+    scene->friction = NULL;
+    if (loads) {
+        double *shape = scene->loads.shape; // of the contact, which stays
+        scene->loads.shape = NULL;
+        lac_load_set_clear(&scene->loads);
+        status = make_loads(scene, files, err);
+        scene->loads.shape = shape;
+        LAC_TRY(status);
+    }
+    LAC_TRY(make_motion(scene, err));
+out:
+    return status;
+}
+
 lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
+{
+    return lac_scene_create_with(c, NULL, out, err);
+}
+
+lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_scene **out,
+                                 lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = NULL;
@@ -146,13 +193,7 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
     }
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
-    LAC_TRY(lac_load_set_create(
-        &(lac_load_slots){.shear = c->shear.item,
-                          .shear_count = c->shear.count,
-                          .pore = c->pore.item,
-                          .pore_count = c->pore.count},
-        &(lac_load_clock){.dated = c->dated, .start = c->start_date, .end = c->run.end},
-        &scene->loads, err));
+    LAC_TRY(make_loads(scene, files, err));
     LAC_TRY(lac_scene_contact_solve(c, false, &scene->contact, err));
     LAC_TRY(lac_hierarchy_create(scene->contact.domain, &scene->hierarchy, err));
     lac_transfer_scene from = {.domain = scene->contact.domain,
@@ -166,9 +207,7 @@ lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
         goto out;
     }
     LAC_TRY(share_loads(c, &from, &scene->loads, err));
-    const lac_spread_place place = {scene->contact.domain, scene->hierarchy};
-    LAC_TRY(make_friction(c, &place, &scene->friction, err));
-    LAC_TRY(make_problem(scene, &place, err));
+    LAC_TRY(make_motion(scene, err));
     *out = scene;
     scene = NULL;
 out:

@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "series/text.h"
+#include "series/time_format.h"
 
-enum { VALUES = 3, COLUMNS = 1 + VALUES, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
+enum { VALUES = 4, COLUMNS = 1 + VALUES, SIGMA = 4, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
 
-// Of time, displacement, velocity and any other value: 0 ... 3.
+// Of time, displacement, velocity, any other value, and the error of a displacement: 0 ... 4.
 typedef struct lac_wanted {
     const char *name; ///< NULL: not asked for
     size_t index;     ///< in the header
@@ -29,11 +29,13 @@ typedef struct lac_parser {
     lac_wanted wanted[COLUMNS];
     char separator;
     size_t fields; ///< of the header
-    char mark;     ///< decimal mark: '.', ',' or 0 while none has been seen
+    char first_name[SHOWN];
+    char mark; ///< decimal mark: '.', ',' or 0 while none has been seen
+    lac_time_format format;
     bool time_known, dated;
     locale_t plain, callers; ///< the "C" locale, and the one of the thread before
     lac_reading *readings;
-    size_t count, capacity, missing;
+    size_t count, capacity, missing, disordered;
     char *attribution;
     size_t attribution_length;
 } lac_parser;
@@ -54,7 +56,12 @@ static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
     } table[COLUMNS] = {{NULL, "s"},
                         {def->displacement_unit, "m"},
                         {def->velocity_unit, "m/s"},
-                        {def->value_unit, def->value_si}};
+                        {def->value_unit, def->value_si},
+                        {def->sigma_unit, "m"}};
+    lac_status read = lac_time_format_read(def->time_format, units, &p->format, err);
+    if (read != LAC_OK) {
+        return lac_fail_within(err, read, "%s", def->path);
+    }
     for (size_t c = 0; c < COLUMNS; c++) {
         p->wanted[c].scale = 1.0;
         if (p->wanted[c].name == NULL || table[c].unit == NULL) {
@@ -78,6 +85,7 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
     p->wanted[1].name = def->displacement;
     p->wanted[2].name = def->velocity;
     p->wanted[3].name = def->value;
+    p->wanted[4].name = def->sigma;
     lac_status status = lac_series_check(def, err);
     if (status != LAC_OK) {
         return status;
@@ -189,7 +197,7 @@ static lac_status read_header(lac_parser *p, lac_error *err)
 {
     char *rest = NULL;
     char list[512] = "";
-    bool found[COLUMNS] = {false, false, false};
+    bool found[COLUMNS] = {false};
     lac_status status = find_header(p, &rest, err);
     if (status != LAC_OK) {
         return status;
@@ -200,12 +208,19 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         if (name == NULL) {
             return fail_at(p, err, "header", p->lines.text, "has a quoted name that does not end");
         }
+        if (p->fields == 0) {
+            (void)lac_text_show(name, p->first_name, sizeof p->first_name);
+        }
         status = match_column(p, found, name, err);
         if (status != LAC_OK) {
             return status;
         }
         list_column(list, sizeof list, name);
         p->fields++;
+    }
+    if (p->wanted[0].name == NULL) { // the first column is the time then
+        p->wanted[0].name = p->first_name;
+        found[0] = true;
     }
     for (size_t c = 0; c < COLUMNS; c++) {
         if (p->wanted[c].name != NULL && !found[c]) {
@@ -222,11 +237,10 @@ static lac_status parse_time(lac_parser *p, const char *field, double *time, lac
     if (lac_text_missing(field)) {
         return fail_at(p, err, name, field, "must be a time: a row with values has none");
     }
-    bool dated = lac_date_parse(field, time);
     bool comma = p->separator != ',' && strchr(field, ',') != NULL;
-    if (!dated && !lac_text_number(field, comma ? ',' : '.', time)) {
-        return fail_at(p, err, name, field,
-                       "must be a date like 1963-10-09 or 1963-10-09T22:39:00Z, or seconds");
+    bool dated = false;
+    if (!lac_time_format_take(&p->format, field, comma ? ',' : '.', time, &dated)) {
+        return fail_at(p, err, name, field, p->format.allowed);
     }
     if (p->time_known && dated != p->dated) {
         return fail_at(p, err, name, field,
@@ -259,6 +273,9 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
         return fail_at(p, err, w->name, field, "must have the decimal mark of the rows above");
     }
     p->mark = used != NULL ? mark : p->mark;
+    if (column == SIGMA && !(*value > 0.0)) {
+        return fail_at(p, err, w->name, field, "must be > 0: the standard error of a reading");
+    }
     *value = *value * w->scale + w->offset;
     return isfinite(*value) ? LAC_OK : fail_at(p, err, w->name, field, "is too large");
 }
@@ -309,7 +326,7 @@ static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *bl
 static lac_status read_row(lac_parser *p, lac_error *err)
 {
     const char *fields[COLUMNS];
-    lac_reading reading = {.value = {NAN, NAN, NAN}, .line = p->lines.number};
+    lac_reading reading = {.value = {NAN, NAN, NAN, NAN}, .line = p->lines.number};
     bool blank = false;
     lac_status status = LAC_OK;
     LAC_TRY(split_row(p, fields, &blank, err));
@@ -361,10 +378,10 @@ static int compare_readings(const void *left, const void *right)
 static void sort_readings(lac_parser *p)
 {
     for (size_t i = 1; i < p->count; i++) {
-        if (p->readings[i].time < p->readings[i - 1].time) {
-            qsort(p->readings, p->count, sizeof *p->readings, compare_readings);
-            return;
-        }
+        p->disordered += p->readings[i].time < p->readings[i - 1].time ? 1 : 0;
+    }
+    if (p->disordered > 0) {
+        qsort(p->readings, p->count, sizeof *p->readings, compare_readings);
     }
 }
 
@@ -412,7 +429,7 @@ static double *copy_values(const lac_parser *p, size_t column)
 
 static lac_status fill_series(lac_series *s, const lac_parser *p)
 {
-    double **const target[VALUES] = {&s->displacement, &s->velocity, &s->value};
+    double **const target[VALUES] = {&s->displacement, &s->velocity, &s->value, &s->sigma};
     s->time = malloc(p->count * sizeof *s->time);
     s->line = malloc(p->count * sizeof *s->line);
     s->attribution = strdup(p->attribution != NULL ? p->attribution : "");
@@ -447,6 +464,7 @@ static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
     s->dated = p->dated;
     s->missing = p->missing;
     s->duplicates = duplicates;
+    s->disordered = p->disordered;
     *out = s;
     return LAC_OK;
 }

@@ -87,8 +87,9 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
     double scale = 1.0;
     double offset = 0.0;
     lac_status status;
-    LAC_TRY(find_column(file, def->time, &var, err));
-    LAC_TRY(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), def->time, err));
+    const char *name = def->time != NULL ? def->time : "time";
+    LAC_TRY(find_column(file, name, &var, err));
+    LAC_TRY(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), name, err));
     if (file->n == 0 || file->n > MOST_READINGS) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
                          file->n, MOST_READINGS));
@@ -97,18 +98,18 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
     if (unit[0] != '\0') {
         status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
         if (status != LAC_OK) {
-            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, def->time, unit);
+            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, name, unit);
             goto out;
         }
     }
-    LAC_TRY(read_numbers(file, var, def->time, &s->time, err));
+    LAC_TRY(read_numbers(file, var, name, &s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;
         if (!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1]))) {
             LAC_TRY(lac_fail(err, LAC_EINPUT,
                              "%s: %s[%zu] = %.17g s; must be later than the one "
                              "before",
-                             file->path, def->time, i, s->time[i]));
+                             file->path, name, i, s->time[i]));
         }
     }
 out:
@@ -158,6 +159,7 @@ static lac_status read_all(series_file *file, const lac_series_def *def,
         {def->displacement, def->displacement_unit, "m", &s->displacement},
         {def->velocity, def->velocity_unit, "m/s", &s->velocity},
         {def->value, def->value_unit, def->value_si, &s->value},
+        {def->sigma, def->sigma_unit, "m", &s->sigma},
     };
     lac_status status;
     LAC_TRY(read_time(file, def, units, s, err));

@@ -7,9 +7,6 @@
 
 lac_status lac_series_check(const lac_series_def *def, lac_error *err)
 {
-    if (def->time == NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s: no time column was named", def->path);
-    }
     if (def->displacement == NULL && def->velocity == NULL && def->value == NULL) {
         return lac_fail(err, LAC_EINPUT, "%s: no column of values was named", def->path);
     }
@@ -40,6 +37,7 @@ void lac_series_free(lac_series *series)
     free(series->displacement);
     free(series->velocity);
     free(series->value);
+    free(series->sigma);
     free(series->line);
     free(series->attribution);
     free(series);

@@ -10,7 +10,7 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
-/// Whether a time column and one of values are named.
+/// Whether a column of values is named.
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_series_check(const lac_series_def *def, lac_error *err);
 

@@ -14,6 +14,7 @@
 
 #include "lacuna/lacuna.h"
 #include "memory/failing_malloc.h"
+#include "memory/forecast.h"
 
 static const char text[] =
     "lacuna: 1\n"
@@ -454,6 +455,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_elastic, false);
     every_allocation_fails(whole_dimension, false);
     every_allocation_fails(whole_loads, false);
+    every_allocation_fails(whole_forecast, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -468,6 +470,7 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_elastic, true);
     every_allocation_fails(whole_dimension, true);
     every_allocation_fails(whole_loads, true);
+    every_allocation_fails(whole_forecast, true);
 }
 
 int main(void)

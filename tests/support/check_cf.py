@@ -37,7 +37,11 @@ MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local
                   "correlation_length", "interface_seed", "d_box", "d_blocks",
                   "critical_fraction_low", "critical_fraction_high", "run_critical_fraction",
                   "run_critical_fraction_low", "run_critical_fraction_high", "run_lambda",
-                  "run_lambda_low", "run_lambda_high", "event_moment"}
+                  "run_lambda_low", "run_lambda_high", "event_moment", "failure_time",
+                  "failure_time_low50", "failure_time_high50", "failure_time_low90",
+                  "failure_time_high90", "window_start", "rms", "misfit", "relative_error",
+                  "best_displacement", "predicted_displacement", "predicted_slip_rate",
+                  "observed_displacement", "observed_slip_rate"}
 CELL_METHOD = re.compile(
     r"^(?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum)"
     r"(?: (?:(?:time|area|cell|snapshot): )+(?:point|mean|sum|maximum|minimum))*$")

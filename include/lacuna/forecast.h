@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FORECAST_H
+#define LACUNA_FORECAST_H
+
+#include "lacuna/motion.h"
+#include "lacuna/param.h"
+
+enum { LAC_FORECAST_TEXT = 160, LAC_FORECAST_VALUES = 16 };
+
+/// What a method is given: the motion since the window's start, nothing after `now`. Times are
+/// seconds before now, so <= 0.
+typedef struct lac_window {
+    double now, start; ///< on the series' clock [s]
+    size_t n;
+    const double *time;         ///< [n] [s]
+    const double *displacement; ///< [n] [m] from the first one
+    const double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
+    size_t velocities;
+    const double *velocity_time; ///< [velocities] [s]
+    const double *velocity;      ///< [velocities] [m/s]
+    double noise;                ///< of one displacement [m]; NaN: not known
+    bool integrated;             ///< the displacements are integrals of the velocities
+} lac_window;
+
+/// A number that a method fitted.
+typedef struct lac_fitted {
+    const char *key; ///< ends in its unit where there is one
+    double value;
+} lac_fitted;
+
+/// What a method found.
+typedef struct lac_fit {
+    double remaining;     ///< time from now to failure [s]; NaN: none
+    double error;         ///< standard error of ln remaining, by the fit itself
+    double rms;           ///< of the residuals, in `rms_unit`
+    const char *rms_unit; ///< "m", or "s/m" of inverse velocities
+    double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
+    size_t points;        ///< that were fitted
+    size_t count;
+    lac_fitted value[LAC_FORECAST_VALUES];
+    char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
+} lac_fit;
+
+/// Says why there is no forecast, or no value of an indicator.
+/// @return LAC_OK, so that it is one statement
+lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// Adds a fitted number.
+void lac_fit_add(lac_fit *fit, const char *key, double value);
+
+/// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
+/// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
+/// simulated failures (docs/theory/forecasting.md says which).
+typedef struct lac_calibration {
+    double spread, low90, low50, high50, high90;
+} lac_calibration;
+
+/// A method of forecasting: a row of a table.
+typedef struct lac_forecast_kind {
+    lac_descriptor about;
+    const char *estimator; ///< exactly what is computed from what
+    size_t least;          ///< readings or velocities that it needs
+    bool displacements;    ///< it fits displacements, not velocities
+    double worst;          ///< misfit above which its forecast is not issued
+    lac_calibration calibration;
+    /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
+    /// @return LAC_OK; LAC_ENOMEM
+    lac_status (*fit)(const lac_window *window, lac_fit *fit, lac_error *err);
+} lac_forecast_kind;
+
+/// The index-th method in the registry, NULL past the end.
+const lac_forecast_kind *lac_forecast_kind_at(size_t index);
+
+/// How forecasts are made.
+typedef struct lac_forecast_def {
+    lac_motion_def motion;
+    double since;     ///< start of what is fitted [s]; NaN: the onset of acceleration
+    size_t short_run; ///< velocities in the short mean of the onset
+    size_t long_run;  ///< in the long one
+} lac_forecast_def;
+
+/// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017).
+lac_forecast_def lac_forecast_default(void);
+
+/// A forecast of one method at one time.
+typedef struct lac_forecast {
+    const lac_forecast_kind *kind;
+    bool issued;
+    double issue_time;                   ///< the last reading it could see [s]
+    double window_start;                 ///< [s]
+    double time;                         ///< of failure [s]; NaN: none
+    double low50, high50, low90, high90; ///< [s]; NaN: none
+    lac_fit fit;                         ///< also where it is not issued, as far as it went
+} lac_forecast;
+
+/// All methods at the last of the readings given.
+typedef struct lac_outlook {
+    lac_motion *motion; ///< owned; what the methods saw
+    bool accelerating;  ///< the gates before any method are open
+    double issue_time, window_start;
+    size_t count;
+    lac_forecast *forecast; ///< [count] in the order of the registry; owned
+} lac_outlook;
+
+/// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.
+/// @param readings  one or more
+/// @return LAC_OK, also where no method issues one; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
+                              lac_outlook **out, lac_error *err);
+
+/// Frees an outlook; NULL is fine.
+void lac_outlook_free(lac_outlook *outlook);
+
+#endif

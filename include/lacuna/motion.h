@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_MOTION_H
+#define LACUNA_MOTION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+/// How velocities come from displacements. None looks ahead.
+typedef enum lac_smoothing {
+    LAC_SMOOTH_NONE = 0, ///< as given; else secants between readings, at the middle of the interval
+    LAC_SMOOTH_AVERAGE,  ///< means of the last `points` of these, at the mean of their times
+    LAC_SMOOTH_WINDOW,   ///< least-squares slope of the readings of the last `window` seconds, at
+                         ///< the mean of their times
+    LAC_SMOOTH_SAVGOL,   ///< slope at its end of the polynomial of `order` through the last
+                         ///< `points` readings (Savitzky-Golay with the window behind)
+} lac_smoothing;
+
+typedef struct lac_motion_def {
+    lac_smoothing smoothing;
+    size_t points, order;
+    double window; ///< [s]
+    bool raw;      ///< keep outliers and resets as they are
+} lac_motion_def;
+
+/// What was read, up to the present. Values that are NaN are not there.
+typedef struct lac_readings {
+    size_t n;
+    const double *time;         ///< [n] strictly increasing [s]
+    const double *displacement; ///< [n] [m]; NULL: none
+    const double *velocity;     ///< [n] [m/s]; NULL: none
+    const double *sigma;        ///< [n] standard error of the displacement [m]; NULL: not known
+} lac_readings;
+
+/// The motion of a slope as forecasts see it.
+typedef struct lac_motion {
+    size_t n;
+    double *time;         ///< [n] [s]
+    double *displacement; ///< [n] [m] outliers dropped, resets taken out
+    double *sigma;        ///< [n] [m], NaN where not known
+    size_t velocities;
+    double *velocity_time; ///< [velocities] [s]
+    double *velocity;      ///< [velocities] [m/s]
+    double noise; ///< standard deviation of one displacement [m]; NaN where it cannot be told
+    double interval, longest_gap; ///< median and largest interval of the readings [s]
+    size_t gaps;                  ///< intervals longer than 5 times the median
+    size_t outliers, resets;
+    bool integrated; ///< the displacement is the integral of the velocity
+} lac_motion;
+
+/// Cleans readings and derives velocities. A reading is an outlier where it leaves the line between
+/// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
+/// than 10 times the noise and a fifth of the way so far is a reset of the sensor, across which the
+/// slope is taken to have gone on as before, or an outlier while it is the last reading. The noise
+/// is that of `sigma`, else 1.4826 times the median distance of readings from the line between
+/// their neighbours, each over its own error.
+/// @return LAC_OK; LAC_EINPUT where the definition makes no sense; LAC_ENOMEM
+/// @cost  O(n log n)
+lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
+                             lac_motion **out, lac_error *err);
+
+/// Frees a motion; NULL is fine.
+void lac_motion_free(lac_motion *motion);
+
+#endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_PRECURSOR_H
+#define LACUNA_PRECURSOR_H
+
+#include <stdint.h>
+
+#include "lacuna/forecast.h"
+
+/// Catalogue of events of a run, as they ended.
+typedef struct lac_event_list {
+    size_t n;
+    const double *time;   ///< [n] start [s], never decreasing
+    const double *moment; ///< [n] [N m]; NaN where not known
+} lac_event_list;
+
+/// What slips in a run, record by record.
+typedef struct lac_slip_history {
+    size_t n, levels;         ///< records; levels of blocks
+    const double *time;       ///< [n] [s]
+    const double *n_slip;     ///< [n][levels] slipping blocks
+    const double *n_tot;      ///< [levels]
+    const double *length;     ///< [n] correlation length [m]
+    double critical_fraction; ///< fixed point of the cascade; NaN: none
+} lac_slip_history;
+
+/// What indicators look at: all of it up to the present. What a source does not have is NULL.
+typedef struct lac_observed {
+    const lac_motion *motion;
+    const lac_event_list *events;
+    const lac_slip_history *slip;
+    double tc;     ///< time of failure as the log law has it now [s]; NaN: it has none
+    double start;  ///< of the acceleration [s]; NaN: none
+    uint64_t seed; ///< of surrogates
+    size_t surrogates;
+} lac_observed;
+
+typedef enum lac_needs { LAC_NEEDS_MOTION = 0, LAC_NEEDS_EVENTS, LAC_NEEDS_CELLS } lac_needs;
+
+/// What an indicator says now.
+typedef struct lac_precursor {
+    const struct lac_precursor_kind *kind;
+    lac_fit found; ///< value[0 ... count - 1], points; reason: why there is none
+} lac_precursor;
+
+/// An indicator: a row of a table.
+typedef struct lac_precursor_kind {
+    lac_descriptor about;
+    lac_needs needs;
+    const char *estimator; ///< exactly what is computed from what
+    /// Looks at what there is; needs are met.
+    /// @return LAC_OK; LAC_ENOMEM
+    lac_status (*look)(const lac_observed *seen, lac_fit *found, lac_error *err);
+} lac_precursor_kind;
+
+/// The index-th indicator in the registry, NULL past the end.
+const lac_precursor_kind *lac_precursor_kind_at(size_t index);
+
+/// All indicators.
+/// @param out  [LAC_PRECURSORS_MAX]
+/// @return LAC_OK; LAC_ENOMEM
+enum { LAC_PRECURSORS_MAX = 16 };
+lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
+                               lac_error *err);
+
+/// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
+/// @param dm     width of the bins that the magnitudes were rounded to; 0: none
+/// @param error  Shi & Bolt (1982): 2.30 b^2 (variance of the mean)^(1/2)
+/// @return b; NaN where fewer than two magnitudes count
+double lac_b_value(size_t n, const double *magnitude, double mc, double dm, double *error,
+                   size_t *used);
+
+/// b-value of the positive differences of successive magnitudes, at least `least` (van der Elst
+/// 2021): log10(e)/(mean - least). Knows nothing of a completeness that changes in time.
+/// @return b; NaN where fewer than two differences count
+double lac_b_positive(size_t n, const double *magnitude, double least, double *error, size_t *used);
+
+/// Kendall's tau of values against their order, tau-a.
+double lac_kendall(size_t n, const double *values);
+
+/// Rising variance and lag-1 autocorrelation before a transition (Dakos et al. 2008).
+typedef struct lac_slowing {
+    double variance_tau, variance_p;               ///< Kendall's tau, share of surrogates above it
+    double autocorrelation_tau, autocorrelation_p; ///< same
+    double autocorrelation;                        ///< of the last window
+    double variance;                               ///< same, of the values' unit squared
+} lac_slowing;
+
+/// Of evenly spaced values: a parabola is taken off, variance and autocorrelation are those of
+/// trailing windows of half the length, tau is over the windows. The surrogates are first-order
+/// autoregressions of the autocorrelation of what is left, put through the same.
+/// @pre n >= 12
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
+                               lac_slowing *out, lac_error *err);
+
+#endif

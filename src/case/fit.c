@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// fit: its keys, how they are read and what is wrong with them.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+#define FIELD(name) offsetof(lac_case, fit.name)
+#define TEXT .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+static const char *const offsets[] = {"none", "free", NULL};
+static const char *const errors_names[] = {"white", "ar1", NULL};
+
+const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
+    {.key = "parameters",
+     .doc = "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated",
+     TEXT},
+    {.key = "time", .doc = "column of times", .offset = FIELD(time), TEXT},
+    {.key = "displacement", .doc = "column of displacements, as \"column:unit\"", TEXT},
+    {.key = "velocity", .doc = "column of velocities, as \"column:unit\"", TEXT},
+    {.key = "sigma",
+     .doc = "column of the displacements' standard errors, as \"column:unit\"",
+     TEXT},
+    {.key = "displacement_error",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e6,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(displacement_error),
+     .doc = "standard error of a displacement; estimated if absent (with sigma: a factor on it)"},
+    {.key = "velocity_error",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 0,
+     .max = 100,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(velocity_error),
+     .doc = "standard error of the logarithm of a velocity; estimated if absent"},
+    {.key = "errors",
+     .unit = "1",
+     .fallback = LAC_ERRORS_WHITE,
+     .type = LAC_CHOICE,
+     .choices = errors_names,
+     .offset = FIELD(errors),
+     .doc = "of displacements: white (independent), or ar1 (correlated over a time that is "
+            "estimated)"},
+    {.key = "offset",
+     .unit = "1",
+     .fallback = 1,
+     .type = LAC_CHOICE,
+     .choices = offsets,
+     .offset = FIELD(offset),
+     .doc = "zero of the displacements: free (unknown), or none (zero where the run starts)"},
+    {.key = "starts",
+     .unit = "1",
+     .fallback = 64,
+     .min = 1,
+     .max = 100000,
+     .type = LAC_INTEGER,
+     .offset = FIELD(starts),
+     .doc = "places tried before the least squares begin from the best three: the case itself and "
+            "draws from the prior"},
+    {.key = "walkers",
+     .unit = "1",
+     .fallback = 32,
+     .min = 4,
+     .max = 10000,
+     .type = LAC_INTEGER,
+     .offset = FIELD(walkers),
+     .doc = "of the ensemble sampler; even, at least twice what is estimated"},
+    {.key = "steps",
+     .unit = "1",
+     .fallback = 2000,
+     .min = 0,
+     .max = 1e7,
+     .type = LAC_INTEGER,
+     .offset = FIELD(steps),
+     .doc = "kept of each walker; 0: least squares only"},
+    {.key = "burn",
+     .unit = "1",
+     .fallback = 1000,
+     .min = 0,
+     .max = 1e7,
+     .type = LAC_INTEGER,
+     .offset = FIELD(burn),
+     .doc = "steps before those, dropped"},
+    {.key = "seed",
+     .unit = "1",
+     .fallback = 1,
+     .min = 0,
+     .max = 9007199254740991.0,
+     .type = LAC_INTEGER,
+     .offset = FIELD(seed),
+     .doc = "of the starts and the sampler"},
+};
+
+const char *const lac_fit_own[] = {"parameters", "displacement", "velocity", "sigma", NULL};
+
+void lac_fit_clear(lac_fit_def *fit)
+{
+    for (size_t i = 0; i < fit->count; i++) {
+        free(fit->parameter[i].key);
+    }
+    char *texts[] = {fit->time,          fit->displacement, fit->displacement_unit, fit->velocity,
+                     fit->velocity_unit, fit->sigma,        fit->sigma_unit};
+    for (size_t i = 0; i < COUNT(texts); i++) {
+        free(texts[i]);
+    }
+    free(fit->parameter);
+    *fit = (lac_fit_def){0};
+}
+
+// A number of a mapping that must be there.
+static bool read_of(lac_reader *reader, const lac_node *map, const char *key, const char *unit,
+                    double *value)
+{
+    const lac_node *node = lac_node_child(map, key);
+    if (node == NULL) {
+        lac_blame(reader, map, "needs %s", key);
+        return false;
+    }
+    return lac_read_number(reader, node, unit, value);
+}
+
+static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_fit_parameter *p)
+{
+    const char *centre = log ? "median" : "mean";
+    const char *known[] = {centre, "sigma"};
+    p->log = log;
+    p->prior = LAC_PRIOR_NORMAL;
+    if (!lac_expect_map(reader, node,
+                        log ? "{median: VALUE, sigma: NUMBER}" : "{mean: VALUE, sigma: VALUE}")) {
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        const char *key = node->child[i]->key;
+        if (strcmp(key, centre) != 0 && strcmp(key, "sigma") != 0) {
+            lac_blame_unknown(reader, node->child[i], "key", known, 2);
+        }
+    }
+    bool read = read_of(reader, node, centre, p->unit, &p->centre);
+    read = read_of(reader, node, "sigma", log ? "1" : p->unit, &p->sigma) && read;
+    if (read && !(p->sigma > 0.0 && isfinite(p->sigma))) {
+        lac_blame(reader, node, "needs sigma > 0");
+    } else if (read && log && !(p->centre > 0.0)) {
+        lac_blame(reader, node, "needs median > 0");
+    }
+}
+
+static void read_prior(lac_reader *reader, const lac_node *node, lac_fit_parameter *p)
+{
+    static const char *const known[] = {"lognormal", "normal", "uniform", "log-uniform"};
+    const char *allowed = "{lognormal: {median, sigma}}, {normal: {mean, sigma}}, {uniform: {}} or "
+                          "{log-uniform: {}}";
+    if (!lac_expect_map(reader, node, allowed)) {
+        return;
+    }
+    if (node->count != 1) {
+        lac_blame(reader, node, "must be one of %s", allowed);
+        return;
+    }
+    const lac_node *child = node->child[0];
+    size_t kind = 0;
+    while (kind < COUNT(known) && strcmp(child->key, known[kind]) != 0) {
+        kind++;
+    }
+    if (kind == COUNT(known)) {
+        lac_blame_unknown(reader, child, "prior", known, COUNT(known));
+    } else if (kind < 2) {
+        read_normal(reader, child, kind == 0, p);
+    } else {
+        p->log = kind == 3;
+        if (!lac_node_is_null(child) && !(child->kind == LAC_NODE_MAP && child->count == 0)) {
+            lac_blame(reader, child, "takes nothing: the range is beside it");
+        }
+    }
+}
+
+static void read_range(lac_reader *reader, const lac_node *node, const lac_param *param,
+                       lac_fit_parameter *p)
+{
+    double *ends[] = {&p->low, &p->high};
+    char why[160];
+    if (node->kind != LAC_NODE_LIST || node->count != 2) {
+        lac_blame(reader, node, "must be a list of two values such as [low, high]");
+        return;
+    }
+    bool read = true;
+    for (size_t i = 0; i < 2; i++) {
+        const lac_node *end = node->child[i];
+        if (!lac_read_number(reader, end, param->unit, ends[i])) {
+            read = false;
+        } else if (!lac_param_allows(param, *ends[i], why, sizeof why)) {
+            lac_blame(reader, end, "%s", why);
+            read = false;
+        }
+    }
+    p->ranged = true;
+    if (read && !(p->low < p->high)) {
+        lac_blame(reader, node, "must rise: low < high");
+    }
+}
+
+// Whether prior and range say enough, and agree.
+static void check_parameter(lac_reader *reader, const lac_node *node, const lac_fit_parameter *p,
+                            double value)
+{
+    char text[64];
+    bool bounded = isfinite(p->low) && isfinite(p->high);
+    if (p->prior == LAC_PRIOR_FLAT && !bounded) {
+        lac_blame(reader, node,
+                  "needs a range such as [low, high], or a prior such as {lognormal: {median: "
+                  "..., sigma: 1}}");
+    } else if (p->log && p->low < 0.0) {
+        lac_blame(reader, node, "needs a range above 0 for a prior of its logarithm");
+    } else if (p->log && p->prior == LAC_PRIOR_FLAT && !(p->low > 0.0)) {
+        lac_blame(reader, node, "needs a range whose low end is > 0, or prior: {uniform: {}}");
+    } else if (value < p->low || value > p->high) {
+        lac_blame(reader, node, "has a range that leaves out the case's own value, %s",
+                  lac_units_exact(value, p->unit, text, sizeof text));
+    }
+}
+
+static void read_parameter(lac_reader *reader, const lac_node *node, lac_case *c,
+                           lac_fit_parameter *p)
+{
+    static const char *const known[] = {"range", "prior"};
+    lac_case_value value;
+    size_t before = reader->report->errors;
+    if (!lac_case_find(c, node->key, &value)) {
+        lac_blame(reader, node,
+                  "is no number of this case by its whole path, such as friction.aging.dc, "
+                  "initial.slip_rate or load.shear.0.ratio.value");
+        return;
+    }
+    if (!lac_expect_map(reader, node, "a mapping such as {range: [low, high]}")) {
+        return;
+    }
+    const lac_param *param = value.param;
+    *p = (lac_fit_parameter){.key = lac_reader_copy(reader, node->key, strlen(node->key)),
+                             .unit = param->unit,
+                             .low = param->min,
+                             .high = param->max,
+                             .centre = NAN,
+                             .sigma = NAN};
+    for (size_t i = 0; i < node->count; i++) {
+        const lac_node *child = node->child[i];
+        if (strcmp(child->key, known[0]) != 0 && strcmp(child->key, known[1]) != 0) {
+            lac_blame_unknown(reader, child, "key", known, 2);
+        }
+    }
+    if (lac_node_child(node, "range") != NULL) {
+        read_range(reader, lac_node_child(node, "range"), param, p);
+    }
+    p->log = p->low > 0.0; // unless the prior says
+    if (lac_node_child(node, "prior") != NULL) {
+        read_prior(reader, lac_node_child(node, "prior"), p);
+    }
+    if (reader->report->errors == before) {
+        check_parameter(reader, node, p, *value.at);
+    }
+}
+
+static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (!lac_expect_map(reader, node, "a mapping such as {friction.aging.dc: {range: [...]}}")) {
+        return;
+    }
+    if (node->count > LAC_MOST_FITTED) {
+        lac_blame(reader, node, "has %zu parameters; at most %d", node->count, LAC_MOST_FITTED);
+        return;
+    }
+    c->fit.parameter = calloc(node->count + 1, sizeof *c->fit.parameter);
+    if (c->fit.parameter == NULL) {
+        reader->no_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < node->count; i++) {
+        lac_fit_parameter *p = &c->fit.parameter[c->fit.count];
+        if (!node->child[i]->ignored && !node->child[i]->bad) {
+            read_parameter(reader, node->child[i], c, p);
+            c->fit.count += p->key != NULL ? 1 : 0;
+        }
+    }
+}
+
+// Whether what the keys of parameters name was read without errors: else they cannot be found.
+static bool rest_is_clean(const lac_reader *reader)
+{
+    static const char *const needed[] = {"friction", "initial",  "load",
+                                         "transfer", "material", "interface"};
+    bool clean = true;
+    for (size_t i = 0; i < COUNT(needed); i++) {
+        clean = clean && lac_clean(reader, needed[i]);
+    }
+    return clean;
+}
+
+void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    const struct {
+        const char *key, *si;
+        char **column, **unit;
+    } columns[] = {{"displacement", "m", &c->fit.displacement, &c->fit.displacement_unit},
+                   {"velocity", "m/s", &c->fit.velocity, &c->fit.velocity_unit},
+                   {"sigma", "m", &c->fit.sigma, &c->fit.sigma_unit}};
+    lac_table table = lac_section_table(LAC_SECTION_FIT);
+    if (node == NULL || node->bad ||
+        !lac_expect_map(reader, node, "a mapping such as {parameters: {...}, time: date, ...}")) {
+        return;
+    }
+    c->fit.named = true;
+    lac_read_table(reader, node, &table, c);
+    for (size_t i = 0; i < COUNT(columns); i++) {
+        const lac_node *column = lac_node_child(node, columns[i].key);
+        if (column != NULL) {
+            lac_read_column(reader, column, columns[i].si, columns[i].column, columns[i].unit);
+        }
+    }
+    const lac_node *parameters = lac_node_child(node, "parameters");
+    if (parameters != NULL && rest_is_clean(reader)) {
+        read_parameters(reader, parameters, c);
+    }
+}
+
+static void check_sampler(lac_reader *reader, const lac_fit_def *fit)
+{
+    size_t least = 2 * (fit->count + 3);
+    if (fit->steps > 0 && (fit->walkers % 2 != 0 || (size_t)fit->walkers < least)) {
+        lac_blame_key(reader, "fit.walkers", "must be even and at least %zu for %zu parameters",
+                      least, fit->count);
+    }
+    if (fit->steps > 0 && fit->steps < 8) {
+        lac_blame_key(reader, "fit.steps", "must be 0 (least squares only) or at least 8");
+    }
+}
+
+void lac_check_fit(lac_reader *reader, lac_case *c)
+{
+    const lac_fit_def *fit = &c->fit;
+    if (!fit->named) {
+        if (reader->purpose == LAC_FOR_FIT) {
+            lac_blame_missing(reader, reader->root, "fit",
+                              "is missing: what to estimate, such as {parameters: "
+                              "{friction.aging.dc: {range: [\"0.1 mm\", \"1 m\"]}}, ...}");
+        }
+        return;
+    }
+    if (!lac_clean(reader, "fit") || !rest_is_clean(reader)) {
+        return;
+    }
+    if (fit->count == 0) {
+        lac_blame_key(reader, "fit.parameters", "must name at least one number of the case");
+    }
+    if (fit->displacement == NULL && fit->velocity == NULL) {
+        lac_blame_key(reader, "fit",
+                      "needs displacement or velocity, such as displacement: \"disp:mm\"");
+    }
+    if (fit->time == NULL) {
+        lac_blame_key(reader, "fit", "needs time, the column of times");
+    }
+    if (fit->sigma != NULL && fit->displacement == NULL) {
+        lac_blame_key(reader, "fit.sigma", "goes with displacement");
+    }
+    check_sampler(reader, fit);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_FIT_H
+#define LACUNA_CLI_FIT_H
+
+#include "cli/options.h"
+#include "lacuna/fit.h"
+
+/// What a fit came to and where it stands.
+typedef struct cli_fit_view {
+    const lac_case *source;
+    const char *series; ///< file
+    const lac_fit_result *result;
+    const char *status, *output, *case_output; ///< case_output NULL: not written
+    double wall_time;
+} cli_fit_view;
+
+/// Whether the draws can be relied on: R-hat of every unknown below 1.05.
+bool cli_fit_converged(const lac_fit_result *result);
+
+/// Prints it on stdout.
+void cli_fit_print(const cli_fit_view *view, bool verbose);
+
+/// The same as one JSON object.
+void cli_fit_json(const cli_fit_view *view);
+
+/// Writes the posterior, the predictions and the readings.
+/// @return as lac_store_fit
+lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err);
+
+/// Writes the case with the best fit in it, which runs as it is; its files are named from the
+/// folder that it stands in, or in full where that is another than the working folder.
+/// @param c  a case of the same parameters; changed
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *err);
+
+#endif

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The files of a fit: netCDF, and the fitted case.
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/fit.h"
+#include "cli/libraries.h"
+#include "cli/output.h"
+#include "lacuna/store_fit.h"
+
+lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err)
+{
+    static const double quantile[LAC_FIT_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
+    const lac_fit_result *r = view->result;
+    lac_fit_column column[LAC_FIT_UNKNOWNS];
+    char libraries[256];
+    char *text = lac_case_text(view->source);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t k = 0; k < r->unknowns; k++) {
+        const lac_fit_unknown *x = &r->unknown[k];
+        column[k] = (lac_fit_column){.key = x->key,
+                                     .unit = x->unit,
+                                     .log = x->log,
+                                     .best = x->best,
+                                     .error = x->error,
+                                     .rhat = x->converged.rhat,
+                                     .ess = x->converged.ess};
+    }
+    const lac_fit_view out = {.status = view->status,
+                              .unknowns = r->unknowns,
+                              .unknown = column,
+                              .chains = r->chain != NULL ? r->chain->walkers : 0,
+                              .draws = r->chain != NULL ? r->chain->steps : 0,
+                              .x = r->chain != NULL ? r->chain->x : NULL,
+                              .log_density = r->chain != NULL ? r->chain->log_density : NULL,
+                              .acceptance = r->chain != NULL ? r->chain->acceptance : NULL,
+                              .quantiles = LAC_FIT_QUANTILES,
+                              .quantile = quantile,
+                              .times = r->times,
+                              .time = r->time,
+                              .displacement = r->displacement,
+                              .rate = r->rate,
+                              .fitted = r->fitted,
+                              .readings = r->readings,
+                              .reading_time = r->reading_time,
+                              .observed = r->observed,
+                              .observed_rate = r->observed_rate,
+                              .failures = r->draws,
+                              .failure = r->draw_failure,
+                              .dated = view->source->dated,
+                              .start_date = view->source->start_date};
+    lac_provenance provenance =
+        cli_provenance(request, view->source, text, cli_libraries(libraries, sizeof libraries));
+    provenance.seed = view->source->fit.seed;
+    lac_status status =
+        lac_store_fit(view->output, cli_given(request, CLI_OPT_FORCE), &provenance, &out, err);
+    free(text);
+    return status;
+}
+
+// Files of the case named so that they are found from the folder that the fitted case stands in.
+static lac_status move_case(const char *path, lac_case *c, lac_error *err)
+{
+    char folder[PATH_MAX + 1];
+    char *name = strdup(path);
+    if (name == NULL) {
+        return lac_fail_memory(err);
+    }
+    free(c->path);
+    c->path = name;
+    free(c->output_file); // the original's, which a run of this one must not write
+    c->output_file = NULL;
+    if (strchr(path, '/') == NULL) {
+        return LAC_OK;
+    }
+    if (getcwd(folder, sizeof folder - 1) == NULL) {
+        return lac_fail(err, LAC_EIO, "the working folder has no name: %s", strerror(errno));
+    }
+    size_t n = strlen(folder);
+    folder[n] = '/';
+    folder[n + 1] = '\0';
+    return lac_case_rebase(c, folder, err);
+}
+
+// Written under another name first: a case is never half there.
+static lac_status write_whole(const char *path, const char *head, const char *text, lac_error *err)
+{
+    char *part = malloc(strlen(path) + sizeof ".part");
+    if (part == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)sprintf(part, "%s.part", path);
+    FILE *file = fopen(part, "w");
+    bool good = file != NULL && fputs(head, file) >= 0 && fputs(text, file) >= 0;
+    good = file != NULL && fclose(file) == 0 && good;
+    good = good && rename(part, path) == 0;
+    lac_status status =
+        good ? LAC_OK : lac_fail(err, LAC_EIO, "%s: cannot be written: %s", path, strerror(errno));
+    if (!good) {
+        (void)remove(part);
+    }
+    free(part);
+    return status;
+}
+
+lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *err)
+{
+    char head[2 * PATH_MAX];
+    lac_fit_apply(view->result, c);
+    lac_status status = move_case(view->case_output, c, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    char *text = lac_case_text(c);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)snprintf(head, sizeof head,
+                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s\n",
+                   view->source->path, view->series, view->output);
+    status = write_whole(view->case_output, head, text, err);
+    free(text);
+    return status;
+}

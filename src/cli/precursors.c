@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/precursors.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "cli/command.h"
+#include "cli/indicators.h"
+#include "cli/libraries.h"
+#include "cli/progress.h"
+#include "cli/signals.h"
+#include "cli/words.h"
+#include "lacuna/store_forecast.h"
+
+typedef struct precursors_job {
+    const cli_request *request;
+    lac_units *units;
+    cli_watched watched;
+    cli_forecast_plan plan;
+    lac_outlook *outlook;
+    cli_indicators indicators;
+    lac_rolling *rolling;
+    lac_skill *skill;
+} precursors_job;
+
+static bool go_on(void *context, size_t done, size_t all)
+{
+    (void)context, (void)done, (void)all;
+    return !cli_signals_stop();
+}
+
+static lac_status roll(precursors_job *job, lac_error *err)
+{
+    const cli_watched *w = &job->watched;
+    const lac_rolling_watch watch = {NULL, go_on};
+    lac_status status;
+    cli_say(job->request, "forecasting at %zu readings", w->readings.n);
+    cli_signals_hold();
+    LAC_TRY(lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
+                               &job->rolling, err));
+    if (!isnan(w->failed_at)) {
+        job->skill = calloc(job->rolling->methods, sizeof *job->skill);
+        LAC_TRY(job->skill != NULL ? LAC_OK : lac_fail_memory(err));
+        LAC_TRY(
+            lac_rolling_measure(job->rolling, w->failed_at, job->plan.horizon, job->skill, err));
+    }
+out:
+    return status;
+}
+
+static lac_status write_file(const precursors_job *job, lac_error *err)
+{
+    char libraries[256];
+    const lac_provenance provenance = {
+        .title = job->watched.path,
+        .command_line = job->request->command_line,
+        .libraries = cli_libraries(libraries, sizeof libraries),
+        .seed = INT64_MIN,
+        .now = (double)time(NULL),
+    };
+    const lac_forecast_file file = {
+        .source = job->watched.path,
+        .attribution = job->watched.series != NULL ? job->watched.series->attribution : NULL,
+        .dated = job->watched.dated,
+        .failed_at = job->watched.failed_at,
+        .outlook = job->outlook,
+        .rolling = job->rolling,
+    };
+    return lac_store_forecast(job->request->output, cli_given(job->request, CLI_OPT_FORCE),
+                              &provenance, &file, err);
+}
+
+lac_status cli_precursors(const cli_request *request, lac_error *err)
+{
+    precursors_job job = {.request = request};
+    lac_status status;
+    LAC_TRY(lac_units_create(&job.units, err));
+    LAC_TRY(cli_watched_read(request, job.units, &job.watched, err));
+    LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
+    if (job.watched.run) { // a run has neither outliers nor resets
+        job.plan.def.motion.raw = true;
+    }
+    LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
+    LAC_TRY(cli_indicators_look(&job.watched, job.outlook, &job.indicators, err));
+    if (request->forecast.rolling != NULL) {
+        LAC_TRY(roll(&job, err));
+    }
+    if (request->output != NULL) {
+        LAC_TRY(write_file(&job, err));
+    }
+    const cli_precursors_result result = {.watched = &job.watched,
+                                          .plan = &job.plan,
+                                          .outlook = job.outlook,
+                                          .indicators = &job.indicators,
+                                          .rolling = job.rolling,
+                                          .skill = job.skill,
+                                          .output = request->output};
+    if (cli_given(request, CLI_OPT_JSON)) {
+        cli_precursors_json(&result);
+    } else {
+        cli_precursors_print(&result, cli_given(request, CLI_OPT_VERBOSE));
+    }
+out:
+    free(job.skill);
+    lac_rolling_free(job.rolling);
+    lac_outlook_free(job.outlook);
+    cli_watched_clear(&job.watched);
+    lac_units_free(job.units);
+    return status;
+}

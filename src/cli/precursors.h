@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_PRECURSORS_H
+#define LACUNA_CLI_PRECURSORS_H
+
+#include "cli/json.h"
+#include "cli/series.h"
+#include "lacuna/hindcast.h"
+
+/// What precursors are looked for in: a monitoring file or a run.
+typedef struct cli_watched {
+    const char *path;
+    bool run;                               ///< the file of a run
+    bool dated;                             ///< times are seconds since 1970 UTC
+    lac_series *series;                     ///< owned; NULL: a run
+    double *time, *displacement, *velocity; ///< owned; of a run
+    lac_readings readings;                  ///< up to --until
+    double start;                           ///< of a run's clock on the series' [s]
+    double failed_at;                       ///< [s]; NaN: not known; INFINITY: never
+} cli_watched;
+
+/// Reads it, and --until and --failed-at.
+/// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+lac_status cli_watched_read(const cli_request *request, const lac_units *units, cli_watched *out,
+                            lac_error *err);
+void cli_watched_clear(cli_watched *watched);
+
+/// The rest of what the options say.
+typedef struct cli_forecast_plan {
+    lac_forecast_def def;
+    size_t issues;
+    double horizon; ///< [s]
+} cli_forecast_plan;
+lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
+                                  cli_forecast_plan *plan, lac_error *err);
+
+struct cli_indicators;
+
+/// What was found.
+typedef struct cli_precursors_result {
+    const cli_watched *watched;
+    const cli_forecast_plan *plan;
+    const lac_outlook *outlook;
+    const struct cli_indicators *indicators;
+    const lac_rolling *rolling; ///< NULL: not asked for
+    const lac_skill *skill;     ///< [methods]; NULL: no time of failure
+    const char *output;         ///< NULL: none
+} cli_precursors_result;
+
+void cli_precursors_print(const cli_precursors_result *r, bool verbose);
+void cli_precursors_json(const cli_precursors_result *r);
+
+#endif

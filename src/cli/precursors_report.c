@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the precursors command found, as tables.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/date.h"
+#include "cli/indicators.h"
+#include "cli/words.h"
+
+static const double day = 86400.0;
+
+// "2015-07-05 09:54", or seconds with the unit that reads best; "-" where there is none.
+static const char *when(const cli_precursors_result *r, double t, char *text, size_t size)
+{
+    if (!isfinite(t)) {
+        (void)snprintf(text, size, "-");
+        return text;
+    }
+    if (!r->watched->dated) {
+        return lac_units_format(t, "s", text, size);
+    }
+    (void)lac_date_format(t, text, size);
+    if (strlen(text) == 20) {
+        text[10] = ' ';
+        text[16] = '\0';
+    } else {
+        (void)snprintf(text, size, "-");
+    }
+    return text;
+}
+
+static void print_input(const cli_precursors_result *r)
+{
+    const lac_readings *in = &r->watched->readings;
+    const lac_motion *m = r->outlook->motion;
+    const lac_series *s = r->watched->series;
+    char first[40], last[40], length[32], longest[32];
+    printf("%s\n", r->watched->path);
+    cli_row("readings", "%zu from %s to %s", in->n, when(r, in->time[0], first, sizeof first),
+            when(r, in->time[in->n - 1], last, sizeof last));
+    if (s != NULL) {
+        cli_row("  of which", "%zu missing, %zu duplicates dropped, %zu out of order", s->missing,
+                s->duplicates, s->disordered);
+    }
+    cli_row("  intervals", "%s (median), longest %s, %zu gaps",
+            cli_quantity(m->interval, "s", length, sizeof length),
+            cli_quantity(m->longest_gap, "s", longest, sizeof longest), m->gaps);
+    cli_row("  cleaned", "%zu outliers dropped, %zu resets of the sensor taken out", m->outliers,
+            m->resets);
+    if (isfinite(m->noise)) {
+        cli_row_quantity("  noise", m->noise, "m");
+    }
+    cli_row("issued", "%s", when(r, r->outlook->issue_time, first, sizeof first));
+    if (r->outlook->accelerating) {
+        cli_row("fitted since", "%s", when(r, r->outlook->window_start, first, sizeof first));
+    }
+}
+
+static void print_forecast(const cli_precursors_result *r, const lac_forecast *f)
+{
+    char time[40], low[40], high[40], range[90], rms[32];
+    (void)snprintf(rms, sizeof rms, "%.3g %s", f->fit.rms,
+                   f->fit.rms_unit != NULL ? f->fit.rms_unit : "");
+    if (f->fit.rms_unit == NULL) {
+        (void)snprintf(rms, sizeof rms, "-");
+    }
+    if (!f->issued) {
+        printf("  %-12s %-17s not issued: %s\n", f->kind->about.name,
+               when(r, f->time, time, sizeof time), f->fit.reason);
+        return;
+    }
+    (void)snprintf(range, sizeof range, "%s to %s", when(r, f->low50, low, sizeof low),
+                   when(r, f->high50, high, sizeof high));
+    printf("  %-12s %-17s %-36s ", f->kind->about.name, when(r, f->time, time, sizeof time), range);
+    (void)snprintf(range, sizeof range, "%s to %s", when(r, f->low90, low, sizeof low),
+                   when(r, f->high90, high, sizeof high));
+    printf("%-36s %s\n", range, rms);
+}
+
+static void print_values(const lac_outlook *o)
+{
+    printf("\n");
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast *f = &o->forecast[k];
+        if (f->fit.count == 0) {
+            continue;
+        }
+        printf("  %-12s", f->kind->about.name);
+        for (size_t i = 0; i < f->fit.count; i++) {
+            printf(" %s %.4g", f->fit.value[i].key, f->fit.value[i].value);
+        }
+        printf(", %zu points, misfit %.2g, error %.2g\n", f->fit.points, f->fit.misfit,
+               f->fit.error);
+    }
+}
+
+// What is computed, and what to cite.
+static void print_methods(const lac_outlook *o)
+{
+    char text[600];
+    printf("\n");
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast_kind *kind = o->forecast[k].kind;
+        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->about.name, kind->estimator,
+                       kind->about.reference);
+        cli_wrap("  ", text);
+    }
+}
+
+// Days left by each method at each issue time; "." where none was issued.
+static void print_lives(const cli_precursors_result *r)
+{
+    const lac_rolling *roll = r->rolling;
+    char text[40];
+    printf("\n  life expectancy (days) %s", isfinite(r->watched->failed_at) ? "     true" : "");
+    for (size_t k = 0; k < roll->methods; k++) {
+        printf(" %11s", lac_forecast_kind_at(k)->about.name);
+    }
+    printf("\n");
+    for (size_t i = 0; i < roll->issues; i++) {
+        const double now = roll->issue_time[i];
+        bool any = false;
+        for (size_t k = 0; k + 1 < roll->methods; k++) {
+            any = any || roll->forecast[i * roll->methods + k].issued;
+        }
+        if (!any) {
+            continue;
+        }
+        printf("  %-22s", when(r, now, text, sizeof text));
+        if (isfinite(r->watched->failed_at)) {
+            printf(" %9.3g", (r->watched->failed_at - now) / day);
+        }
+        for (size_t k = 0; k < roll->methods; k++) {
+            const lac_forecast *f = &roll->forecast[i * roll->methods + k];
+            if (f->issued) {
+                printf(" %11.3g", (f->time - now) / day);
+            } else {
+                printf(" %11s", ".");
+            }
+        }
+        printf("\n");
+    }
+}
+
+static const char *share(size_t part, size_t all, char *text, size_t size)
+{
+    if (all == 0) {
+        return "-";
+    }
+    (void)snprintf(text, size, "%.0f %%", 100.0 * (double)part / (double)all);
+    return text;
+}
+
+static const char *number(double value, char *text, size_t size)
+{
+    (void)snprintf(text, size, isnan(value) ? "-" : "%.3g", value);
+    return text;
+}
+
+static void print_skill(const cli_precursors_result *r)
+{
+    char a[16], b[16], c[16], d[16], e[16], horizon[32];
+    printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued", "error (day)",
+           "in 50 %", "in 90 %", "CRPS (day)", "baseline", "alarms: hits, false, missed");
+    for (size_t k = 0; k < r->rolling->methods; k++) {
+        const lac_skill *s = &r->skill[k];
+        printf("  %-12s %3zu/%-3zu %12s %10s %10s %10s %10s   %zu: %zu, %zu, %zu\n",
+               s->kind->about.name, s->issued, s->asked, number(s->error / day, a, sizeof a),
+               share(s->inside50, isnan(s->crps) ? 0 : s->issued, b, sizeof b),
+               share(s->inside90, isnan(s->crps) ? 0 : s->issued, c, sizeof c),
+               number(s->crps / day, d, sizeof d), number(s->persistence_crps / day, e, sizeof e),
+               s->alarms, s->hits, s->false_alarms, s->misses);
+    }
+    printf("  An alarm: failure within %s with a chance of three in four.\n",
+           cli_quantity(r->plan->horizon, "s", horizon, sizeof horizon));
+}
+
+void cli_precursors_print(const cli_precursors_result *r, bool verbose)
+{
+    print_input(r);
+    if (r->outlook->accelerating) {
+        printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
+               "90 % interval", "rms");
+    } else {
+        cli_row("no forecast", "%s", r->outlook->forecast[0].fit.reason);
+    }
+    for (size_t k = 0; r->outlook->accelerating && k < r->outlook->count; k++) {
+        print_forecast(r, &r->outlook->forecast[k]);
+    }
+    if (verbose) {
+        print_values(r->outlook);
+        print_methods(r->outlook);
+    }
+    cli_indicators_print(r->indicators);
+    if (r->rolling != NULL) {
+        print_lives(r);
+    }
+    if (r->skill != NULL) {
+        print_skill(r);
+    }
+    if (r->output != NULL) {
+        printf("\n");
+        cli_row("file", "%s", r->output);
+    }
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/series.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+
+// Splits "column:unit" at its last colon, in a copy.
+static lac_status split(const char *option, const char *text, char **column, const char **unit,
+                        lac_error *err)
+{
+    *column = NULL;
+    *unit = NULL;
+    if (text == NULL) {
+        return LAC_OK;
+    }
+    const char *colon = strrchr(text, ':');
+    if (colon == text || (colon != NULL && colon[1] == '\0')) {
+        return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be COLUMN:UNIT, such as \"disp_mm:mm\"",
+                        option, text);
+    }
+    *column = strdup(text);
+    if (*column == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (colon != NULL) {
+        (*column)[colon - text] = '\0';
+        *unit = colon + 1;
+    }
+    return LAC_OK;
+}
+
+lac_status cli_series_read(const cli_request *request, const char *path, const lac_units *units,
+                           lac_series **out, lac_error *err)
+{
+    const cli_series_words *words = &request->series;
+    char *displacement = NULL;
+    char *velocity = NULL;
+    char *sigma = NULL;
+    lac_series_def def = {.path = path, .time = words->time, .time_format = words->time_format};
+    lac_status status;
+    *out = NULL;
+    if (words->displacement == NULL && words->velocity == NULL) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: which column is what? --displacement COLUMN:UNIT and/or --velocity "
+                        "COLUMN:UNIT",
+                        path);
+    }
+    if (words->sigma != NULL && words->displacement == NULL) {
+        return lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too");
+    }
+    LAC_TRY(split("displacement", words->displacement, &displacement, &def.displacement_unit, err));
+    LAC_TRY(split("velocity", words->velocity, &velocity, &def.velocity_unit, err));
+    LAC_TRY(split("sigma", words->sigma, &sigma, &def.sigma_unit, err));
+    def.displacement = displacement;
+    def.velocity = velocity;
+    def.sigma = sigma;
+    LAC_TRY(lac_series_read(&def, units, out, err));
+out:
+    free(displacement);
+    free(velocity);
+    free(sigma);
+    return status;
+}
+
+lac_status cli_series_time(const char *option, const char *text, bool dated, const lac_units *units,
+                           double *time, lac_error *err)
+{
+    if (dated) {
+        return lac_date_parse(text, time)
+                   ? LAC_OK
+                   : lac_fail(err, LAC_EINPUT,
+                              "--%s: \"%s\" must be a date like 2015-07-02 or 2015-07-02T10:07Z, "
+                              "for the file has dates",
+                              option, text);
+    }
+    lac_status status = lac_units_parse(units, text, "s", time, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "--%s: \"%s\"", option, text);
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/internal.h"
+
+static bool begins(const char *key, const char *part)
+{
+    return strncmp(key, part, strlen(part)) == 0;
+}
+
+// Whether a parameter changes only what is cheap to make again.
+static void sort_parameters(lac_fit *fit)
+{
+    for (size_t k = 0; k < fit->def->count; k++) {
+        const char *key = fit->def->parameter[k].key;
+        bool loads = begins(key, "load.shear") || begins(key, "load.pore_pressure");
+        bool motion = begins(key, "friction.") || begins(key, "initial.");
+        fit->moves_loads = fit->moves_loads || loads;
+        fit->moves_all = fit->moves_all || (!loads && !motion);
+    }
+}
+
+// Ranges and starting values of the parameters' coordinates.
+static lac_status set_parameters(lac_fit *fit, lac_case *c, lac_error *err)
+{
+    for (size_t k = 0; k < fit->def->count; k++) {
+        const lac_fit_parameter *p = &fit->def->parameter[k];
+        lac_case_value value;
+        if (!lac_case_find(c, p->key, &value)) {
+            return lac_fail(err, LAC_EINPUT, "fit.parameters.%s: is not in the case", p->key);
+        }
+        fit->low[k] = p->log ? log(p->low) : p->low;
+        fit->high[k] = p->log ? log(p->high) : p->high;
+        fit->best[k] = p->log ? log(*value.at) : *value.at;
+    }
+    fit->unknowns = fit->def->count;
+    return LAC_OK;
+}
+
+static int add_unknown(lac_fit *fit, double low, double high)
+{
+    size_t k = fit->unknowns++;
+    fit->low[k] = log(low);
+    fit->high[k] = log(high);
+    fit->best[k] = 0.5 * (fit->low[k] + fit->high[k]);
+    return (int)k;
+}
+
+// Errors that are unknown: flat in their logarithm, from far below what the data span to ten times
+// that.
+static void set_errors(lac_fit *fit)
+{
+    const lac_fit_data *data = &fit->data;
+    double low = INFINITY;
+    double high = -INFINITY;
+    fit->unknown_displacement = fit->unknown_velocity = fit->unknown_time = -1;
+    for (size_t i = 0; i < data->n; i++) {
+        low = fmin(low, data->displacement[i]);
+        high = fmax(high, data->displacement[i]);
+    }
+    double span = fit->def->sigma != NULL ? 10.0 : high > low ? high - low : 1e-3;
+    if (data->displacements > 0 && isnan(fit->def->displacement_error)) {
+        fit->unknown_displacement = add_unknown(fit, 1e-5 * span, 10.0 * span);
+    }
+    if (data->velocities > 0 && isnan(fit->def->velocity_error)) {
+        fit->unknown_velocity = add_unknown(fit, 1e-4, 10.0);
+    }
+    if (data->displacements > 1 && fit->def->errors == LAC_ERRORS_AR1) {
+        double length = data->time[data->n - 1] - data->time[0];
+        fit->unknown_time = add_unknown(fit, 0.1 * length / (double)data->n, length);
+    }
+}
+
+static lac_status create_models(lac_fit *fit, int threads, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    fit->threads = threads > 1 ? threads : 1;
+    fit->model = calloc((size_t)fit->threads, sizeof *fit->model);
+    if (fit->model == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (int i = 0; status == LAC_OK && i < fit->threads; i++) {
+        status = lac_fit_model_create(fit, &fit->model[i], err);
+    }
+    return status;
+}
+
+lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threads, lac_fit **out,
+                          lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = NULL;
+    lac_fit *fit = calloc(1, sizeof *fit);
+    if (fit == NULL) {
+        return lac_fail_memory(err);
+    }
+    fit->source = c;
+    fit->def = &c->fit;
+    fit->text = lac_case_text(c);
+    if (fit->text == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    LAC_TRY(lac_fit_data_read(c, series, &fit->data, err));
+    sort_parameters(fit);
+    LAC_TRY(create_models(fit, threads, err));
+    LAC_TRY(set_parameters(fit, fit->model[0].base.c, err));
+    set_errors(fit);
+    *out = fit;
+    fit = NULL;
+out:
+    lac_fit_free(fit);
+    return status;
+}
+
+void lac_fit_free(lac_fit *fit)
+{
+    if (fit == NULL) {
+        return;
+    }
+    for (int i = 0; fit->model != NULL && i < fit->threads; i++) {
+        if (fit->model[i].fit != NULL) {
+            lac_fit_model_clear(&fit->model[i]);
+        }
+    }
+    free(fit->model);
+    lac_fit_data_clear(&fit->data);
+    lac_chain_free(fit->chain);
+    free(fit->kept);
+    free(fit->draws);
+    free(fit->text);
+    free(fit);
+}
+
+// Names and units of the unknowns.
+static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
+{
+    const lac_fit_def *def = fit->def;
+    result->parameters = def->count;
+    result->unknowns = fit->unknowns;
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        lac_fit_unknown *x = &result->unknown[k];
+        const lac_fit_parameter *p = k < def->count ? &def->parameter[k] : NULL;
+        bool displacement = (int)k == fit->unknown_displacement;
+        bool time = (int)k == fit->unknown_time;
+        x->key = p != NULL      ? p->key
+                 : displacement ? "error.displacement"
+                 : time         ? "error.time"
+                                : "error.velocity";
+        x->unit = p != NULL ? p->unit : displacement && def->sigma == NULL ? "m" : time ? "s" : "1";
+        x->log = p == NULL || p->log;
+        x->by = LAC_BY_NOTHING;
+        x->best = x->error = NAN;
+        x->converged = (lac_convergence){NAN, NAN, NAN};
+        for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
+            x->quantile[q] = NAN;
+        }
+    }
+}
+
+static void blank(lac_fit_result *result)
+{
+    *result = (lac_fit_result){0};
+    double *numbers[] = {&result->displacement_rms, &result->log_rate_rms, &result->offset,
+                         &result->autocorrelation,  &result->failure,      &result->failure_error,
+                         &result->log_likelihood,   &result->acceptance,   &result->shape_sigma,
+                         &result->failing,          &result->scatter};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        *numbers[i] = NAN;
+    }
+    for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
+        result->shape.quantile[q] = result->failures.quantile[q] = NAN;
+    }
+}
+
+lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
+                       lac_error *err)
+{
+    static const lac_fit_watch nobody = {0};
+    const lac_fit_watch *by = watch != NULL ? watch : &nobody;
+    const lac_fit_data *data = &fit->data;
+    lac_status status = LAC_OK;
+    blank(result);
+    name_unknowns(fit, result);
+    result->displacements = data->displacements;
+    result->velocities = data->velocities;
+    result->outside = data->outside;
+    result->missing = data->missing;
+    result->not_positive = data->not_positive;
+    LAC_TRY(lac_fit_least_squares(fit, by, result, err));
+    LAC_TRY(lac_fit_judge(fit, result, err));
+    lac_status sampled = fit->def->steps > 0 ? lac_fit_sample(fit, by, result, err) : LAC_OK;
+    bool whole = sampled == LAC_OK || (sampled == LAC_EINTERRUPT && result->sampled);
+    lac_error *late = sampled == LAC_OK ? err : NULL; // the draws up to an interrupt are whole
+    status = sampled;
+    if (whole) {
+        LAC_TRY(lac_fit_identify(fit, result, late));
+        LAC_TRY(lac_fit_predict(fit, by, result, late));
+        status = sampled;
+    }
+out:
+    result->runs = fit->runs;
+    return status;
+}
+
+void lac_fit_apply(const lac_fit_result *result, lac_case *c)
+{
+    for (size_t k = 0; k < result->parameters; k++) {
+        lac_case_value value;
+        if (lac_case_find(c, result->unknown[k].key, &value)) {
+            *value.at = result->unknown[k].best;
+        }
+    }
+}

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FIT_INTERNAL_H
+#define LACUNA_FIT_INTERNAL_H
+
+#include <math.h>
+
+#include "lacuna/fit.h"
+#include "lacuna/sensitivity.h"
+
+// A copy of the case that can take other values, and the scene made of it.
+typedef struct lac_fit_variant {
+    lac_case *c;
+    double *at[LAC_MOST_FITTED]; // where its parameters are
+    lac_scene *scene;            // NULL: not made, or its values make none
+} lac_fit_variant;
+
+// What one thread needs to run the case with other values.
+typedef struct lac_fit_model {
+    const struct lac_fit *fit;
+    lac_load_files *files;
+    lac_fit_variant base;
+    lac_fit_variant *nudged; // [2 parameters] a little less, a little more of each; NULL: not made
+    double rtol;             // of its runs
+    double *scratch;         // [5 readings] of the likelihood
+} lac_fit_model;
+
+// The readings on the clock of the run, rising.
+typedef struct lac_fit_data {
+    size_t n;
+    double *time;         // [n] since the start [s]
+    double *displacement; // [n] [m]; NaN
+    double *log_rate;     // [n] of m/s; NaN
+    double *sigma;        // [n] what a displacement's error counts in [m]: 1 without a column
+    size_t displacements, velocities, outside, missing, not_positive;
+} lac_fit_data;
+
+// Errors of the data. Each is fixed by the case, or one of the unknowns.
+typedef struct lac_fit_errors_at {
+    double displacement; // of a displacement, or factor on its sigma
+    double velocity;     // of ln v
+    double time;         // over which errors of displacements are correlated [s]; 0: not
+} lac_fit_errors_at;
+
+// What the model says at the readings, and its derivatives by the coordinates.
+typedef struct lac_fit_seen {
+    double *slip, *log_rate;       // [n]
+    double *slip_by, *log_rate_by; // [n][parameters]; NULL: not wanted
+    double failure_by[LAC_MOST_FITTED];
+    bool failed;
+    double failure_time;
+} lac_fit_seen;
+
+// What the readings' errors come to.
+typedef struct lac_fit_misfit {
+    double log_likelihood;
+    double offset; // best zero of the displacements [m]
+} lac_fit_misfit;
+
+struct lac_fit {
+    const lac_case *source;
+    const lac_fit_def *def;
+    char *text; // of the case, from which copies are read
+    lac_fit_data data;
+    bool moves_loads, moves_all; // parameters of loads, of what the contact is made of
+    int threads;
+    lac_fit_model *model; // [threads]
+    size_t unknowns;
+    int unknown_displacement, unknown_velocity, unknown_time; // index among the unknowns; -1: fixed
+    double low[LAC_FIT_UNKNOWNS], high[LAC_FIT_UNKNOWNS];     // coordinates; infinite: no bound
+    double best[LAC_FIT_UNKNOWNS];                            // coordinates
+    double covariance[LAC_MOST_FITTED][LAC_MOST_FITTED];      // of the least squares
+    int by[LAC_MOST_FITTED];
+    int64_t runs;
+    lac_chain *chain;
+    double *kept; // arrays of the result
+    double *draws;
+};
+
+// data.c
+lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fit_data *out,
+                             lac_error *err);
+void lac_fit_data_clear(lac_fit_data *data);
+
+// model.c: a case with other values, run.
+lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_error *err);
+void lac_fit_model_clear(lac_fit_model *model);
+
+// Runs the case at coordinates u up to `end` and looks at given times.
+// @return LAC_OK (also where it fails on the way: out->reached tells); what a scene or a run
+// returns
+lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
+                             const double *time, lac_follow *out, lac_error *err);
+
+// Whether its runs are as exact as derivatives need them, or as exact as readings do.
+void lac_fit_model_tighten(lac_fit_model *model, bool exact);
+
+// The readings with derivatives by every coordinate. @param by  [parameters] set: how
+// @return LAC_OK; LAC_ENUMERIC where the run fails before the last reading; as above
+lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_fit_seen *out,
+                                       int *by, lac_error *err);
+
+// The time of failure, to time.end, with derivatives; NaN by parameters that the run cannot be
+// differentiated by. @param out  failure_by is [parameters]
+lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_follow *out,
+                                 lac_error *err);
+
+// Puts values at coordinates u into a case.
+void lac_fit_put(const lac_fit_def *def, const double *u, double *const *at);
+
+// likelihood.c
+// Whitened residuals of the displacements and of what an offset would add, and ln of the
+// determinant of their covariance.
+double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors, const double *r,
+                      double *white);
+
+// ln of the likelihood, the offset integrated out. @param scratch  [3 n]
+lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *errors,
+                                  const double *slip, const double *log_rate, double *scratch);
+
+// Errors at the unknowns x.
+lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x);
+
+// ln of the prior, up to a constant; -INFINITY outside the ranges.
+double lac_fit_log_prior(const lac_fit *fit, const double *x);
+
+// least_squares.c: starts, then the trust region from the best of them; sets fit->best and
+// fit->covariance.
+lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
+                                 lac_error *err);
+
+// A draw from the prior; `which` tells one from another. @param x  [unknowns]
+void lac_fit_draw_prior(const lac_fit *fit, uint64_t which, double *x);
+
+// judge.c: residuals and time of failure of the best fit.
+lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err);
+
+// identify.c: correlations, principal axes and the shape of one block.
+lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err);
+
+// posterior.c: the sampler, its quantiles and what follows from the draws.
+lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
+                          lac_error *err);
+
+// predict.c
+lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
+                           lac_error *err);
+
+// The value of a coordinate.
+static inline double lac_fit_value(bool log_scale, double u) { return log_scale ? exp(u) : u; }
+
+// Quantiles of the result, of n numbers, which are sorted; INFINITY counts as a number.
+void lac_fit_quantiles(size_t n, double *x, double quantile[LAC_FIT_QUANTILES]);
+
+#endif

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How good the best fit is.
+#include <math.h>
+#include <stdlib.h>
+
+#include "fit/internal.h"
+
+// Correlation of successive residuals.
+static double find_memory(const lac_fit_data *data, const double *r)
+{
+    double squares = 0.0;
+    double products = 0.0;
+    double before = NAN;
+    for (size_t i = 0; i < data->n; i++) {
+        if (isnan(data->displacement[i])) {
+            continue;
+        }
+        double z = r[i] / data->sigma[i];
+        squares += z * z;
+        products += isnan(before) ? 0.0 : before * z;
+        before = z;
+    }
+    return squares > 0.0 ? products / squares : 0.0;
+}
+
+// What the readings scatter by themselves: each against the straight line between its neighbours.
+static double find_scatter(const lac_fit_data *data)
+{
+    size_t at[2] = {0, 0}; // the last two displacements
+    size_t seen = 0;
+    double sum = 0.0;
+    for (size_t i = 0; i < data->n; i++) {
+        if (isnan(data->displacement[i])) {
+            continue;
+        }
+        if (seen >= 2) {
+            double share =
+                (data->time[at[1]] - data->time[at[0]]) / (data->time[i] - data->time[at[0]]);
+            double off = data->displacement[at[1]] - (1.0 - share) * data->displacement[at[0]] -
+                         share * data->displacement[i];
+            sum += off * off / (1.0 + share * share + (1.0 - share) * (1.0 - share));
+        }
+        at[0] = at[1];
+        at[1] = i;
+        seen++;
+    }
+    return seen > 2 ? sqrt(sum / (double)(seen - 2)) : NAN;
+}
+
+// White errors are so related, or so much larger than the readings' own scatter, in one of a
+// hundred series.
+static void judge_residuals(const lac_fit_data *data, const double *r, lac_fit_result *result)
+{
+    double spread = 2.33 / sqrt((double)data->displacements);
+    result->autocorrelation = find_memory(data, r);
+    result->scatter = find_scatter(data);
+    double ratio = result->displacement_rms / result->scatter;
+    result->poor = result->autocorrelation > spread || ratio * ratio > 1.0 + 2.0 * spread;
+}
+
+static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result *result)
+{
+    const lac_fit_data *data = &fit->data;
+    double squares = 0.0;
+    double log_squares = 0.0;
+    lac_fit_errors_at errors = lac_fit_errors_of(fit, fit->best);
+    errors.time = 0.0;
+    lac_fit_misfit misfit =
+        lac_fit_likelihood(fit, &errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
+    result->log_likelihood = misfit.log_likelihood;
+    result->offset = misfit.offset;
+    for (size_t i = 0; i < data->n; i++) {
+        double by = data->log_rate[i] - log_rate[i];
+        slip[i] = data->displacement[i] - slip[i] - misfit.offset;
+        squares += isnan(slip[i]) ? 0.0 : slip[i] * slip[i];
+        log_squares += isnan(by) ? 0.0 : by * by;
+    }
+    if (data->displacements > 0) {
+        result->displacement_rms = sqrt(squares / (double)data->displacements);
+        judge_residuals(data, slip, result);
+    }
+    if (data->velocities > 0) {
+        result->log_rate_rms = sqrt(log_squares / (double)data->velocities);
+    }
+}
+
+// When the best fit fails, and how far that is known from the least squares alone.
+static lac_status find_failure(lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    double by[LAC_MOST_FITTED];
+    double variance = 0.0;
+    lac_follow seen = {.failure_by = by};
+    lac_status status = lac_fit_model_failure(&fit->model[0], fit->best, &seen, err);
+    fit->runs++;
+    result->failure = status == LAC_OK && seen.failed ? seen.failure_time : NAN;
+    if (isnan(result->failure)) {
+        return status == LAC_ENUMERIC ? LAC_OK : status; // beyond the readings nothing is owed
+    }
+    for (size_t k = 0; k < fit->def->count; k++) {
+        for (size_t l = 0; l < fit->def->count; l++) {
+            variance += by[k] * fit->covariance[k][l] * by[l];
+        }
+    }
+    result->failure_error = sqrt(variance);
+    return LAC_OK;
+}
+
+lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    const lac_fit_data *data = &fit->data;
+    double *slip = fit->model[0].scratch;
+    double *log_rate = slip + data->n;
+    lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    // As exact as it was found: it may fail close behind the last reading.
+    lac_fit_model_tighten(&fit->model[0], true);
+    lac_status status = lac_fit_model_run(&fit->model[0], fit->best, data->time[data->n - 1],
+                                          data->n, data->time, &seen, err);
+    lac_fit_model_tighten(&fit->model[0], false);
+    if (status == LAC_OK && seen.reached < data->n) {
+        status = lac_fail(err, LAC_ENUMERIC, "the best fit fails before the last reading");
+    }
+    if (status != LAC_OK) {
+        return status;
+    }
+    measure(fit, slip, log_rate, result);
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        lac_fit_unknown *x = &result->unknown[k];
+        bool parameter = k < fit->def->count;
+        x->best = lac_fit_value(x->log, fit->best[k]);
+        x->by = parameter ? fit->by[k] : LAC_BY_NOTHING;
+        x->error = parameter ? sqrt(fit->covariance[k][k]) : NAN;
+    }
+    return find_failure(fit, result, err);
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the readings say of the unknowns; docs/theory/fitting.md eqs 3 to 5.
+#include <math.h>
+
+#include "fit/internal.h"
+
+static const double log_two_pi = 1.8378770664093454836;
+
+lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x)
+{
+    const lac_fit_def *def = fit->def;
+    return (lac_fit_errors_at){
+        .displacement = fit->unknown_displacement < 0 ? def->displacement_error
+                                                      : exp(x[fit->unknown_displacement]),
+        .velocity = fit->unknown_velocity < 0 ? def->velocity_error : exp(x[fit->unknown_velocity]),
+        .time = fit->unknown_time < 0 ? 0.0 : exp(x[fit->unknown_time]),
+    };
+}
+
+double lac_fit_log_prior(const lac_fit *fit, const double *x)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        if (!(x[k] >= fit->low[k] && x[k] <= fit->high[k])) {
+            return -INFINITY;
+        }
+    }
+    for (size_t k = 0; k < fit->def->count; k++) {
+        const lac_fit_parameter *p = &fit->def->parameter[k];
+        if (p->prior == LAC_PRIOR_NORMAL) {
+            double z = (x[k] - (p->log ? log(p->centre) : p->centre)) / p->sigma;
+            sum -= 0.5 * z * z;
+        }
+    }
+    return sum;
+}
+
+// An Ornstein-Uhlenbeck process seen at uneven times: z_k = rho z_(k-1) + sqrt(1 - rho^2) w_k,
+// rho = exp(-(t_k - t_(k-1))/tau), w white.
+double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors, const double *r,
+                      double *white)
+{
+    double log_det = 0.0;
+    double before = 0.0;
+    double last = -INFINITY;
+    for (size_t i = 0; i < data->n; i++) {
+        if (isnan(data->displacement[i])) {
+            white[i] = 0.0;
+            continue;
+        }
+        double s = errors->displacement * data->sigma[i];
+        double z = r[i] / s;
+        double rho = errors->time > 0.0 ? exp(-(data->time[i] - last) / errors->time) : 0.0;
+        double rest = 1.0 - rho * rho;
+        white[i] = (z - rho * before) / sqrt(rest);
+        log_det += 2.0 * log(s) + log(rest);
+        before = z;
+        last = data->time[i];
+    }
+    return log_det;
+}
+
+// Displacements: r^T C^-1 r after the best offset, which is integrated over.
+static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at *errors,
+                                    const double *slip, double *scratch)
+{
+    const lac_fit_data *data = &fit->data;
+    size_t n = data->n;
+    double *r = scratch;
+    double *w = scratch + n;
+    double *e = scratch + 2 * n;
+    for (size_t i = 0; i < n; i++) {
+        r[i] = data->displacement[i] - slip[i];
+    }
+    double log_det = lac_fit_whiten(data, errors, r, w);
+    lac_fit_misfit out = {.log_likelihood =
+                              -0.5 * (log_det + (double)data->displacements * log_two_pi)};
+    if (fit->def->offset) {
+        double ew = 0.0;
+        double ee = 0.0;
+        for (size_t i = 0; i < n; i++) {
+            r[i] = 1.0;
+        }
+        (void)lac_fit_whiten(data, errors, r, e);
+        for (size_t i = 0; i < n; i++) {
+            ew += e[i] * w[i];
+            ee += e[i] * e[i];
+        }
+        out.offset = ew / ee;
+        for (size_t i = 0; i < n; i++) {
+            w[i] -= out.offset * e[i];
+        }
+        out.log_likelihood += 0.5 * (log_two_pi - log(ee));
+    }
+    for (size_t i = 0; i < n; i++) {
+        out.log_likelihood -= 0.5 * w[i] * w[i];
+    }
+    return out;
+}
+
+lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *errors,
+                                  const double *slip, const double *log_rate, double *scratch)
+{
+    const lac_fit_data *data = &fit->data;
+    lac_fit_misfit out = {0};
+    if (data->displacements > 0) {
+        out = displacements(fit, errors, slip, scratch);
+    }
+    for (size_t i = 0; i < data->n && data->velocities > 0; i++) {
+        if (!isnan(data->log_rate[i])) {
+            double z = (data->log_rate[i] - log_rate[i]) / errors->velocity;
+            out.log_likelihood -= 0.5 * (z * z + log_two_pi) + log(errors->velocity);
+        }
+    }
+    return out;
+}
+
+double lac_fit_log_posterior(lac_fit *fit, int thread, const double *x)
+{
+    lac_fit_model *model = &fit->model[thread];
+    const lac_fit_data *data = &fit->data;
+    double prior = lac_fit_log_prior(fit, x);
+    if (!isfinite(prior)) {
+        return -INFINITY;
+    }
+    double *slip = model->scratch;
+    double *log_rate = slip + data->n;
+    lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    lac_status status =
+        lac_fit_model_run(model, x, data->time[data->n - 1], data->n, data->time, &seen, NULL);
+    if (status != LAC_OK || seen.reached < data->n) {
+        return -INFINITY;
+    }
+    lac_fit_errors_at errors = lac_fit_errors_of(fit, x);
+    lac_fit_misfit misfit = lac_fit_likelihood(fit, &errors, slip, log_rate, slip + 2 * data->n);
+    return prior + misfit.log_likelihood;
+}

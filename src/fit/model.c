@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A case with other values, run: with derivatives by CVODES' sensitivities, or by differences of
+// runs where a parameter changes the cells or when the loads break.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/internal.h"
+
+enum { MOST_STEPS = 200000, MOST_BREAKS = 100000 };
+
+// Of derivatives, and of everything else: what a run's error moves the slip by is far below what is
+// read.
+static const double tight = 1e-8;
+static const double loose = 1e-6;
+
+// Half differences of a coordinate: between nudged problems, and between runs, whose own errors
+// are larger.
+static const double small = 1e-5;
+static const double large = 1e-3;
+
+static void variant_clear(lac_fit_variant *v)
+{
+    lac_scene_free(v->scene);
+    lac_case_free(v->c);
+    *v = (lac_fit_variant){0};
+}
+
+static lac_status variant_create(const lac_fit *fit, lac_fit_variant *v, lac_error *err)
+{
+    lac_case_report report;
+    *v = (lac_fit_variant){0};
+    lac_status status = lac_case_read_text(fit->source->path, fit->text, strlen(fit->text), NULL,
+                                           &v->c, &report, err);
+    lac_case_report_clear(&report);
+    for (size_t k = 0; status == LAC_OK && k < fit->def->count; k++) {
+        lac_case_value value;
+        if (!lac_case_find(v->c, fit->def->parameter[k].key, &value)) {
+            return lac_fail(err, LAC_EINPUT, "fit.parameters.%s: is not in the resolved case",
+                            fit->def->parameter[k].key);
+        }
+        v->at[k] = value.at;
+    }
+    return status;
+}
+
+lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_error *err)
+{
+    *model = (lac_fit_model){.fit = fit, .rtol = loose};
+    model->scratch = malloc(5 * (fit->data.n + 1) * sizeof *model->scratch);
+    if (model->scratch == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_load_files_create(&model->files, err);
+    return status == LAC_OK ? variant_create(fit, &model->base, err) : status;
+}
+
+void lac_fit_model_tighten(lac_fit_model *model, bool exact)
+{
+    model->rtol = exact ? tight : loose;
+}
+
+void lac_fit_model_clear(lac_fit_model *model)
+{
+    variant_clear(&model->base);
+    for (size_t i = 0; model->nudged != NULL && i < 2 * model->fit->def->count; i++) {
+        variant_clear(&model->nudged[i]);
+    }
+    free(model->nudged);
+    lac_load_files_free(model->files);
+    free(model->scratch);
+    *model = (lac_fit_model){0};
+}
+
+void lac_fit_put(const lac_fit_def *def, const double *u, double *const *at)
+{
+    for (size_t k = 0; k < def->count; k++) {
+        *at[k] = lac_fit_value(def->parameter[k].log, u[k]);
+    }
+}
+
+// Brings the scene of a variant to coordinates u.
+static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *u, lac_error *err)
+{
+    const lac_fit *fit = model->fit;
+    lac_fit_put(fit->def, u, v->at);
+    const char *fault = lac_case_fault(v->c);
+    if (fault != NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s", fault);
+    }
+    if (v->scene != NULL && fit->moves_all) {
+        lac_scene_free(v->scene);
+        v->scene = NULL;
+    }
+    if (v->scene == NULL) {
+        return lac_scene_create_with(v->c, model->files, &v->scene, err);
+    }
+    lac_status status = lac_scene_renew(v->scene, model->files, fit->moves_loads, err);
+    if (status != LAC_OK) {
+        lac_scene_free(v->scene);
+        v->scene = NULL;
+    }
+    return status;
+}
+
+static lac_follow_def follow_of(const lac_fit_model *model, double end, size_t n,
+                                const double *time)
+{
+    return (lac_follow_def){.problem = model->base.scene->problem,
+                            .rtol = fmin(model->rtol, model->fit->source->run.rtol),
+                            .end = end,
+                            .failure_rate = model->fit->source->run.failure_rate,
+                            .max_steps = MOST_STEPS,
+                            .n = n,
+                            .time = time};
+}
+
+lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
+                             const double *time, lac_follow *out, lac_error *err)
+{
+    lac_status status = bring(model, &model->base, u, err);
+    if (status != LAC_OK) {
+        out->reached = 0;
+        out->failed = false;
+        return status;
+    }
+    // A run of no length has nothing to integrate.
+    lac_follow_def def = follow_of(model, end > 0.0 ? end : 1e-9, n, time);
+    return lac_follow_run(&def, out, err);
+}
+
+static lac_status make_nudged(lac_fit_model *model, lac_error *err)
+{
+    size_t count = 2 * model->fit->def->count;
+    lac_status status = LAC_OK;
+    if (model->nudged != NULL) {
+        return LAC_OK;
+    }
+    model->nudged = calloc(count, sizeof *model->nudged);
+    if (model->nudged == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; status == LAC_OK && i < count; i++) {
+        status = variant_create(model->fit, &model->nudged[i], err);
+    }
+    return status;
+}
+
+// What a coordinate counts in: an e-fold, or a part of its range or value.
+static double unit_of(const lac_fit *fit, size_t k, double u)
+{
+    const lac_fit_parameter *p = &fit->def->parameter[k];
+    bool bounded = isfinite(p->low) && isfinite(p->high);
+    return p->log ? 1.0 : bounded ? 0.1 * (p->high - p->low) : fmax(fabs(u), 1e-3 * p->sigma);
+}
+
+// Whether the loads of two problems break at the same times.
+static bool breaks_agree(const lac_problem *a, const lac_problem *b, double end)
+{
+    double t = 0.0;
+    for (size_t i = 0; i < MOST_BREAKS; i++) {
+        double next = lac_problem_next_break(a, t);
+        if (lac_problem_next_break(b, t) != next) {
+            return false;
+        }
+        if (!(next < end)) {
+            return true;
+        }
+        t = next;
+    }
+    return false;
+}
+
+static bool comparable(const lac_fit_model *model, const lac_nudge *nudge, double end)
+{
+    const lac_problem *base = model->base.scene->problem;
+    return lac_problem_cells(nudge->low) == lac_problem_cells(base) &&
+           lac_problem_cells(nudge->high) == lac_problem_cells(base) &&
+           breaks_agree(base, nudge->low, end) && breaks_agree(base, nudge->high, end);
+}
+
+// Which parameters the run can be differentiated by, with the problems for it.
+static lac_status nudge_all(lac_fit_model *model, const double *u, double end, lac_nudge *nudge,
+                            int *by, lac_error *err)
+{
+    size_t count = model->fit->def->count;
+    double moved[LAC_MOST_FITTED];
+    lac_status status = LAC_OK;
+    LAC_TRY(make_nudged(model, err));
+    for (size_t k = 0; k < count; k++) {
+        double step = small * unit_of(model->fit, k, u[k]);
+        memcpy(moved, u, count * sizeof *moved);
+        moved[k] = u[k] - step;
+        LAC_TRY(bring(model, &model->nudged[2 * k], moved, err));
+        moved[k] = u[k] + step;
+        LAC_TRY(bring(model, &model->nudged[2 * k + 1], moved, err));
+        nudge[k] = (lac_nudge){.low = model->nudged[2 * k].scene->problem,
+                               .high = model->nudged[2 * k + 1].scene->problem,
+                               .step = step};
+        by[k] = comparable(model, &nudge[k], end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+    }
+out:
+    return status;
+}
+
+lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_follow *out,
+                                 lac_error *err)
+{
+    lac_nudge nudge[LAC_MOST_FITTED];
+    int by[LAC_MOST_FITTED];
+    size_t count = model->fit->def->count;
+    double end = model->fit->source->run.end;
+    size_t sensitive = 0;
+    lac_status status = LAC_OK;
+    LAC_TRY(bring(model, &model->base, u, err));
+    LAC_TRY(nudge_all(model, u, end, nudge, by, err));
+    for (size_t k = 0; k < count; k++) {
+        if (by[k] == LAC_BY_SENSITIVITY) {
+            nudge[sensitive++] = nudge[k];
+        }
+    }
+    lac_follow_def def = follow_of(model, end, 0, NULL);
+    def.rtol = fmin(tight, def.rtol);
+    def.nudges = sensitive;
+    def.nudge = nudge;
+    LAC_TRY(lac_follow_run(&def, out, err));
+    for (size_t k = count, from = sensitive; k-- > 0;) {
+        out->failure_by[k] = by[k] == LAC_BY_SENSITIVITY ? out->failure_by[--from] : NAN;
+    }
+out:
+    return status;
+}
+
+// One column of the derivatives by two runs.
+static lac_status difference(lac_fit_model *model, const double *u, size_t k, lac_fit_seen *out,
+                             lac_error *err)
+{
+    const lac_fit_data *data = &model->fit->data;
+    size_t count = model->fit->def->count;
+    double moved[LAC_MOST_FITTED];
+    double step = large * unit_of(model->fit, k, u[k]);
+    lac_status status = LAC_OK;
+    const double before = model->rtol;
+    model->rtol = tight;
+    lac_follow seen = {.slip = model->scratch, .log_rate = model->scratch + data->n};
+    for (int side = -1; side <= 1; side += 2) {
+        memcpy(moved, u, count * sizeof *moved);
+        moved[k] += side * step;
+        LAC_TRY(lac_fit_model_run(model, moved, data->time[data->n - 1], data->n, data->time, &seen,
+                                  err));
+        if (seen.reached < data->n) {
+            LAC_TRY(lac_fail(err, LAC_ENUMERIC, "fails before the last reading"));
+        }
+        for (size_t i = 0; i < data->n; i++) {
+            size_t at = i * count + k;
+            double share = side / (2.0 * step);
+            out->slip_by[at] = (side < 0 ? 0.0 : out->slip_by[at]) + share * seen.slip[i];
+            out->log_rate_by[at] =
+                (side < 0 ? 0.0 : out->log_rate_by[at]) + share * seen.log_rate[i];
+        }
+    }
+    out->failure_by[k] = NAN;
+out:
+    model->rtol = before;
+    return status;
+}
+
+// Puts the columns of the sensitivities where they belong among all.
+static void spread_columns(size_t n, size_t count, size_t sensitive, const int *by, double *x)
+{
+    for (size_t row = n; row-- > 0;) {
+        size_t from = sensitive;
+        for (size_t k = count; k-- > 0;) {
+            bool has = by[k] == LAC_BY_SENSITIVITY;
+            x[row * count + k] = has ? x[row * sensitive + --from] : 0.0;
+        }
+    }
+}
+
+lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_fit_seen *out,
+                                       int *by, lac_error *err)
+{
+    const lac_fit_data *data = &model->fit->data;
+    size_t count = model->fit->def->count;
+    double end = data->time[data->n - 1];
+    lac_nudge nudge[LAC_MOST_FITTED];
+    size_t sensitive = 0;
+    lac_status status = LAC_OK;
+    lac_follow seen = {.slip = out->slip,
+                       .log_rate = out->log_rate,
+                       .slip_by = out->slip_by,
+                       .log_rate_by = out->log_rate_by,
+                       .failure_by = out->failure_by};
+    LAC_TRY(bring(model, &model->base, u, err));
+    LAC_TRY(nudge_all(model, u, end, nudge, by, err));
+    for (size_t k = 0; k < count; k++) {
+        if (by[k] == LAC_BY_SENSITIVITY) {
+            nudge[sensitive++] = nudge[k];
+        }
+    }
+    lac_follow_def def = follow_of(model, end > 0.0 ? end : 1e-9, data->n, data->time);
+    def.rtol = fmin(tight, def.rtol);
+    def.nudges = sensitive;
+    def.nudge = nudge;
+    LAC_TRY(lac_follow_run(&def, &seen, err));
+    if (seen.reached < data->n) {
+        return lac_fail(err, LAC_ENUMERIC, "fails before the last reading");
+    }
+    spread_columns(data->n, count, sensitive, by, out->slip_by);
+    spread_columns(data->n, count, sensitive, by, out->log_rate_by);
+    for (size_t k = 0; k < count; k++) {
+        if (by[k] == LAC_BY_RUNS) {
+            LAC_TRY(difference(model, u, k, out, err));
+        }
+    }
+out:
+    return status;
+}

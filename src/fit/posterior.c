@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The posterior by the ensemble sampler, begun about the best fit.
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "fit/internal.h"
+
+enum { TRIES = 200 };
+
+void lac_fit_quantiles(size_t n, double *x, double quantile[LAC_FIT_QUANTILES])
+{
+    static const double share[LAC_FIT_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
+    gsl_sort(x, 1, n);
+    for (size_t q = 0; n > 0 && q < LAC_FIT_QUANTILES; q++) {
+        double at = share[q] * (double)(n - 1);
+        size_t below = (size_t)at;
+        size_t above = below + 1 < n ? below + 1 : below;
+        // no number lies between one that is finite and never
+        quantile[q] = isinf(x[above]) ? x[at - (double)below > 0.5 ? above : below]
+                                      : x[below] + (at - (double)below) * (x[above] - x[below]);
+    }
+}
+
+// Lower triangle L of the covariance, L L^T, made so small that no coordinate scatters by more than
+// a fifth of its range or a unit: along what no reading tells of, least squares know no bound.
+static void find_spread(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FITTED])
+{
+    size_t n = fit->def->count;
+    double scale = 1.0;
+    for (size_t i = 0; i < n; i++) {
+        double width = fit->high[i] - fit->low[i];
+        double most = isfinite(width) ? 0.2 * width : 1.0;
+        scale = fmin(scale, most / sqrt(fmax(fit->covariance[i][i], 1e-300)));
+        for (size_t j = 0; j <= i; j++) {
+            double sum = fit->covariance[i][j];
+            for (size_t k = 0; k < j; k++) {
+                sum -= l[i][k] * l[j][k];
+            }
+            l[i][j] = i == j ? sqrt(fmax(sum, 0.0)) : l[j][j] > 0.0 ? sum / l[j][j] : 0.0;
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        double width = fit->high[i] - fit->low[i];
+        for (size_t j = 0; j <= i; j++) {
+            l[i][j] *= scale;
+        }
+        // walkers in a plane would stay in it
+        l[i][i] = fmax(l[i][i], 1e-6 * (isfinite(width) ? width : 1.0));
+    }
+}
+
+// A number turned back into its range where it has left it: a best fit may stand at an end.
+static double reflect(double x, double low, double high)
+{
+    x = x > high ? 2.0 * high - x : x;
+    x = x < low ? 2.0 * low - x : x;
+    double edge = isfinite(high - low) ? 1e-6 * (high - low) : 0.0; // where ln(share) has digits
+    return fmin(fmax(x, low + edge), high - edge);
+}
+
+// A place near the best fit, nearer with every try.
+static void draw_start(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FITTED],
+                       uint64_t which, double nearness, double *x)
+{
+    const uint64_t apart = UINT64_C(1) << 61; // from the numbers of the moves
+    double z[LAC_FIT_UNKNOWNS + 1];
+    for (size_t k = 0; k < fit->unknowns; k += 2) {
+        lac_random_normal((uint64_t)fit->def->seed, LAC_STREAM_SAMPLER, apart + which, k, z + k);
+    }
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        double move = k < fit->def->count ? 0.0 : 0.1 * z[k];
+        for (size_t j = 0; k < fit->def->count && j <= k; j++) {
+            move += l[k][j] * z[j];
+        }
+        x[k] = reflect(fit->best[k] + nearness * move, fit->low[k], fit->high[k]);
+    }
+}
+
+static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
+{
+    double l[LAC_MOST_FITTED][LAC_MOST_FITTED] = {{0}};
+    size_t walkers = (size_t)fit->def->walkers;
+    find_spread(fit, l);
+    for (size_t w = 0; w < walkers; w++) {
+        double *x = start + w * fit->unknowns;
+        double nearness = 1.0;
+        int tries = 0;
+        do {
+            if (tries++ == TRIES) {
+                return lac_fail(err, LAC_ENUMERIC,
+                                "the sampler finds no place about the best fit from which every "
+                                "run reaches the last reading");
+            }
+            draw_start(fit, l, (uint64_t)w * TRIES + (uint64_t)tries, nearness, x);
+            nearness *= tries > 20 ? 0.9 : 1.0;
+            fit->runs++;
+        } while (!isfinite(lac_fit_log_posterior(fit, 0, x)));
+    }
+    return LAC_OK;
+}
+
+// What the sampler's callbacks pass on.
+typedef struct relay {
+    lac_fit *fit;
+    const lac_fit_watch *watch;
+} relay;
+
+// The walkers live where a bounded coordinate goes over the whole line, u = low + width/(1 +
+// exp(-z)): no move is lost beyond an end, and valleys that run along one are straighter.
+// @return ln of |du/dz|
+static double from_line(const lac_fit *fit, const double *z, double *u)
+{
+    double log_slope = 0.0;
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        double width = fit->high[k] - fit->low[k];
+        u[k] = z[k];
+        if (isfinite(width)) {
+            double e = exp(-fabs(z[k]));
+            double share = (z[k] > 0.0 ? 1.0 : e) / (1.0 + e);
+            u[k] = fit->low[k] + share * width;
+            log_slope += log(width) - fabs(z[k]) - 2.0 * log1p(e);
+        }
+    }
+    return log_slope;
+}
+
+static void to_line(const lac_fit *fit, const double *u, double *z)
+{
+    for (size_t k = 0; k < fit->unknowns; k++) {
+        double width = fit->high[k] - fit->low[k];
+        z[k] = isfinite(width) ? log((u[k] - fit->low[k]) / (fit->high[k] - u[k])) : u[k];
+    }
+}
+
+static double relay_density(void *context, int thread, const double *z)
+{
+    double u[LAC_FIT_UNKNOWNS];
+    lac_fit *fit = ((relay *)context)->fit;
+    double log_slope = from_line(fit, z, u);
+    return lac_fit_log_posterior(fit, thread, u) + log_slope;
+}
+
+// The draws as coordinates.
+static void return_chain(const lac_fit *fit)
+{
+    lac_chain *chain = fit->chain;
+    for (size_t i = 0; i < chain->walkers * chain->steps; i++) {
+        double u[LAC_FIT_UNKNOWNS];
+        double *x = chain->x + i * chain->dimension;
+        chain->log_density[i] -= from_line(fit, x, u);
+        memcpy(x, u, chain->dimension * sizeof *x);
+    }
+}
+
+static bool relay_interrupted(void *context)
+{
+    const lac_fit_watch *watch = ((relay *)context)->watch;
+    return watch->interrupted != NULL && watch->interrupted(watch->context);
+}
+
+static void relay_progress(void *context, size_t done, size_t total)
+{
+    const lac_fit_watch *watch = ((relay *)context)->watch;
+    if (watch->progress != NULL) {
+        watch->progress(watch->context, "steps of the sampler", done, total);
+    }
+}
+
+// Quantiles and convergence of every unknown.
+static lac_status sum_up(const lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    const lac_chain *chain = fit->chain;
+    size_t n = chain->walkers * chain->steps;
+    lac_status status = LAC_OK;
+    double *x = calloc(n, sizeof *x);
+    if (x == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t k = 0; status == LAC_OK && k < fit->unknowns; k++) {
+        lac_fit_unknown *of = &result->unknown[k];
+        for (size_t i = 0; i < n; i++) {
+            x[i] = lac_fit_value(of->log, chain->x[i * chain->dimension + k]);
+        }
+        lac_fit_quantiles(n, x, of->quantile);
+        if (!isfinite(of->best) || k >= fit->def->count) {
+            of->best = of->quantile[2];
+        }
+        status = lac_chain_converged(chain, k, &of->converged, err);
+    }
+    result->acceptance = gsl_stats_mean(chain->acceptance, 1, chain->walkers);
+    result->chain = chain;
+    result->sampled = true;
+    free(x);
+    return status;
+}
+
+lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
+                          lac_error *err)
+{
+    lac_status status = LAC_OK;
+    relay context = {fit, watch};
+    lac_sampler_def def = {.dimension = fit->unknowns,
+                           .walkers = (size_t)fit->def->walkers,
+                           .steps = (size_t)fit->def->steps,
+                           .burn = (size_t)fit->def->burn,
+                           .seed = (uint64_t)fit->def->seed,
+                           .stretching = 0.5,
+                           .threads = fit->threads,
+                           .log_density = relay_density,
+                           .interrupted = relay_interrupted,
+                           .progress = relay_progress,
+                           .context = &context};
+    double *start = malloc(def.walkers * def.dimension * sizeof *start);
+    if (start == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_TRY(find_starts(fit, start, err));
+    for (size_t w = 0; w < def.walkers; w++) {
+        double u[LAC_FIT_UNKNOWNS];
+        memcpy(u, start + w * def.dimension, def.dimension * sizeof *u);
+        to_line(fit, u, start + w * def.dimension);
+    }
+    status = lac_sampler_run(&def, start, &fit->chain, err);
+    fit->runs += (int64_t)((def.steps + def.burn + 1) * def.walkers);
+    if (fit->chain != NULL) {
+        return_chain(fit);
+    }
+    bool enough = fit->chain != NULL && fit->chain->steps >= 8;
+    if (status == LAC_OK || (status == LAC_EINTERRUPT && enough)) {
+        lac_status summed = sum_up(fit, result, status == LAC_OK ? err : NULL);
+        status = status == LAC_OK ? summed : status;
+    }
+out:
+    free(start);
+    return status;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FORECAST_KINDS_H
+#define LACUNA_FORECAST_KINDS_H
+
+#include "lacuna/forecast.h"
+
+extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast_slo,
+    lac_forecast_saito, lac_forecast_log, lac_forecast_voight, lac_forecast_block,
+    lac_forecast_lppls, lac_forecast_persistence;
+
+/// Misfit of v = B/(remaining - t) to velocities as inverse velocities: rms and misfit.
+void lac_fit_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
+                           lac_fit *fit);
+
+#endif

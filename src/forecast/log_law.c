@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// d = A - B ln(tc - t): what a block of rate-and-state friction does near failure, where
+// v = (dc/m)/(tc - t), so that B = dc/m.
+#include <math.h>
+
+#include "forecast/project.h"
+
+enum { GRID = 60 };
+
+static void curve(const lac_projection *self, const double *p, double *columns)
+{
+    const lac_window *w = self->window;
+    for (size_t i = 0; i < w->n; i++) {
+        columns[i] = 1.0;
+        columns[w->n + i] = -log1p(-w->time[i] * exp(-p[0]));
+    }
+}
+
+static lac_status fit_log(const lac_window *w, lac_fit *fit, lac_error *err)
+{
+    lac_projection law = {.window = w, .columns = 2, .shapes = 1, .curve = curve};
+    lac_starts starts = {0};
+    double p[LAC_SHAPES_MAX];
+    lac_status status;
+    LAC_TRY(lac_projection_create(&law, err));
+    for (size_t i = 0; i < GRID; i++) {
+        p[0] = lac_projection_start(w, i, GRID);
+        lac_starts_offer(&starts, 1, p, lac_projection_at(&law, p));
+    }
+    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    if (!(law.c[1] > 0.0)) {
+        status = lac_fit_refuse(fit, "the slope does not accelerate");
+    }
+    lac_fit_add(fit, "scale_m", law.c[1]);
+out:
+    lac_projection_clear(&law);
+    return status;
+}
+
+const lac_forecast_kind lac_forecast_log = {
+    .about = {.name = "log",
+              .summary = "log law of displacement",
+              .reference = "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi "
+                           "10.1029/2002JB002160"},
+    .estimator = "d = A - B ln(tc - t) by least squares over all displacements of the window",
+    .least = 6,
+    .displacements = true,
+    .worst = 0.04,
+    .calibration = {0.15, -7.195, -4.460, -1.104, 0.106},
+    .fit = fit_log,
+};

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Power law with log-periodic oscillations, z = tc - t:
+//     d = A + z^m {B + C1 cos(omega ln z) + C2 sin(omega ln z)},  lambda = exp(2 pi/omega).
+#include <math.h>
+
+#include "forecast/project.h"
+
+enum { GRID = 24, POWERS = 6, FREQUENCIES = 12 };
+static const double pi = 3.14159265358979323846;
+static const double low_m = 0.05, high_m = 0.95, low_omega = 3.0, high_omega = 15.0;
+
+// p stays free while m and omega keep to their ranges.
+static double within(double low, double high, double p)
+{
+    return low + (high - low) / (1.0 + exp(-p));
+}
+
+static double inverse(double part) { return log(part / (1.0 - part)); }
+
+// z in windows, so that the power of it is of order 1
+static void curve(const lac_projection *self, const double *p, double *columns)
+{
+    const lac_window *w = self->window;
+    const size_t n = w->n;
+    const double m = within(low_m, high_m, p[1]);
+    const double omega = within(low_omega, high_omega, p[2]);
+    for (size_t i = 0; i < n; i++) {
+        const double log_z = log((exp(p[0]) - w->time[i]) / -w->time[0]);
+        const double power = exp(m * log_z);
+        columns[i] = 1.0;
+        columns[n + i] = power;
+        columns[2 * n + i] = power * cos(omega * log_z);
+        columns[3 * n + i] = power * sin(omega * log_z);
+    }
+}
+
+static void offer_grid(lac_projection *law, lac_starts *starts)
+{
+    double p[LAC_SHAPES_MAX];
+    for (size_t i = 0; i < GRID; i++) {
+        p[0] = lac_projection_start(law->window, i, GRID);
+        for (size_t j = 0; j < POWERS; j++) {
+            p[1] = inverse(((double)j + 0.5) / POWERS);
+            for (size_t k = 0; k < FREQUENCIES; k++) {
+                p[2] = inverse(((double)k + 0.5) / FREQUENCIES);
+                lac_starts_offer(starts, 3, p, lac_projection_at(law, p));
+            }
+        }
+    }
+}
+
+static lac_status fit_lppls(const lac_window *w, lac_fit *fit, lac_error *err)
+{
+    lac_projection law = {.window = w, .columns = 4, .shapes = 3, .curve = curve};
+    lac_starts starts = {0};
+    double p[LAC_SHAPES_MAX];
+    lac_status status;
+    LAC_TRY(lac_projection_create(&law, err));
+    offer_grid(&law, &starts);
+    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    const double omega = within(low_omega, high_omega, p[2]);
+    lac_fit_add(fit, "m", within(low_m, high_m, p[1]));
+    lac_fit_add(fit, "omega", omega);
+    lac_fit_add(fit, "lambda", exp(2.0 * pi / omega));
+    lac_fit_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
+    if (!(law.c[1] < 0.0)) {
+        status = lac_fit_refuse(fit, "the slope does not accelerate");
+    }
+out:
+    lac_projection_clear(&law);
+    return status;
+}
+
+const lac_forecast_kind lac_forecast_lppls = {
+    .about = {.name = "lppls",
+              .summary = "log-periodic power law",
+              .reference = "Lei & Sornette (2025), Geophys. Res. Lett., doi 10.1029/2025GL116379"},
+    .estimator =
+        "d = A + z^m (B + C1 cos(omega ln z) + C2 sin(omega ln z)), z = tc - t, over all "
+        "displacements of the window: A, B, C1, C2 exactly at each of 1728 (tc, m, omega), "
+        "the best four refined; 0.05 < m < 0.95, 3 < omega < 15",
+    .least = 15,
+    .displacements = true,
+    .worst = 0.04,
+    .calibration = {0.6, -0.245, 0.170, 0.895, 2.000},
+    .fit = fit_lppls,
+};

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "forecast/window.h"
+
+enum { LONGEST_RUN = 1000, INTEGRABLE = 20 };
+static const double vaguest = 1.5; // standard error of ln remaining that still is a forecast
+
+lac_forecast_def lac_forecast_default(void)
+{
+    return (lac_forecast_def){.since = NAN, .short_run = 3, .long_run = 7};
+}
+
+static lac_status check(const lac_forecast_def *def, const lac_readings *readings, lac_error *err)
+{
+    if (readings->n == 0) {
+        return lac_fail(err, LAC_EINPUT, "there is no reading to forecast from");
+    }
+    if (def->short_run < 1 || def->long_run <= def->short_run || def->long_run > LONGEST_RUN) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the means of the onset must be of 1 or more velocities, and of more, at "
+                        "most %d",
+                        (int)LONGEST_RUN);
+    }
+    return LAC_OK;
+}
+
+static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast *f)
+{
+    const lac_calibration *c = &kind->calibration;
+    const double e = hypot(f->fit.error, c->spread);
+    f->low90 = now + f->fit.remaining * exp(e * c->low90);
+    f->low50 = now + f->fit.remaining * exp(e * c->low50);
+    f->high50 = now + f->fit.remaining * exp(e * c->high50);
+    f->high90 = now + f->fit.remaining * exp(e * c->high90);
+    f->issued = isfinite(f->low90) && isfinite(f->high90);
+    if (!f->issued) {
+        (void)lac_fit_refuse(&f->fit, "its error is not finite");
+    }
+}
+
+static void judge(const lac_forecast_kind *kind, lac_forecast *f)
+{
+    lac_fit *fit = &f->fit;
+    if (fit->reason[0] != '\0') {
+        return;
+    }
+    if (!isfinite(fit->remaining) || !(fit->remaining > 0.0)) {
+        (void)lac_fit_refuse(fit, "points to a time that is over");
+    } else if (!(fit->misfit <= kind->worst)) {
+        (void)lac_fit_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
+                             fit->misfit, kind->worst);
+    } else if (!(fit->error <= vaguest)) {
+        (void)lac_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
+                             exp(fit->error), exp(vaguest));
+    } else {
+        set_interval(kind, f->issue_time, f);
+    }
+}
+
+static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_forecast *f,
+                      lac_error *err)
+{
+    const size_t points = w->n < w->velocities ? w->n : w->velocities;
+    f->issue_time = w->now;
+    f->window_start = w->start;
+    if (points < kind->least) {
+        return lac_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu", points,
+                              kind->least);
+    }
+    if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
+        return lac_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d", w->n,
+                              (int)INTEGRABLE);
+    }
+    lac_status status = kind->fit(w, &f->fit, err);
+    if (status == LAC_OK) {
+        f->time = w->now + f->fit.remaining;
+        judge(kind, f);
+    }
+    return status;
+}
+
+static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_error *err)
+{
+    char reason[LAC_FORECAST_TEXT] = "";
+    lac_window *w = NULL;
+    lac_status status = LAC_OK;
+    lac_window_gate(def, o->motion, &o->window_start, reason);
+    o->accelerating = reason[0] == '\0';
+    if (o->accelerating) {
+        LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
+    }
+    for (size_t k = 0; k < o->count; k++) {
+        lac_forecast *f = &o->forecast[k];
+        *f = (lac_forecast){.kind = lac_forecast_kind_at(k),
+                            .issue_time = o->issue_time,
+                            .window_start = NAN,
+                            .time = NAN,
+                            .low50 = NAN,
+                            .high50 = NAN,
+                            .low90 = NAN,
+                            .high90 = NAN,
+                            .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
+        memcpy(f->fit.reason, reason, sizeof reason);
+        if (o->accelerating) {
+            LAC_TRY(ask(f->kind, w, f, err));
+        }
+    }
+out:
+    lac_window_free(w);
+    return status;
+}
+
+lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
+                              lac_outlook **out, lac_error *err)
+{
+    *out = NULL;
+    lac_outlook *o = NULL;
+    lac_status status = LAC_OK;
+    LAC_TRY(check(def, readings, err));
+    o = calloc(1, sizeof *o);
+    LAC_TRY(o != NULL ? LAC_OK : lac_fail_memory(err));
+    while (lac_forecast_kind_at(o->count) != NULL) {
+        o->count++;
+    }
+    o->forecast = calloc(o->count, sizeof *o->forecast);
+    LAC_TRY(o->forecast != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(lac_motion_create(&def->motion, readings, &o->motion, err));
+    o->issue_time = readings->time[readings->n - 1];
+    LAC_TRY(forecast(o, def, err));
+    *out = o;
+    o = NULL;
+out:
+    lac_outlook_free(o);
+    return status;
+}
+
+void lac_outlook_free(lac_outlook *outlook)
+{
+    if (outlook == NULL) {
+        return;
+    }
+    lac_motion_free(outlook->motion);
+    free(outlook->forecast);
+    free(outlook);
+}

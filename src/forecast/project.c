@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "forecast/project.h"
+
+#include <gsl/gsl_multifit_nlinear.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STARTS = 4, ITERATIONS = 100 };
+static const double farthest = 20.0; // remaining time over the window's length
+static const double most_alike = 0.95;
+
+lac_status lac_projection_create(lac_projection *self, lac_error *err)
+{
+    const size_t n = self->window->n;
+    self->column = malloc(self->columns * n * sizeof *self->column);
+    self->residual = malloc(n * sizeof *self->residual);
+    return self->column != NULL && self->residual != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+void lac_projection_clear(lac_projection *self)
+{
+    free(self->column);
+    free(self->residual);
+}
+
+double lac_projection_at(lac_projection *self, const double *p)
+{
+    const lac_window *w = self->window;
+    self->curve(self, p, self->column);
+    for (size_t j = 0; j < self->columns; j++) {
+        for (size_t i = 0; i < w->n; i++) {
+            self->column[j * w->n + i] *= w->weight[i];
+        }
+    }
+    for (size_t i = 0; i < w->n; i++) {
+        self->residual[i] = w->weight[i] * w->displacement[i];
+    }
+    const double sum =
+        lac_least_squares(w->n, self->columns, self->column, self->residual, self->c);
+    return isfinite(sum) ? sum : INFINITY;
+}
+
+void lac_starts_offer(lac_starts *s, size_t shapes, const double *p, double sum)
+{
+    if (s->count == STARTS && !(sum < s->sum[STARTS - 1])) {
+        return;
+    }
+    size_t at = s->count < STARTS ? s->count++ : STARTS - 1;
+    for (; at > 0 && s->sum[at - 1] > sum; at--) {
+        s->sum[at] = s->sum[at - 1];
+        memcpy(s->p[at], s->p[at - 1], sizeof s->p[at]);
+    }
+    s->sum[at] = sum;
+    memcpy(s->p[at], p, shapes * sizeof *p);
+}
+
+double lac_projection_start(const lac_window *w, size_t index, size_t count)
+{
+    const double low = log(-w->time[w->n - 2] / 30.0);
+    const double high = log(-w->time[0] * 30.0);
+    return low + (high - low) * ((double)index + 0.5) / (double)count;
+}
+
+// Residuals, then one for each shape that has a prior.
+static int residuals(const gsl_vector *x, void *context, gsl_vector *f)
+{
+    lac_projection *self = context;
+    const size_t n = self->window->n;
+    double p[LAC_SHAPES_MAX];
+    for (size_t j = 0; j < self->shapes; j++) {
+        p[j] = gsl_vector_get(x, j);
+    }
+    if (!isfinite(lac_projection_at(self, p))) {
+        return GSL_EDOM;
+    }
+    for (size_t i = 0; i < n; i++) {
+        gsl_vector_set(f, i, self->residual[i]);
+    }
+    for (size_t j = 0; j < self->shapes; j++) {
+        const bool free = self->scale == 0.0 || isinf(self->width[j]);
+        const double off = free ? 0.0 : (p[j] - self->centre[j]) / self->width[j];
+        gsl_vector_set(f, n + j, off * self->scale);
+    }
+    return GSL_SUCCESS;
+}
+
+// First-order autocorrelation of the residuals, from 0 to what widens errors 6 times.
+static double alike(const lac_projection *self)
+{
+    const size_t n = self->window->n;
+    const double *r = self->residual;
+    double square = r[0] * r[0];
+    double product = 0.0;
+    for (size_t i = 1; i < n; i++) {
+        square += r[i] * r[i];
+        product += r[i] * r[i - 1];
+    }
+    return square > 0.0 ? fmin(most_alike, fmax(0.0, product / square)) : 0.0;
+}
+
+static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,
+                  gsl_matrix *covariance, const double *p, lac_fit *fit)
+{
+    const lac_window *w = self->window;
+    const double sum = lac_projection_at(self, p);
+    const double free = fmax(1.0, (double)w->n - (double)(self->shapes + self->columns));
+    const double r = alike(self);
+    double low = w->displacement[0];
+    double high = low;
+    for (size_t i = 0; i < w->n; i++) {
+        low = fmin(low, w->displacement[i]);
+        high = fmax(high, w->displacement[i]);
+    }
+    (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), 0.0, covariance);
+    const double variance = sum / free * (1.0 + r) / (1.0 - r);
+    fit->remaining = exp(p[0]);
+    fit->error = sqrt(fmax(0.0, variance * gsl_matrix_get(covariance, 0, 0)));
+    fit->points = w->n;
+    fit->rms = sqrt(sum / (double)w->n);
+    fit->rms_unit = "m";
+    fit->misfit = fit->rms / (high - low);
+    if (fit->remaining > -farthest * w->time[0]) {
+        (void)lac_fit_refuse(fit, "no finite time fits better than one %.0f windows away",
+                             farthest);
+    }
+}
+
+static double cost(const gsl_multifit_nlinear_workspace *work)
+{
+    double sum = 0.0;
+    const gsl_vector *f = gsl_multifit_nlinear_residual(work);
+    for (size_t i = 0; i < f->size; i++) {
+        sum += gsl_vector_get(f, i) * gsl_vector_get(f, i);
+    }
+    return sum;
+}
+
+// From one start; the workspace is at the minimum afterwards.
+static bool descend(lac_projection *self, gsl_multifit_nlinear_workspace *work, const double *start)
+{
+    gsl_multifit_nlinear_fdf system = {
+        .f = residuals, .n = self->window->n + self->shapes, .p = self->shapes, .params = self};
+    double copy[LAC_SHAPES_MAX];
+    memcpy(copy, start, self->shapes * sizeof *copy);
+    const gsl_vector_const_view x = gsl_vector_const_view_array(copy, self->shapes);
+    int info = 0;
+    if (gsl_multifit_nlinear_init(&x.vector, &system, work) != GSL_SUCCESS) {
+        return false;
+    }
+    (void)gsl_multifit_nlinear_driver(ITERATIONS, 1e-10, 1e-12, 0.0, NULL, NULL, &info, work);
+    return isfinite(cost(work));
+}
+
+lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts, double *p,
+                                 lac_fit *fit, lac_error *err)
+{
+    const size_t rows = self->window->n + self->shapes;
+    const gsl_multifit_nlinear_parameters settings = gsl_multifit_nlinear_default_parameters();
+    gsl_multifit_nlinear_workspace *work =
+        gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &settings, rows, self->shapes);
+    gsl_matrix *covariance = gsl_matrix_calloc(self->shapes, self->shapes);
+    double best = INFINITY;
+    size_t chosen = 0;
+    lac_status status = work != NULL && covariance != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    for (size_t k = 0; k < starts->count; k++) {
+        if (descend(self, work, starts->p[k]) && cost(work) < best) {
+            best = cost(work);
+            chosen = k;
+        }
+    }
+    if (!isfinite(best) || !descend(self, work, starts->p[chosen])) {
+        (void)lac_fit_refuse(fit, "no fit was found");
+        goto out;
+    }
+    for (size_t j = 0; j < self->shapes; j++) {
+        p[j] = gsl_vector_get(gsl_multifit_nlinear_position(work), j);
+    }
+    judge(self, work, covariance, p, fit);
+out:
+    gsl_multifit_nlinear_free(work);
+    gsl_matrix_free(covariance);
+    return status;
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/hindcast.h"
+
+// Readings that issue k of `issues` <= n may see; the last sees all.
+static size_t seen(size_t n, size_t issues, size_t k)
+{
+    return issues == n ? k + 1 : (size_t)((double)n * ((double)(k + 1) / (double)issues) + 0.5);
+}
+
+static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_readings *readings,
+                        size_t k, lac_error *err)
+{
+    lac_readings past = *readings;
+    lac_outlook *outlook = NULL;
+    past.n = seen(readings->n, r->issues, k);
+    lac_status status = lac_outlook_create(def, &past, &outlook, err);
+    if (status == LAC_OK) {
+        r->issue_time[k] = outlook->issue_time;
+        memcpy(&r->forecast[k * r->methods], outlook->forecast, r->methods * sizeof *r->forecast);
+    }
+    lac_outlook_free(outlook);
+    return status;
+}
+
+lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *readings,
+                              size_t most, const lac_rolling_watch *watch, lac_rolling **out,
+                              lac_error *err)
+{
+    *out = NULL;
+    if (readings->n == 0 || most == 0) {
+        return lac_fail(err, LAC_EINPUT, "there is no reading to forecast from");
+    }
+    lac_rolling *r = calloc(1, sizeof *r);
+    lac_status status = r != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    r->start = readings->time[0];
+    r->issues = readings->n < most ? readings->n : most;
+    while (lac_forecast_kind_at(r->methods) != NULL) {
+        r->methods++;
+    }
+    r->issue_time = malloc(r->issues * sizeof *r->issue_time);
+    r->forecast = malloc(r->issues * r->methods * sizeof *r->forecast);
+    if (r->issue_time == NULL || r->forecast == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    for (size_t k = 0; k < r->issues; k++) {
+        if (watch != NULL && watch->go_on != NULL && !watch->go_on(watch->context, k, r->issues)) {
+            LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu issue times", k,
+                             r->issues));
+        }
+        LAC_TRY(issue(r, def, readings, k, err));
+    }
+    *out = r;
+    r = NULL;
+out:
+    lac_rolling_free(r);
+    return status;
+}
+
+void lac_rolling_free(lac_rolling *rolling)
+{
+    if (rolling == NULL) {
+        return;
+    }
+    free(rolling->issue_time);
+    free(rolling->forecast);
+    free(rolling);
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+
+#include "lacuna/hindcast.h"
+
+enum { LEVELS = 5 };
+
+static int compare(const void *left, const void *right)
+{
+    const double a = *(const double *)left;
+    const double b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static double median(size_t n, double *values)
+{
+    if (n == 0) {
+        return NAN;
+    }
+    qsort(values, n, sizeof *values, compare);
+    return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+// Twice the mean quantile loss over five levels, the middle one between those of the 50 % interval
+// in logarithms: the CRPS, which is that over all levels, by five.
+static double ranked_score(const lac_forecast *f, double failed_at)
+{
+    static const double level[LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
+    static const double weight[LEVELS] = {0.15, 0.225, 0.25, 0.225, 0.15};
+    const double middle =
+        f->issue_time + sqrt((f->low50 - f->issue_time) * (f->high50 - f->issue_time));
+    const double quantile[LEVELS] = {f->low90, f->low50, middle, f->high50, f->high90};
+    double sum = 0.0;
+    for (int i = 0; i < LEVELS; i++) {
+        const double off = failed_at - quantile[i];
+        sum += 2.0 * weight[i] * (off >= 0.0 ? level[i] * off : (level[i] - 1.0) * off);
+    }
+    return sum;
+}
+
+static size_t lead_class(const lac_rolling *r, double failed_at, double lead)
+{
+    const double part = lead / (failed_at - r->start);
+    return part <= 0.125 ? 0 : part <= 0.25 ? 1 : part <= 0.5 ? 2 : 3;
+}
+
+static void count_alarm(const lac_forecast *f, double failed_at, double horizon, lac_skill *s)
+{
+    const bool alarm = f->issued && f->high50 <= f->issue_time + horizon;
+    const bool near = failed_at <= f->issue_time + horizon;
+    s->alarms += alarm ? 1 : 0;
+    s->hits += alarm && near ? 1 : 0;
+    s->false_alarms += alarm && !near ? 1 : 0;
+    s->misses += !alarm && near ? 1 : 0;
+}
+
+static void count_inside(const lac_forecast *f, double failed_at, lac_skill *s)
+{
+    s->inside50 += failed_at >= f->low50 && failed_at <= f->high50 ? 1 : 0;
+    s->inside90 += failed_at >= f->low90 && failed_at <= f->high90 ? 1 : 0;
+}
+
+// Errors and ratios of the issues whose lead time is of a class; of all where it is LAC_LEADS.
+static size_t gather(const lac_rolling *r, size_t k, double failed_at, size_t lead, double *error,
+                     double *ratio)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < r->issues; i++) {
+        const lac_forecast *f = &r->forecast[i * r->methods + k];
+        const double left = failed_at - f->issue_time;
+        if (!f->issued || !(left > 0.0) ||
+            (lead < LAC_LEADS && lead_class(r, failed_at, left) != lead)) {
+            continue;
+        }
+        error[n] = fabs(f->time - failed_at);
+        ratio[n++] = (f->time - f->issue_time) / left;
+    }
+    return n;
+}
+
+static void measure(const lac_rolling *r, size_t k, double failed_at, double horizon, double *work,
+                    lac_skill *s)
+{
+    double *const error = work;
+    double *const ratio = work + r->issues;
+    *s = (lac_skill){.kind = lac_forecast_kind_at(k)};
+    for (size_t i = 0; i < r->issues; i++) {
+        const lac_forecast *f = &r->forecast[i * r->methods + k];
+        const lac_forecast *baseline = &r->forecast[(i + 1) * r->methods - 1];
+        if (!(f->issue_time < failed_at)) {
+            continue;
+        }
+        s->asked++;
+        s->issued += f->issued ? 1 : 0;
+        count_alarm(f, failed_at, horizon, s);
+        if (f->issued && isfinite(failed_at)) {
+            count_inside(f, failed_at, s);
+            s->crps += ranked_score(f, failed_at);
+            s->persistence_crps += ranked_score(baseline, failed_at);
+        }
+    }
+    s->crps = s->issued > 0 && isfinite(failed_at) ? s->crps / (double)s->issued : NAN;
+    s->persistence_crps =
+        s->issued > 0 && isfinite(failed_at) ? s->persistence_crps / (double)s->issued : NAN;
+    for (size_t lead = 0; lead <= LAC_LEADS; lead++) {
+        const size_t n = isfinite(failed_at) ? gather(r, k, failed_at, lead, error, ratio) : 0;
+        if (lead == LAC_LEADS) {
+            s->error = median(n, error);
+            continue;
+        }
+        s->lead_count[lead] = n;
+        s->lead_error[lead] = median(n, error);
+        s->lead_bias[lead] = median(n, ratio);
+    }
+}
+
+lac_status lac_rolling_measure(const lac_rolling *rolling, double failed_at, double horizon,
+                               lac_skill *skill, lac_error *err)
+{
+    double *work = malloc(2 * rolling->issues * sizeof *work);
+    if (work == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t k = 0; k < rolling->methods; k++) {
+        measure(rolling, k, failed_at, horizon, work, &skill[k]);
+    }
+    free(work);
+    return LAC_OK;
+}

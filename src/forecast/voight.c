@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dv/dt = A v^alpha with alpha > 1: v = kappa (tc - t)^(-1/(alpha - 1)), integrated
+//     d = D - C (tc - t)^q,  q = (alpha - 2)/(alpha - 1);  the log law is q = 0.
+#include <math.h>
+
+#include "forecast/project.h"
+
+enum { GRID = 40, POWERS = 12 };
+static const double lowest = -3.0, highest = 0.9;
+
+// (z^q - 1)/q with z = (tc - t)/(tc - now), which goes over into ln z
+static void curve(const lac_projection *self, const double *p, double *columns)
+{
+    const lac_window *w = self->window;
+    const double q = p[1];
+    for (size_t i = 0; i < w->n; i++) {
+        const double log_z = log1p(-w->time[i] * exp(-p[0]));
+        columns[i] = 1.0;
+        columns[w->n + i] = fabs(q * log_z) < 1e-12 ? -log_z : -expm1(q * log_z) / q;
+    }
+}
+
+static void offer_grid(lac_projection *law, lac_starts *starts)
+{
+    double p[LAC_SHAPES_MAX];
+    for (size_t i = 0; i < GRID; i++) {
+        for (size_t j = 0; j < POWERS; j++) {
+            p[0] = lac_projection_start(law->window, i, GRID);
+            p[1] = lowest + (highest - lowest) * ((double)j + 0.5) / POWERS;
+            lac_starts_offer(starts, 2, p, lac_projection_at(law, p));
+        }
+    }
+}
+
+static lac_status fit_voight(const lac_window *w, lac_fit *fit, lac_error *err)
+{
+    lac_projection law = {.window = w, .columns = 2, .shapes = 2, .curve = curve};
+    lac_starts starts = {0};
+    double p[LAC_SHAPES_MAX];
+    lac_status status;
+    LAC_TRY(lac_projection_create(&law, err));
+    offer_grid(&law, &starts);
+    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    lac_fit_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
+    if (!(p[1] < 1.0)) {
+        status = lac_fit_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
+    } else if (!(law.c[1] > 0.0)) {
+        status = lac_fit_refuse(fit, "the slope does not accelerate");
+    }
+out:
+    lac_projection_clear(&law);
+    return status;
+}
+
+const lac_forecast_kind lac_forecast_voight = {
+    .about = {.name = "voight",
+              .summary = "Voight's law, exponent free",
+              .reference = "Voight (1988), Nature 332, 125-130, doi 10.1038/332125a0"},
+    .estimator =
+        "d = D - C (tc - t)^((alpha - 2)/(alpha - 1)) by nonlinear least squares in tc and "
+        "alpha over all displacements of the window",
+    .least = 8,
+    .displacements = true,
+    .worst = 0.04,
+    .calibration = {0.8, -0.363, 0.102, 0.670, 1.451},
+    .fit = fit_voight,
+};

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "forecast/window.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BRIDGED = 3, LAST_INTERVALS = 3 };
+static const double above_noise = 3.0; // errors of the last displacement
+
+static double mean_velocity(const lac_motion *m, size_t last, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = last + 1 - count; i <= last; i++) {
+        sum += m->velocity[i];
+    }
+    return sum / (double)count;
+}
+
+static bool accelerates(const lac_forecast_def *def, const lac_motion *m, size_t at)
+{
+    return mean_velocity(m, at, def->short_run) > mean_velocity(m, at, def->long_run);
+}
+
+// The first velocity of the long mean that the short one rose above, and stayed but for
+// interruptions shorter than BRIDGED.
+static size_t find_onset(const lac_forecast_def *def, const lac_motion *m)
+{
+    size_t onset = m->velocities - 1;
+    size_t below = 0;
+    for (size_t i = m->velocities; i-- > def->long_run - 1 && below < BRIDGED;) {
+        bool above = accelerates(def, m, i);
+        below = above ? 0 : below + 1;
+        onset = above ? i : onset;
+    }
+    return onset + 1 - def->long_run;
+}
+
+// Whether the last intervals moved the slope by more than the noise of two readings.
+static bool is_lost_in_noise(const lac_motion *m)
+{
+    if (!(m->noise > 0.0) || m->n <= LAST_INTERVALS) {
+        return false;
+    }
+    const double moved = m->displacement[m->n - 1] - m->displacement[m->n - 1 - LAST_INTERVALS];
+    return !(moved > above_noise * sqrt(2.0) * m->noise);
+}
+
+void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *start, char *reason)
+{
+    reason[0] = '\0';
+    *start = def->since;
+    if (m->velocities < def->long_run) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "too few readings: %zu velocities, at least %zu",
+                       m->velocities, def->long_run);
+    } else if (!accelerates(def, m, m->velocities - 1)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: the mean of %zu velocities, %.3g m/s, is not above that "
+                       "of %zu, %.3g m/s",
+                       def->short_run, mean_velocity(m, m->velocities - 1, def->short_run),
+                       def->long_run, mean_velocity(m, m->velocities - 1, def->long_run));
+    } else if (is_lost_in_noise(m)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "noise floor: the last %d intervals moved it by no more than %.0f times the "
+                       "error, %.3g m",
+                       (int)LAST_INTERVALS, above_noise, sqrt(2.0) * m->noise);
+    } else if (isnan(def->since)) {
+        const double onset = m->velocity_time[find_onset(def, m)];
+        *start = onset;
+        for (size_t i = 0; i < m->n && m->time[i] <= onset; i++) {
+            *start = m->time[i]; // the reading that its first interval begins with
+        }
+    }
+}
+
+static size_t first_at(size_t n, const double *time, double start)
+{
+    size_t i = 0;
+    while (i < n && time[i] < start) {
+        i++;
+    }
+    return i;
+}
+
+// How many groups n readings make, and where group g begins: the first and the last are alone.
+static size_t group_start(size_t n, size_t groups, size_t g)
+{
+    if (g == 0 || g >= groups) {
+        return g == 0 ? 0 : n;
+    }
+    return 1 + (size_t)((double)(n - 2) * ((double)(g - 1) / (double)(groups - 2)) + 0.5);
+}
+
+typedef struct arrays {
+    lac_window window; // first: it is what is given away
+    double *time, *displacement, *weight, *velocity_time, *velocity;
+} arrays;
+
+static void take_group(const lac_motion *m, size_t first, size_t last, double now, arrays *a)
+{
+    const double count = (double)(last - first);
+    const size_t k = a->window.n++;
+    a->time[k] = 0.0;
+    a->displacement[k] = 0.0;
+    a->weight[k] = 0.0;
+    for (size_t i = first; i < last; i++) {
+        const double sigma = m->sigma[i] > 0.0 ? m->sigma[i] : m->noise;
+        a->time[k] += (m->time[i] - now) / count;
+        a->displacement[k] += m->displacement[i] / count;
+        a->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
+    }
+}
+
+// Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
+static void normalise(arrays *a)
+{
+    double mean = 0.0;
+    const size_t n = a->window.n;
+    for (size_t i = n; i-- > 0;) {
+        a->displacement[i] -= a->displacement[0];
+        mean += a->weight[i] / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        a->weight[i] /= mean;
+    }
+}
+
+static void fill(const lac_motion *m, double start, arrays *a)
+{
+    lac_window *w = &a->window;
+    const size_t first = first_at(m->n, m->time, start);
+    const size_t n = m->n - first;
+    const size_t groups = n > LAC_WINDOW_READINGS ? LAC_WINDOW_READINGS : n;
+    for (size_t g = 0; g < groups; g++) {
+        const bool all = groups == n;
+        take_group(m, first + (all ? g : group_start(n, groups, g)),
+                   first + (all ? g + 1 : group_start(n, groups, g + 1)), w->now, a);
+    }
+    if (n > 0) {
+        normalise(a);
+    }
+    for (size_t i = first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
+        a->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
+        a->velocity[w->velocities++] = m->velocity[i];
+    }
+}
+
+lac_status lac_window_create(const lac_motion *m, double start, lac_window **out, lac_error *err)
+{
+    arrays *a = calloc(1, sizeof *a);
+    lac_status status = a != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    a->window = (lac_window){.start = start, .noise = m->noise, .integrated = m->integrated};
+    a->window.now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
+                         m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
+    a->time = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->time);
+    a->displacement = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->displacement);
+    a->weight = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->weight);
+    a->velocity_time = malloc((m->velocities + 1) * sizeof *a->velocity_time);
+    a->velocity = malloc((m->velocities + 1) * sizeof *a->velocity);
+    if (a->time == NULL || a->displacement == NULL || a->weight == NULL ||
+        a->velocity_time == NULL || a->velocity == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    fill(m, start, a);
+    a->window.time = a->time;
+    a->window.displacement = a->displacement;
+    a->window.weight = a->weight;
+    a->window.velocity_time = a->velocity_time;
+    a->window.velocity = a->velocity;
+    *out = &a->window;
+    a = NULL;
+out:
+    lac_window_free(a != NULL ? &a->window : NULL);
+    return status;
+}
+
+void lac_window_free(lac_window *window)
+{
+    arrays *a = (arrays *)window;
+    if (a == NULL) {
+        return;
+    }
+    free(a->time);
+    free(a->displacement);
+    free(a->weight);
+    free(a->velocity_time);
+    free(a->velocity);
+    free(a);
+}

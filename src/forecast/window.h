@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FORECAST_WINDOW_H
+#define LACUNA_FORECAST_WINDOW_H
+
+#include "forecast/kinds.h"
+
+/// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
+/// @param start   where the acceleration begins, or def->since [s]; set where there is a window
+/// @param reason  [LAC_FORECAST_TEXT] why no method is asked; "": all are
+void lac_window_gate(const lac_forecast_def *def, const lac_motion *motion, double *start,
+                     char *reason);
+
+/// The motion since `start`, thinned to LAC_WINDOW_READINGS displacements by means of consecutive
+/// ones, the first and the last apart.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_window_create(const lac_motion *motion, double start, lac_window **out,
+                             lac_error *err);
+void lac_window_free(lac_window *window);
+
+enum { LAC_WINDOW_READINGS = 200 };
+
+#endif

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_PRECURSOR_KINDS_H
+#define LACUNA_PRECURSOR_KINDS_H
+
+#include "lacuna/precursor.h"
+
+extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodicity,
+    lac_precursor_b_value, lac_precursor_b_positive, lac_precursor_event_rate, lac_precursor_moment,
+    lac_precursor_slip_fraction, lac_precursor_length;
+
+/// Moment magnitudes (Hanks & Kanamori 1979) of the events that have a moment; the caller frees.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
+                                    lac_error *err);
+
+#endif

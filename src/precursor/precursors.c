@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <math.h>
+#include <stdlib.h>
+
+#include "precursor/kinds.h"
+
+static const lac_precursor_kind *const kinds[] = {
+    &lac_precursor_slip_fraction, &lac_precursor_length,          &lac_precursor_event_rate,
+    &lac_precursor_b_value,       &lac_precursor_b_positive,      &lac_precursor_moment,
+    &lac_precursor_slowing,       &lac_precursor_log_periodicity,
+};
+
+const lac_precursor_kind *lac_precursor_kind_at(size_t index)
+{
+    return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
+}
+
+lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
+                               lac_error *err)
+{
+    const lac_precursor_kind *kind;
+    lac_status status = LAC_OK;
+    for (*count = 0; (kind = lac_precursor_kind_at(*count)) != NULL; (*count)++) {
+        lac_precursor *p = &out[*count];
+        *p = (lac_precursor){.kind = kind};
+        if (kind->needs == LAC_NEEDS_EVENTS && seen->events == NULL) {
+            (void)lac_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
+                                            "with analysis: {events: ...}");
+        } else if (kind->needs == LAC_NEEDS_CELLS && seen->slip == NULL) {
+            (void)lac_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
+                                            "{rg: ...}");
+        } else {
+            LAC_TRY(kind->look(seen, &p->found, err));
+        }
+    }
+out:
+    return status;
+}
+
+lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
+                                    lac_error *err)
+{
+    *n = 0;
+    *magnitude = malloc((events->n > 0 ? events->n : 1) * sizeof **magnitude);
+    if (*magnitude == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < events->n; i++) {
+        if (events->moment[i] > 0.0 && isfinite(events->moment[i])) {
+            (*magnitude)[(*n)++] = 2.0 / 3.0 * (log10(events->moment[i]) - 9.1);
+        }
+    }
+    return LAC_OK;
+}

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A problem followed to given times with derivatives of what is seen: CVODES' forward
+// sensitivities. lac_run has the records, events and restarts of a whole simulation; this has none
+// of them and starts in microseconds, for the many runs of a fit.
+#include "run/follow.h"
+
+#include <cvodes/cvodes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
+{
+    lac_follower *f = user;
+    bool good =
+        lac_follower_derivative(f, f->def->problem, t, lac_vector_data(y), lac_vector_data(ydot));
+    return good ? 0 : 1;
+}
+
+// CVODES prescribes the parameters.
+static int sensitivity_rates(int count, sunrealtype t, N_Vector y, N_Vector ydot, N_Vector *s,
+                             N_Vector *sdot, void *user, N_Vector spare, N_Vector other)
+{
+    lac_follower *f = user;
+    (void)ydot, (void)spare, (void)other;
+    for (int k = 0; k < count; k++) {
+        if (!lac_follower_sensitivity(f, (size_t)k, t, lac_vector_data(y), lac_vector_data(s[k]),
+                                      lac_vector_data(sdot[k]))) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int weights(N_Vector y, N_Vector w, void *user)
+{
+    const lac_follower *f = user;
+    const double *at = lac_vector_data(y);
+    double *weight = lac_vector_data(w);
+    double rtol = f->def->rtol;
+    lac_problem_weights(f->def->problem, at, rtol, weight);
+    weight[f->m - 1] = 1.0 / (rtol * (fabs(at[f->m - 1]) + f->slip_scale));
+    return 0;
+}
+
+static SUNLinearSolver_Type embedded(SUNLinearSolver solver)
+{
+    (void)solver;
+    return SUNLINEARSOLVER_MATRIX_EMBEDDED;
+}
+
+// (1 - gamma J) x = b: the problem's own solve, and slip behind it, on which nothing depends.
+static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b, sunrealtype tol)
+{
+    lac_follower *f = solver->content;
+    sunrealtype t, gamma, rl1;
+    N_Vector predicted, y, rate, zn1;
+    void *user;
+    (void)none, (void)tol;
+    if (CVodeGetNonlinearSystemData(f->mem, &t, &predicted, &y, &rate, &gamma, &rl1, &zn1, &user) !=
+        CV_SUCCESS) {
+        return SUNLS_MEM_NULL;
+    }
+    N_VScale(1.0, b, x);
+    const double *at = lac_vector_data(y);
+    double *found = lac_vector_data(x);
+    const lac_problem *problem = f->def->problem;
+    if (!lac_problem_newton(problem, lac_follower_clock(f, t), at, gamma, found, f->work)) {
+        return SUNLS_LUFACT_FAIL;
+    }
+    double slip = found[f->m - 1];
+    found[f->m - 1] = 0.0;
+    double by = lac_follower_reach(f, found);
+    if (by > 0.0) {
+        double *there = f->probe;
+        double change = 0.0;
+        for (int side = -1; side <= 1; side += 2) {
+            for (size_t i = 0; i < f->m; i++) {
+                there[i] = at[i] + side * by * found[i];
+            }
+            change += side * lac_follower_rate(f, problem, t, there);
+        }
+        slip += gamma * change / (2.0 * by);
+    }
+    found[f->m - 1] = slip;
+    return 0;
+}
+
+static void follower_clear(lac_follower *f)
+{
+    int count = (int)f->def->nudges;
+    if (f->mem != NULL) {
+        CVodeFree(&f->mem);
+    }
+    if (f->linear != NULL) {
+        SUNLinSolFreeEmpty(f->linear);
+    }
+    N_Vector *lists[] = {f->s, f->seen_s};
+    for (size_t i = 0; i < 2; i++) {
+        if (lists[i] != NULL) {
+            N_VDestroyVectorArray(lists[i], count);
+        }
+    }
+    N_Vector vectors[] = {f->y, f->seen};
+    for (size_t i = 0; i < 2; i++) {
+        if (vectors[i] != NULL) {
+            N_VDestroy(vectors[i]);
+        }
+    }
+    if (f->sun != NULL) {
+        SUNContext_Free(&f->sun);
+    }
+    free(f->work);
+    free(f->probe);
+}
+
+static lac_status allocate(lac_follower *f, lac_error *err)
+{
+    const lac_follow_def *def = f->def;
+    size_t work = lac_problem_work(def->problem);
+    f->n = lac_problem_cells(def->problem);
+    f->m = lac_problem_unknowns(def->problem) + 1;
+    for (size_t k = 0; k < def->nudges; k++) {
+        size_t low = lac_problem_work(def->nudge[k].low);
+        size_t high = lac_problem_work(def->nudge[k].high);
+        work = low > work ? low : work;
+        work = high > work ? high : work;
+    }
+    f->work = calloc(work, sizeof *f->work);
+    f->probe = calloc(4 * f->m, sizeof *f->probe);
+    if (f->work == NULL || f->probe == NULL || LAC_SUN_CONTEXT_CREATE(&f->sun) != 0) {
+        return lac_fail_memory(err);
+    }
+    f->scale = f->probe + 3 * f->m;
+    LAC_SUN_SILENCE_CONTEXT(f->sun);
+    f->y = lac_vector_create(f->m, f->sun);
+    f->seen = f->y != NULL ? N_VClone(f->y) : NULL;
+    if (f->seen != NULL && def->nudges > 0) {
+        f->s = N_VCloneVectorArray((int)def->nudges, f->y);
+        f->seen_s = N_VCloneVectorArray((int)def->nudges, f->y);
+    }
+    bool lacking = f->seen == NULL || (def->nudges > 0 && (f->s == NULL || f->seen_s == NULL));
+    return lacking ? lac_fail_memory(err) : LAC_OK;
+}
+
+// States of the nudged problems at the start, and what a component is worth.
+static lac_status start(lac_follower *f, lac_error *err)
+{
+    const lac_follow_def *def = f->def;
+    double *y = lac_vector_data(f->y);
+    lac_problem_initial(def->problem, y);
+    y[f->m - 1] = 0.0;
+    double mean = lac_follower_rate(f, def->problem, 0.0, y);
+    if (!(fabs(mean) > 0.0) || !isfinite(mean)) {
+        return lac_fail(err, LAC_EINPUT, "the mean slip rate at the start is %g m/s", mean);
+    }
+    f->before = log(fabs(mean));
+    lac_problem_weights(def->problem, y, 1.0, f->scale);
+    for (size_t i = 0; i + 1 < f->m; i++) {
+        f->scale[i] = 1.0 / f->scale[i];
+    }
+    // The first step is a thousandth of dc/v, or of the state's own time.
+    double time_scale = 1e3 * lac_problem_first_step(def->problem, 0.0, y, f->work);
+    f->slip_scale = fabs(mean) * time_scale;
+    f->scale[f->m - 1] = f->slip_scale;
+    for (size_t k = 0; k < def->nudges; k++) {
+        double *s = lac_vector_data(f->s[k]);
+        const lac_nudge *nudge = &def->nudge[k];
+        lac_problem_initial(nudge->low, f->probe);
+        lac_problem_initial(nudge->high, s);
+        for (size_t i = 0; i + 1 < f->m; i++) {
+            s[i] = (s[i] - f->probe[i]) / (2.0 * nudge->step);
+        }
+        s[f->m - 1] = 0.0;
+    }
+    return LAC_OK;
+}
+
+// Absolute tolerances of the sensitivities: an e-fold of the parameter may move a component by an
+// e-fold of its own.
+static int set_sensitivities(lac_follower *f)
+{
+    int count = (int)f->def->nudges;
+    if (count == 0) {
+        return CV_SUCCESS;
+    }
+    for (int k = 0; k < count; k++) {
+        double *tolerance = lac_vector_data(f->seen_s[k]);
+        for (size_t i = 0; i < f->m; i++) {
+            tolerance[i] = f->def->rtol * f->scale[i];
+        }
+    }
+    int flag = CVodeSensInit(f->mem, count, CV_STAGGERED, sensitivity_rates, f->s);
+    flag |= CVodeSensSVtolerances(f->mem, f->def->rtol, f->seen_s);
+    flag |= CVodeSetSensErrCon(f->mem, SUNTRUE);
+    return flag;
+}
+
+static lac_status set_up(lac_follower *f, lac_error *err)
+{
+    f->mem = CVodeCreate(CV_BDF, f->sun);
+    f->linear = SUNLinSolNewEmpty(f->sun);
+    if (f->mem == NULL || f->linear == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CVODE(f->mem);
+    f->linear->ops->gettype = embedded;
+    f->linear->ops->solve = solve;
+    f->linear->content = f;
+    if (CVodeInit(f->mem, rates, 0.0, f->y) != CV_SUCCESS ||
+        CVodeSetUserData(f->mem, f) != CV_SUCCESS ||
+        CVodeWFtolerances(f->mem, weights) != CV_SUCCESS ||
+        CVodeSetLinearSolver(f->mem, f->linear, NULL) != CV_SUCCESS ||
+        CVodeSetMaxNumSteps(f->mem, -1) != CV_SUCCESS ||
+        CVodeSetMaxHnilWarns(f->mem, -1) != CV_SUCCESS ||
+        CVodeSetMaxErrTestFails(f->mem, 20) != CV_SUCCESS ||
+        CVodeSetMaxConvFails(f->mem, 40) != CV_SUCCESS || set_sensitivities(f) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
+    }
+    return LAC_OK;
+}
+
+// Puts what is seen at an integrator's time into row i of the output.
+static lac_status look(lac_follower *f, double t, size_t i, lac_error *err)
+{
+    lac_follow *out = f->out;
+    size_t count = f->def->nudges;
+    const double *y = lac_vector_data(f->seen);
+    if (CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS ||
+        (count > 0 && CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS)) {
+        return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
+    }
+    out->slip[i] = y[f->m - 1];
+    out->log_rate[i] = log(fabs(lac_follower_rate(f, f->def->problem, t, y)));
+    for (size_t k = 0; k < count; k++) {
+        const double *s = lac_vector_data(f->seen_s[k]);
+        out->slip_by[i * count + k] = s[f->m - 1];
+        out->log_rate_by[i * count + k] = lac_follower_rate_by(f, k, t, y, s);
+    }
+    return LAC_OK;
+}
+
+// What is seen at the start, before any step.
+static void look_at_start(lac_follower *f)
+{
+    lac_follow *out = f->out;
+    size_t count = f->def->nudges;
+    const double *y = lac_vector_data(f->y);
+    for (; out->reached < f->def->n && f->def->time[out->reached] <= 0.0; out->reached++) {
+        size_t i = out->reached;
+        out->slip[i] = 0.0;
+        out->log_rate[i] = f->before;
+        for (size_t k = 0; k < count; k++) {
+            out->slip_by[i * count + k] = 0.0;
+            out->log_rate_by[i * count + k] =
+                lac_follower_rate_by(f, k, 0.0, y, lac_vector_data(f->s[k]));
+        }
+    }
+}
+
+static double log_rate_at(lac_follower *f, double t)
+{
+    return CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS
+               ? NAN
+               : log(fabs(lac_follower_rate(f, f->def->problem, t, lac_vector_data(f->seen))));
+}
+
+// The crossing of the failure rate between two times of the last step, by bisection: the rate is
+// smooth there, and no step is long.
+static double find_crossing(lac_follower *f, double low, double high)
+{
+    double limit = log(f->def->failure_rate);
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            break;
+        }
+        bool past = log_rate_at(f, middle) >= limit;
+        low = past ? low : middle;
+        high = past ? middle : high;
+    }
+    return high;
+}
+
+// dt_f/dp = -(dg/dp)/(dg/dt), g the logarithm of the mean rate.
+static lac_status find_failure(lac_follower *f, double t, double step, lac_error *err)
+{
+    lac_follow *out = f->out;
+    out->failed = true;
+    out->failure_time = f->origin + t;
+    if (f->def->nudges == 0) {
+        return LAC_OK;
+    }
+    double h = 1e-3 * step;
+    double growth = (log_rate_at(f, t) - log_rate_at(f, t - h)) / h;
+    if (CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS ||
+        CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
+                        out->failure_time);
+    }
+    const double *y = lac_vector_data(f->seen);
+    for (size_t k = 0; k < f->def->nudges; k++) {
+        const double *s = lac_vector_data(f->seen_s[k]);
+        out->failure_by[k] = -lac_follower_rate_by(f, k, t, y, s) / growth;
+    }
+    return LAC_OK;
+}
+
+// Everything that lies within the step just made to t.
+static lac_status look_back(lac_follower *f, double t, bool *done, lac_error *err)
+{
+    const lac_follow_def *def = f->def;
+    lac_status status = LAC_OK;
+    sunrealtype step = 0.0;
+    double limit = log(def->failure_rate);
+    (void)CVodeGetLastStep(f->mem, &step);
+    double now = log_rate_at(f, t);
+    if (isnan(now)) {
+        return lac_fail(err, LAC_ENUMERIC, "no slip rate at t = %.17g s", f->origin + t);
+    }
+    if (f->before < limit && now >= limit) {
+        t = find_crossing(f, t - step, t);
+        LAC_TRY(find_failure(f, t, step, err));
+        *done = true;
+    }
+    f->before = now;
+    while (f->out->reached < def->n && def->time[f->out->reached] - f->origin <= t) {
+        double at = fmax(def->time[f->out->reached] - f->origin, t - step);
+        LAC_TRY(look(f, at, f->out->reached, err));
+        f->out->reached++;
+    }
+out:
+    return status;
+}
+
+// Begins anew where the loads jump or bend.
+static lac_status cross_break(lac_follower *f, double at, lac_error *err)
+{
+    const lac_problem *problem = f->def->problem;
+    bool sensitive = f->def->nudges > 0;
+    sunrealtype t;
+    if (sensitive && CVodeGetSens(f->mem, &t, f->s) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "no sensitivities at t = %g s", at);
+    }
+    f->origin = at;
+    f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
+    if (!lac_problem_pressed(problem, at) || !lac_follower_jump(f, at)) {
+        return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
+    }
+    double *y = lac_vector_data(f->y);
+    lac_problem_forget(problem, f->work);
+    double h = lac_problem_first_step(problem, at, y, f->work);
+    f->before = log(fabs(lac_follower_rate(f, problem, 0.0, y)));
+    if (CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
+        (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
+        CVodeSetInitStep(f->mem, h) != CV_SUCCESS) {
+        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %g s", at);
+    }
+    return LAC_OK;
+}
+
+// Whether a jump of the loads was the failure itself, whose time no parameter of a state moves.
+static bool fell(lac_follower *f, double at)
+{
+    if (f->before < log(f->def->failure_rate)) {
+        return false;
+    }
+    f->out->failed = true;
+    f->out->failure_time = at;
+    for (size_t k = 0; k < f->def->nudges; k++) {
+        f->out->failure_by[k] = 0.0;
+    }
+    return true;
+}
+
+static lac_status integrate(lac_follower *f, lac_error *err)
+{
+    const lac_follow_def *def = f->def;
+    lac_status status = LAC_OK;
+    double *y = lac_vector_data(f->y);
+    bool done = false;
+    double next = lac_problem_next_break(def->problem, 0.0);
+    f->limit = nextafter(next, -INFINITY);
+    double h = lac_problem_first_step(def->problem, 0.0, y, f->work);
+    (void)CVodeSetInitStep(f->mem, fmin(h, 0.5 * fmin(def->end, next)));
+    look_at_start(f);
+    while (!done) {
+        double stop = fmin(def->end, next) - f->origin;
+        sunrealtype t = 0.0;
+        if (f->out->steps++ >= def->max_steps) {
+            return lac_fail(err, LAC_ENUMERIC, "%lld steps were not enough",
+                            (long long)def->max_steps);
+        }
+        int flag = CVodeSetStopTime(f->mem, stop);
+        flag = flag < 0 ? flag : CVode(f->mem, stop, f->y, &t, CV_ONE_STEP);
+        if (flag < 0) {
+            return lac_fail(err, LAC_ENUMERIC, "the integrator gave up (flag %d) at t = %.17g s",
+                            flag, f->origin + t);
+        }
+        LAC_TRY(look_back(f, t, &done, err));
+        if (!done && flag == CV_TSTOP_RETURN) {
+            done = next >= def->end;
+            if (!done) {
+                LAC_TRY(cross_break(f, next, err));
+                done = fell(f, next);
+                next = lac_problem_next_break(def->problem, next);
+            }
+        }
+    }
+out:
+    return status;
+}
+
+lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err)
+{
+    lac_follower f = {.def = def, .out = out, .limit = INFINITY};
+    lac_status status = LAC_OK;
+    out->reached = 0;
+    out->failed = false;
+    out->failure_time = NAN;
+    out->steps = 0;
+    LAC_TRY(allocate(&f, err));
+    LAC_TRY(start(&f, err));
+    if (f.before >= log(def->failure_rate)) {
+        out->failed = true;
+        out->failure_time = 0.0;
+        goto out;
+    }
+    LAC_TRY(set_up(&f, err));
+    LAC_TRY(integrate(&f, err));
+out:
+    follower_clear(&f);
+    return status;
+}

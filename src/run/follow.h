@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RUN_FOLLOW_H
+#define LACUNA_RUN_FOLLOW_H
+
+#include "lacuna/sensitivity.h"
+#include "run/vector.h"
+
+// A problem on its way with its sensitivities. The state is y and, behind it, the mean slip; time
+// is origin + t, t the integrator's own, which begins anew where the loads break.
+typedef struct lac_follower {
+    const lac_follow_def *def;
+    lac_follow *out;
+    size_t n, m; // cells; components: unknowns and the mean slip
+    SUNContext sun;
+    void *mem; // CVODES
+    SUNLinearSolver linear;
+    N_Vector y, seen;     // the state reached, a state looked at
+    N_Vector *s, *seen_s; // [nudges] its derivatives; NULL: none
+    double *work;         // lac_problem_work of any of the problems
+    double *probe;        // [3 m]
+    double *scale;        // [m] what each component is worth an e-fold of rate or state
+    double slip_scale;    // slip that counts as an e-fold does [m]
+    double origin, limit;
+    double before; // ln of the mean rate before the step
+} lac_follower;
+
+// The loads' time at an integrator's time: within a segment they are seen from below its end.
+static inline double lac_follower_clock(const lac_follower *f, double t)
+{
+    double now = f->origin + t;
+    return now < f->limit ? now : f->limit;
+}
+
+// d(y, slip)/dt of one of the problems. @return false where a rate is not finite
+bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double t, const double *y,
+                             double *ydot);
+
+// Mean slip rate, signed [m/s].
+double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, const double *y);
+
+// A step along s that moves no component by more than a small part of an e-fold; 0 where s is 0.
+double lac_follower_reach(const lac_follower *f, const double *s);
+
+// ds/dt = J s + df/dp of the k-th nudge.
+bool lac_follower_sensitivity(lac_follower *f, size_t k, double t, const double *y, const double *s,
+                              double *sdot);
+
+// Derivative of ln(mean rate) by the k-th nudge. @param s  [m]
+double lac_follower_rate_by(lac_follower *f, size_t k, double t, const double *y, const double *s);
+
+// Takes state and sensitivities across a jump of the loads at time t.
+bool lac_follower_jump(lac_follower *f, double t);
+
+#endif

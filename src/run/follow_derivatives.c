@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the sensitivities of a followed problem need of it. Every derivative is a central difference
+// of the problem's own functions: along a direction s by a step that moves no unknown by more than
+// a few millionths of an e-fold, and by a parameter between the two problems made for it.
+#include <math.h>
+#include <string.h>
+
+#include "run/follow.h"
+
+// The cube root of the rounding error, where the two errors of a central difference meet.
+static const double reach = 6e-6;
+
+bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double t, const double *y,
+                             double *ydot)
+{
+    double sum = 0.0;
+    if (!lac_problem_derivative(problem, lac_follower_clock(f, t), y, ydot, f->work)) {
+        return false;
+    }
+    for (size_t i = 0; i < f->n; i++) {
+        sum += f->work[i];
+    }
+    ydot[f->m - 1] = sum / (double)f->n;
+    return isfinite(sum);
+}
+
+double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)
+{
+    double sum = 0.0;
+    double *v = f->probe + 2 * f->m;
+    lac_problem_rates(problem, lac_follower_clock(f, t), y, v, f->work);
+    for (size_t i = 0; i < f->n; i++) {
+        sum += v[i];
+    }
+    return sum / (double)f->n;
+}
+
+double lac_follower_reach(const lac_follower *f, const double *s)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < f->m; i++) {
+        largest = fmax(largest, fabs(s[i]) / f->scale[i]);
+    }
+    return largest > 0.0 ? reach / largest : 0.0;
+}
+
+static void move(const lac_follower *f, const double *y, double by, const double *s, double *out)
+{
+    for (size_t i = 0; i < f->m; i++) {
+        out[i] = y[i] + by * s[i];
+    }
+}
+
+bool lac_follower_sensitivity(lac_follower *f, size_t k, double t, const double *y, const double *s,
+                              double *sdot)
+{
+    const lac_nudge *nudge = &f->def->nudge[k];
+    double *there = f->probe;
+    double *rates = f->probe + f->m;
+    double by = lac_follower_reach(f, s);
+    memset(sdot, 0, f->m * sizeof *sdot);
+    for (int side = -1; by > 0.0 && side <= 1; side += 2) {
+        move(f, y, side * by, s, there);
+        if (!lac_follower_derivative(f, f->def->problem, t, there, rates)) {
+            return false;
+        }
+        move(f, sdot, side / (2.0 * by), rates, sdot);
+    }
+    for (int side = -1; side <= 1; side += 2) {
+        if (!lac_follower_derivative(f, side < 0 ? nudge->low : nudge->high, t, y, rates)) {
+            return false;
+        }
+        move(f, sdot, side / (2.0 * nudge->step), rates, sdot);
+    }
+    return true;
+}
+
+double lac_follower_rate_by(lac_follower *f, size_t k, double t, const double *y, const double *s)
+{
+    const lac_nudge *nudge = &f->def->nudge[k];
+    double by = lac_follower_reach(f, s);
+    double slope = 0.0;
+    for (int side = -1; by > 0.0 && side <= 1; side += 2) {
+        move(f, y, side * by, s, f->probe);
+        slope += side / (2.0 * by) * log(fabs(lac_follower_rate(f, f->def->problem, t, f->probe)));
+    }
+    double more = log(fabs(lac_follower_rate(f, nudge->high, t, y)));
+    double less = log(fabs(lac_follower_rate(f, nudge->low, t, y)));
+    return slope + (more - less) / (2.0 * nudge->step);
+}
+
+// J(y, p) is the state behind the jump: dJ/dy s + dJ/dp takes the place of s.
+static bool jump_sensitivity(lac_follower *f, size_t k, double t, const double *y, double *s)
+{
+    const lac_nudge *nudge = &f->def->nudge[k];
+    double *there = f->probe;
+    double *sum = f->probe + f->m;
+    double by = lac_follower_reach(f, s);
+    memset(sum, 0, f->m * sizeof *sum);
+    for (int side = -1; side <= 1; side += 2) {
+        if (by > 0.0) {
+            move(f, y, side * by, s, there);
+            if (!lac_problem_jump(f->def->problem, t, there)) {
+                return false;
+            }
+            move(f, sum, side / (2.0 * by), there, sum);
+        }
+        memcpy(there, y, f->m * sizeof *there);
+        if (!lac_problem_jump(side < 0 ? nudge->low : nudge->high, t, there)) {
+            return false;
+        }
+        move(f, sum, side / (2.0 * nudge->step), there, sum);
+    }
+    sum[f->m - 1] = s[f->m - 1]; // slip does not jump
+    memcpy(s, sum, f->m * sizeof *s);
+    return true;
+}
+
+bool lac_follower_jump(lac_follower *f, double t)
+{
+    double *y = lac_vector_data(f->y);
+    for (size_t k = 0; k < f->def->nudges; k++) {
+        if (!jump_sensitivity(f, k, t, y, lac_vector_data(f->s[k]))) {
+            return false;
+        }
+    }
+    return lac_problem_jump(f->def->problem, t, y);
+}

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna fit` from the case to the files.
+
+usage: test_fit.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import netCDF4
+import numpy
+
+PROGRAM, SOURCE = "", ""
+CASE, SERIES = "cases/fit/block.yaml", "cases/data/creep.csv"
+CENTURY, PRISM = "cases/fit/century.yaml", "cases/data/century_prism_31-2008.csv"
+CHAMBON = "/work/shared/data/monitoring/chambon_2015_C15.csv"  # may not be shipped
+SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30"]
+BEST = ["--set", "fit.steps=0", "--set", "fit.starts=8"]
+
+
+class Fit(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.out = os.path.join(self.folder, "out.nc")
+
+    def tearDown(self):
+        shutil.rmtree(self.folder)
+
+    def run_program(self, *args, status=0):
+        done = subprocess.run([PROGRAM, *args], cwd=SOURCE, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def fit(self, case, series, *args, status=0):
+        done = self.run_program("fit", case, series, "-o", self.out, "--force", "--json", *args,
+                                status=status)
+        return json.loads(done.stdout) if status == 0 else done.stderr
+
+    def test_files(self):
+        """What JSON says stands in the file; the fitted case runs and is as far from the readings."""
+        said = self.fit(CASE, SERIES, *SHORT)
+        with netCDF4.Dataset(self.out) as file:
+            file.set_auto_mask(False)
+            draws = file["friction_aging_dc"][:]
+            self.assertEqual(draws.shape, (16, 30))
+            quantiles = numpy.quantile(draws, [0.05, 0.25, 0.5, 0.75, 0.95])
+            dc = said["parameters"][0]
+            self.assertEqual(dc["key"], "friction.aging.dc")
+            numpy.testing.assert_allclose(quantiles[[0, 4]], dc["interval90"], rtol=1e-12)
+            numpy.testing.assert_allclose(quantiles[2], dc["median"], rtol=1e-12)
+            failures = file["failure_time"][:]
+            failures = numpy.where(failures > 1e30, numpy.inf, failures)
+            self.assertAlmostEqual(numpy.quantile(failures, 0.5) / said["tc_s"], 1.0, places=9)
+            self.assertEqual(file.status, "complete")
+            self.assertEqual(file.dimensions["reading"].size, 47)
+            spread = file["predicted_displacement"][:]
+            self.assertTrue(numpy.all(numpy.diff(spread[:, :100], axis=0) >= 0))
+        self.assertEqual(said["case_output"], os.path.join(self.folder, "out.yaml"))
+        done = self.run_program("run", said["case_output"], "--json", "-o",
+                                os.path.join(self.folder, "run.nc"))
+        run = json.loads(done.stdout)
+        # the run's records are joined by straight lines
+        self.assertAlmostEqual(run["compare"][0]["slip_rms_m"] / said["rms_m"], 1.0, places=1)
+        self.assertAlmostEqual(run["failure_time_s"] / said["best_failure_time_s"], 1.0, places=3)
+
+    def test_truth(self):
+        """Rate, errors and time of failure of the made-up readings are within the intervals."""
+        said = self.fit(CASE, SERIES, "--set", "fit.steps=600", "--set", "fit.burn=300",
+                        "--set", "fit.starts=8")
+        by = {p["key"]: p for p in said["parameters"]}
+        low, high = by["initial.slip_rate"]["interval90"]
+        self.assertTrue(low < 3e-3 / 86400 < high)
+        low, high = by["error.displacement"]["interval90"]
+        self.assertTrue(low < 1e-3 < high)
+        low, high = said["shape"]["interval90_1_m"]
+        self.assertTrue(low < 1.35 / 0.12 * (1 - 0.6 ** 0.35) < high)
+        self.assertTrue(said["interval90_s"][0] < 102.72 * 86400 < said["interval90_s"][1])
+        self.assertFalse(said["fits_badly"])
+        self.assertEqual(by["friction.aging.dc"]["derivatives"], "sensitivities")
+
+    def test_threads(self):
+        """The same numbers for any number of threads."""
+        one, two = (self.fit(CASE, SERIES, *SHORT, "--threads", n) for n in ("1", "3"))
+        for said in (one, two):
+            for key in ("wall_time_s", "cpu_time_s"):
+                del said[key]
+        self.assertEqual(one, two)
+
+    def test_rain(self):
+        """The rain-driven block follows the prism better than the undriven one; that one is flagged."""
+        driven = self.fit(CENTURY, PRISM, *BEST)
+        undriven = self.fit(CENTURY, PRISM, *BEST, "--set", "load.pore_pressure=[]", "--set",
+                            "friction.aging.a=0.010", "--set", "friction.aging.b=0.0135", "--set",
+                            "friction.aging.dc=7 mm", "--set", "initial.slip_rate=0.12 mm/day",
+                            "--set", "initial.state={ratio_to_steady: 0.3}", "--set",
+                            "fit.parameters={friction.aging.dc: {range: [1 mm, 1 m]}, "
+                            "initial.slip_rate: {range: [0.01 mm/day, 5 mm/day]}, "
+                            "initial.state.ratio_to_steady: {range: [0.01, 0.99]}}")
+        self.assertLess(driven["rms_m"], 0.0050)
+        self.assertLess(driven["rms_m"], 0.8 * undriven["rms_m"])
+        self.assertFalse(driven["fits_badly"])
+        self.assertTrue(undriven["fits_badly"])
+
+    @unittest.skipUnless(os.path.exists(CHAMBON), "no Chambon data here")
+    def test_chambon(self):
+        """From 13 June: rms 2.4 mm and 4 July 05 h, as an independent program has them."""
+        case = os.path.join(self.folder, "chambon.yaml")
+        with open(os.path.join(SOURCE, CASE), encoding="utf-8") as file:
+            text = file.read()
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(text[:text.index("compare:")])
+        said = self.fit(case, CHAMBON, *BEST, "--set", "time.start=2015-06-13T09:40", "--set",
+                        "fit.time=datetime", "--set", "fit.displacement=displacement_mm:mm", "--set",
+                        "initial.slip_rate=36 mm/day", "--set", "friction.aging.dc=1 m", "--set",
+                        "fit.parameters={friction.aging.dc: {range: [1 cm, 100 m]}, "
+                        "friction.aging.b: {range: [0.0105, 0.03]}, "
+                        "initial.slip_rate: {range: [1 mm/day, 100 mm/day]}, "
+                        "initial.state.ratio_to_steady: {range: [0.01, 0.99]}}")
+        self.assertAlmostEqual(1e3 * said["rms_m"], 2.4, delta=0.1)
+        begin = numpy.datetime64("2015-06-13T09:40")
+        fails = begin + numpy.timedelta64(round(said["best_failure_time_s"]), "s")
+        self.assertLess(abs(fails - numpy.datetime64("2015-07-04T05:00")), numpy.timedelta64(3, "h"))
+
+    def test_wrong_requests(self):
+        """Each says in one line what is wrong, and leaves no file."""
+        wrong = [
+            (["--set", "fit.parameters={friction.aging.dcc: {range: [1, 2]}}"], "fit.parameters.friction"),
+            (["--set", "fit.parameters={friction.aging.dc: {range: [2 m, 1 m]}}"], "must rise"),
+            (["--set", "fit.parameters={friction.aging.dc: {range: [1 s, 1 m]}}"], "length"),
+            (["--set", "fit.parameters={friction.aging.dc: {}}"], "needs a range"),
+            (["--set", "fit.parameters={friction.aging.dc: {range: [1 m, 2 m]}}"], "leaves out"),
+            (["--set", "fit.parameters={friction.aging.dc: {prior: {cauchy: {}}}}"], "cauchy"),
+            (["--set", "fit.parameters={friction.aging.dc: {prior: {lognormal: {median: 0, sigma: 1}}}}"],
+             "median > 0"),
+            (["--set", "fit.parameters={}"], "at least one"),
+            (["--set", "fit.walkers=15"], "even"),
+            (["--set", "fit.steps=3"], "at least 8"),
+            (["--set", "fit.displacement=nothing:mm"], "nothing"),
+            (["--set", "fit.displacement=disp_mm:s"], "fit.displacement"),
+            (["--set", "time.start=2021-01-01T00:00"], "too few"),
+            (["--set", "time.start=0 s"], "must be a date"),
+            (["--set", "fit.sampel=1"], "fit.sampel"),
+        ]
+        for args, says in wrong:
+            said = self.fit(CASE, SERIES, *args, status=2)
+            self.assertIn(says, said)
+            self.assertEqual(os.listdir(self.folder), [])
+        self.assertIn("fit", self.fit("cases/block.yaml", SERIES, status=2))
+        self.fit(CASE, "no-such.csv", status=3)
+        done = self.run_program("fit", CASE, SERIES, "-o", os.path.join(self.folder, "no", "o.nc"),
+                                status=3)
+        self.assertIn("no/o.nc", done.stderr)
+
+    def test_hopeless(self):
+        """Every run fails before the last reading: exit 1, nothing written."""
+        said = self.fit(CASE, SERIES, "--set", "fit.parameters={friction.aging.dc: {range: [1 um, "
+                        "10 um]}}", "--set", "friction.aging.dc=5 um", status=1)
+        self.assertIn("fails before", said)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_interrupt(self):
+        """SIGINT: what was drawn is written whole, exit 4."""
+        with subprocess.Popen([PROGRAM, "fit", CASE, SERIES, "-o", self.out, "--set", "fit.starts=4",
+                               "--set", "fit.burn=0", "--set", "fit.steps=1000000"], cwd=SOURCE,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+            time.sleep(4)
+            program.send_signal(signal.SIGINT)
+            program.communicate(timeout=200)
+        self.assertEqual(program.returncode, 4)
+        if os.path.exists(self.out):  # a slow machine is still at the least squares
+            with netCDF4.Dataset(self.out) as file:
+                self.assertEqual(file.status, "interrupted")
+                self.assertGreaterEqual(file.dimensions["draw"].size, 8)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:])

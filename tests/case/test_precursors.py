@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna precursors`: what it says of series and runs, and how it refuses wrong ones.
+
+usage: test_precursors.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import datetime
+import json
+import math
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy
+
+PROGRAM, SOURCE = "", ""
+METHODS = ["inv8", "inv", "slo", "saito", "log", "voight", "block", "lppls", "persistence"]
+LOG_LAW = ["t,d"] + [f"{day},{-0.3 * math.log(1 - day / 40):.6f}" for day in range(36)]
+
+
+def seconds(text):
+    at = datetime.datetime.fromisoformat(text).replace(tzinfo=datetime.timezone.utc)
+    return at.timestamp()
+
+
+class Precursors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="lacuna-precursors-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        cls.write("log.csv", "\n".join(LOG_LAW))
+
+    @classmethod
+    def write(cls, name, text):
+        with open(os.path.join(cls.folder, name), "w", encoding="utf-8") as out:
+            out.write(text)
+
+    def call(self, *words, status=0, folder=None):
+        done = subprocess.run([PROGRAM, "precursors", *words], text=True, capture_output=True,
+                              cwd=folder or self.folder, check=False)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return done
+
+    def ask(self, *words):
+        return json.loads(self.call(*words, "--json").stdout)
+
+    def of(self, answer, method):
+        return next(f for f in answer["forecasts"] if f["method"] == method)
+
+    def test_wrong_series_name_their_line(self):
+        folder = os.path.join(SOURCE, "tests/case/wrong_series")
+        names = sorted(name for name in os.listdir(folder) if name.endswith(".csv"))
+        self.assertGreaterEqual(len(names), 40)
+        for name in names:
+            with open(os.path.join(folder, name[:-3] + "txt"), encoding="utf-8") as file:
+                options, says = file.read().rstrip("\n").split("\n")
+            done = self.call(name, *shlex.split(options), status=2, folder=folder)
+            self.assertEqual(done.stderr, f"lacuna: {says}\n", name)
+            self.assertRegex(done.stderr, rf"^lacuna: {name}:\d+: ")
+            self.assertEqual(done.stdout, "")
+
+    def test_wrong_options(self):
+        data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
+        for words, says in (
+                (["log.csv"], "which column is what? --displacement"),
+                (["none.csv", "--displacement", "d:m"], "none.csv: No such file"),
+                (["log.csv", "--displacement", "d:kg"], 'd: unit "kg"'),
+                (["log.csv", "--displacement", ":mm"], '--displacement: ":mm" must be COLUMN:UNIT'),
+                (["log.csv", "--velocity", "d:m/s", "--sigma", "t:mm"], "--sigma: is of displacements"),
+                (data + ["--time-format", "%d/%q"], 'time format "%d/%q" must have each'),
+                (data + ["--time-format", "%H:%M"], "must have a year, a month and a day"),
+                (data + ["--time-format", "kg"], 'time format "kg" must be iso, unix, excel'),
+                (data + ["--smooth", "average"], '--smooth: "average" must be none'),
+                (data + ["--smooth", "average:1"], "a moving average must be of 2 or more"),
+                (data + ["--smooth", "savgol:3,3"], "a Savitzky-Golay filter must have"),
+                (data + ["--smooth", "window:3 kg"], '--smooth: "window:3 kg"'),
+                (data + ["--since", "2015-01-01"], '--since: "2015-01-01"'),
+                (data + ["--onset", "7,3"], '--onset: "7,3" must be two numbers'),
+                (data + ["--issues", "0"], '--issues: "0" must be a number from 1'),
+                (data + ["--horizon", "-1 day"], '--horizon: "-1 day" must be a time > 0 s'),
+                (data + ["--failed-at", "-3 day"], "must be later than the first reading"),
+                (data + ["--until", "-1 day"], "log.csv: has no reading until -1 day")):
+            status = 3 if "none.csv" in words else 2
+            done = self.call(*words, status=status)
+            self.assertIn(says, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_a_log_law(self):
+        answer = self.ask("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
+                          "--failed-at", "40 day", "-o", "log.nc")
+        self.assertEqual([f["method"] for f in answer["forecasts"]], METHODS)
+        for method in ("saito", "log", "voight", "block"):
+            f = self.of(answer, method)
+            self.assertTrue(f["issued"], f["reason"])
+            self.assertAlmostEqual(f["tc_s"] / 86400, 40, delta=0.3)
+            low, high = f["interval90_s"]
+            self.assertTrue(35 * 86400 < low < f["interval50_s"][0] < f["interval50_s"][1] < high)
+            self.assertIsNone(f["tc_date"])
+        self.assertAlmostEqual(self.of(answer, "log")["parameters"]["scale_m"], 0.3, delta=1e-3)
+        self.assertEqual(len(answer["rolling"]["issues"]), 36)
+        skill = {s["method"]: s for s in answer["rolling"]["skill"]}
+        self.assertLess(skill["log"]["crps_s"], skill["log"]["persistence_crps_s"])
+        self.assertGreater(skill["log"]["hits"], 0)
+        self.check_file("log.nc", answer)
+        text = self.call("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
+                         "-v", "--failed-at", "40 day").stdout
+        for word in ("life expectancy (days)", "skill", "An alarm", "saito", "40 day"):
+            self.assertIn(word, text)
+
+    def check_file(self, name, answer):
+        path = os.path.join(self.folder, name)
+        with netCDF4.Dataset(path) as data:
+            self.assertEqual(data["method"].flag_meanings.split(), METHODS)
+            for i, issue in enumerate(answer["rolling"]["issues"]):
+                self.assertEqual(data["issue_time"][i], issue["issue_time_s"])
+                for k, f in enumerate(issue["forecasts"]):
+                    self.assertEqual(data["issued"][i, k], f["issued"])
+                    stored = data["failure_time"][i, k]
+                    self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
+                                     f["tc_s"])
+        done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tests/support/check_cf.py"),
+                               "--status", "complete", path], text=True, capture_output=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_rolling_is_what_was_known(self):
+        words = ("log.csv", "--displacement", "d:m", "--time-format", "day")
+        rolling = self.ask(*words, "--rolling")["rolling"]["issues"]
+        for i in (12, 20, 35):
+            alone = self.ask(*words, "--until", f"{i} day")
+            self.assertEqual(alone["issue_time_s"], i * 86400)
+            self.assertEqual(alone["forecasts"], rolling[i]["forecasts"])
+        some = self.ask(*words, "--rolling", "--issues", "5")["rolling"]["issues"]
+        self.assertEqual([round(issue["issue_time_s"] / 86400) for issue in some], [6, 13, 21, 28, 35])
+
+    def test_the_same_series_written_otherwise(self):
+        def written(rows, *words):
+            self.write("other.csv", rows)
+            return self.ask("other.csv", *words)["forecasts"]
+        start = datetime.datetime(2015, 6, 7)
+        numbers = [line.split(",") for line in LOG_LAW[1:]]
+        dates = [start + datetime.timedelta(days=int(t)) for t, d in numbers]
+        plain = written("when,d\n" + "\n".join(f"{at:%Y-%m-%d},{d}" for at, (t, d) in zip(dates, numbers)),
+                        "--displacement", "d:m")
+        others = (
+            ("\ufeffd;t\r\n" + "\r\n".join(f"{d.replace('.', ',')};{at:%d.%m.%y}"
+                                           for at, (t, d) in zip(dates, numbers)),
+             ("--time", "t", "--displacement", "d:m", "--time-format", "%d.%m.%y")),
+            ("# a\nt\td\n" + "\n".join(f"{at:%Y-%m-%dT%H:%M:%S}+00:00\t{float(d) * 1e3:.3f}"
+                                       for at, (t, d) in reversed(list(zip(dates, numbers)))),
+             ("--displacement", "d:mm")),
+            ("t,d\n" + "\n".join(f"{42162 + int(t)},{d}" for t, d in numbers),
+             ("--displacement", "d:m", "--time-format", "excel")),
+            ("t,d\n" + "\n".join(f"{24 * int(t)},{d}" for t, d in numbers),
+             ("--displacement", "d:m", "--time-format", "hours since 2015-06-07")),
+        )
+        for text, words in others:
+            for a, b in zip(plain, written(text, *words)):
+                self.assertEqual((a["issued"], a["tc_date"]), (b["issued"], b["tc_date"]))
+
+    def test_a_run(self):
+        case = os.path.join(SOURCE, "cases/block.yaml")
+        subprocess.run([PROGRAM, "run", case, "-o", "block.nc", "-q"], cwd=self.folder, check=True,
+                       capture_output=True)
+        with netCDF4.Dataset(os.path.join(self.folder, "block.nc")) as data:
+            failure = float(data.failure_time_s)
+        answer = self.ask("block.nc", "--until", f"{0.95 * failure} s", "--rolling")
+        self.assertEqual(answer["series"]["kind"], "run")
+        self.assertEqual(answer["rolling"]["failed_at_s"], failure)
+        f = self.of(answer, "block")
+        self.assertTrue(f["issued"], f["reason"])
+        self.assertAlmostEqual(f["tc_s"] / failure, 1, delta=0.005)
+
+    def test_indicators_of_a_run(self):
+        case = os.path.join(SOURCE, "cases/events.yaml")
+        subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--until", "4 s"], cwd=self.folder,
+                       check=True, capture_output=True)
+        with netCDF4.Dataset(os.path.join(self.folder, "events.nc")) as data:
+            ends = data["event_time"][:] + data["event_duration"][:]
+            start, moment = data["event_time"][:].filled(), data["event_moment"][:].filled()
+            last = float(data["time"][:][data["time"][:] <= 3][-1])
+        answer = self.ask("events.nc", "--until", "3 s")
+        found = {i["indicator"]: i for i in answer["indicators"]}
+        known = ends <= last
+        order = numpy.argsort(start[known])
+        self.assertEqual(found["event_rate"]["points"], known.sum())
+        self.assertAlmostEqual(found["moment"]["values"]["moment_N_m"] / moment[known].sum(), 1)
+        steps = numpy.diff(2 / 3 * (numpy.log10(moment[known][order]) - 9.1))
+        steps = steps[steps >= 0.2]
+        self.assertEqual(found["b_positive"]["points"], len(steps))
+        self.assertAlmostEqual(found["b_positive"]["values"]["b"],
+                               math.log10(math.e) / (steps.mean() - 0.2), delta=1e-9)
+        self.assertIn("analysis: {rg", found["slip_fraction"]["reason"])
+        self.assertEqual(found["slowing"]["points"], 200)
+
+    def test_indicators_know_no_future(self):
+        words = ("--displacement", "d:m", "--time-format", "day")
+        self.write("past.csv", "\n".join(LOG_LAW[:32]))
+        self.write("wild.csv", "\n".join(LOG_LAW[:32] + ["31,-5", "32,77", "33,NA", "34,1e6"]))
+        past = self.ask("past.csv", *words)
+        self.assertIsNone(next(i for i in past["indicators"] if i["indicator"] == "slowing")["reason"])
+        for name in ("log.csv", "wild.csv"):
+            until = self.ask(name, *words, "--until", "30 day")
+            for key in ("indicators", "forecasts"):
+                self.assertEqual(past[key], until[key])
+
+    def hindcasts(self):
+        data = os.path.join(SOURCE, "..", "shared", "data", "monitoring")
+        done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tools/hindcasts.py"),
+                               "--program", PROGRAM, "--data", data], text=True,
+                              capture_output=True, check=True)
+        return [[cell.strip() for cell in line.split("|")] for line in done.stdout.splitlines()]
+
+    def test_hindcasts_agree_with_another_program(self):
+        rows = self.hindcasts()
+        differences = [float(cell[:-4]) for row in rows for cell in row if cell.endswith(" day")
+                       and cell[0] in "+-"]
+        self.assertGreaterEqual(len(differences), 1)  # Chambon's data may not be at hand
+        self.assertTrue(all(abs(off) < 0.1 for off in differences), differences)
+        if len(differences) > 1:
+            self.assertEqual(len(differences), 14)
+            at_once = [row for row in rows if len(row) > 4 and row[2] == "most methods that alarm at once"]
+            self.assertTrue(all(int(row[4]) <= 1 for row in at_once))
+
+    def test_a_wall_that_rain_drove_is_no_undriven_one(self):
+        data = os.path.join(SOURCE, "cases/data/century_prism_31-2008.csv")
+        words = (data, "--displacement", "displacement_mm:mm", "--since", "2014-02-08T12:54")
+        answer = self.ask(*words)
+        self.assertIn("bad fit", self.of(answer, "log")["reason"])
+        self.assertEqual(self.of(answer, "log")["tc_date"][:10], "2014-02-20")
+        for f in answer["forecasts"]:
+            self.assertEqual(f["issued"], f["method"] == "persistence")
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Forecasts of motions whose time of failure is known exactly.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "lacuna/forecast.h"
+
+enum { N = 60 };
+static const double tc = 1.4e9 + 1e6, scale = 0.3;
+
+static double times[N], displacement[N], velocity[N];
+
+static lac_outlook *look(size_t n, bool with_velocity, double since)
+{
+    const lac_readings readings = {.n = n,
+                                   .time = times,
+                                   .displacement = displacement,
+                                   .velocity = with_velocity ? velocity : NULL};
+    lac_forecast_def def = lac_forecast_default();
+    lac_outlook *o = NULL;
+    lac_error err = {""};
+    def.since = since;
+    if (lac_outlook_create(&def, &readings, &o, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    return o;
+}
+
+static const lac_forecast *find(const lac_outlook *o, const char *method)
+{
+    for (size_t k = 0; k < o->count; k++) {
+        if (strcmp(o->forecast[k].kind->about.name, method) == 0) {
+            return &o->forecast[k];
+        }
+    }
+    fail_msg("no method %s", method);
+    return NULL;
+}
+
+// Left over remaining: how far a method is off.
+static double off(const lac_outlook *o, const char *method)
+{
+    const lac_forecast *f = find(o, method);
+    if (!f->issued) {
+        fail_msg("%s: %s", method, f->fit.reason);
+    }
+    return (f->time - tc) / (tc - f->issue_time);
+}
+
+static void fill_times(size_t n)
+{
+    for (size_t i = 0; i < n; i++) { // to a tenth of the way before failure, unevenly
+        const double part = ((double)i + 0.3 * sin(3.0 * (double)i)) / (double)n;
+        times[i] = tc - 1e6 * (1.0 - 0.9 * part);
+    }
+}
+
+static void alpha_2_is_the_same_to_all(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        velocity[i] = scale / (tc - times[i]);
+        displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
+    }
+    static const char *const methods[] = {"inv8", "inv", "slo", "saito", "log", "voight"};
+    lac_outlook *o = look(N, true, times[0]);
+    for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
+        assert_true(fabs(off(o, methods[k])) < 1e-6);
+    }
+    assert_true(fabs(find(o, "voight")->fit.value[0].value - 2.0) < 1e-5);
+    lac_outlook_free(o);
+}
+
+// From displacements alone velocities are secants at the middles of intervals.
+static void secants_make_inverse_velocity_early(void **state)
+{
+    (void)state;
+    lac_outlook *o = look(N, false, times[0]);
+    assert_true(fabs(off(o, "saito")) < 1e-6 && fabs(off(o, "log")) < 1e-6);
+    assert_true(off(o, "inv8") < -1e-5 && off(o, "inv8") > -0.03);
+    lac_outlook_free(o);
+}
+
+static void other_exponents_are_found(void **state)
+{
+    (void)state;
+    static const double alphas[] = {1.7, 1.9, 2.2, 2.6};
+    fill_times(N);
+    for (size_t k = 0; k < sizeof alphas / sizeof *alphas; k++) {
+        const double q = (alphas[k] - 2.0) / (alphas[k] - 1.0);
+        for (size_t i = 0; i < N; i++) {
+            displacement[i] = scale * (1.0 - pow((tc - times[i]) / (tc - times[0]), q)) / q;
+        }
+        lac_outlook *o = look(N, false, times[0]);
+        assert_true(fabs(off(o, "voight")) < 1e-5);
+        assert_true(fabs(find(o, "voight")->fit.value[0].value - alphas[k]) < 1e-4);
+        lac_outlook_free(o);
+    }
+}
+
+static void oscillations_are_found(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        const double z = (tc - times[i]) / (tc - times[0]);
+        displacement[i] = 1.0 - pow(z, 0.5) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
+    }
+    lac_outlook *o = look(N, false, times[0]);
+    const lac_fit *fit = &find(o, "lppls")->fit;
+    assert_true(fabs(off(o, "lppls")) < 1e-4);
+    assert_true(fabs(fit->value[0].value - 0.5) < 1e-3 && fabs(fit->value[1].value - 7.0) < 1e-3);
+    assert_true(fabs(fit->value[3].value - 0.05) < 1e-4);
+    lac_outlook_free(o);
+}
+
+// A block with m = 2 (O4 of docs/theory/creep.md): tc/theta_ss = -x - ln(1 - x), and
+// d = dc ln((1 - x)/x), found by halving x.
+static double block_state(double left)
+{
+    double low = 0.0;
+    double high = 1.0;
+    for (int i = 0; i < 200; i++) {
+        const double x = 0.5 * (low + high);
+        if (-x - log1p(-x) < left) {
+            low = x;
+        } else {
+            high = x;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+static void fill_block(double theta_ss)
+{
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        const double x = block_state((tc - times[i]) / theta_ss);
+        displacement[i] = 0.02 * log((1.0 - x) / x);
+        velocity[i] = 0.02 / theta_ss / (x * x);
+    }
+}
+
+static void a_block_is_found(void **state)
+{
+    (void)state;
+    static const double states[] = {1e5, 5e5, 1e7};
+    for (size_t k = 0; k < sizeof states / sizeof *states; k++) {
+        fill_block(states[k]);
+        lac_outlook *o = look(N, true, times[0]);
+        const lac_fit *fit = &find(o, "block")->fit;
+        assert_true(fabs(off(o, "block")) < 3e-5);
+        assert_true(fit->value[0].value == 2.0);
+        // (m/dc)(1 - x^(m-1)) is what a motion can tell
+        const double x = block_state((tc - times[N - 1]) / states[k]);
+        assert_true(fabs(fit->value[3].value / (2.0 / 0.02 * (1.0 - x)) - 1.0) < 0.01);
+        lac_outlook_free(o);
+    }
+}
+
+// With 1/v = x^2 theta_ss/dc and dx/dT = 1 - 1/x the tangent of 1/v meets 0 after x/(2 (1/x - 1)),
+// the block fails after -x - ln(1 - x).
+static void inverse_velocity_is_late_on_a_block(void **state)
+{
+    (void)state;
+    const double theta_ss = 4e5;
+    fill_block(theta_ss);
+    for (size_t i = 0; i < N; i++) { // eight readings close together: a tangent
+        times[i] = tc - 1e6 * (1.0 - 0.5 * (double)i / N);
+        times[i] = i + 8 < N ? times[i] : tc - 5e5 + 50.0 * ((double)i - N + 1.0);
+        const double x = block_state((tc - times[i]) / theta_ss);
+        displacement[i] = 0.02 * log((1.0 - x) / x);
+        velocity[i] = 0.02 / theta_ss / (x * x);
+    }
+    lac_outlook *o = look(N, true, times[0]);
+    const double x = block_state(5e5 / theta_ss);
+    const double theory = 0.5 * x / (1.0 / x - 1.0) / (-x - log1p(-x));
+    assert_true(theory > 1.2);
+    assert_true(fabs((1.0 + off(o, "inv8")) / theory - 1.0) < 0.02);
+    lac_outlook_free(o);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(alpha_2_is_the_same_to_all),
+        cmocka_unit_test(secants_make_inverse_velocity_early),
+        cmocka_unit_test(other_exponents_are_found),
+        cmocka_unit_test(oscillations_are_found),
+        cmocka_unit_test(a_block_is_found),
+        cmocka_unit_test(inverse_velocity_is_late_on_a_block),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the file of `lacuna precursors ... --rolling -o FORECASTS.nc`.
+
+    plot_precursors.py FORECASTS.nc [-o PICTURE.png]
+
+Displacement and inverse velocity; life expectancy against the time of issue, with the 50 % intervals and, where the time
+of failure is known, the 45 degree line of the truth; the failure windows of all methods at the last
+issue, 50 % and 90 %.
+"""
+
+import argparse
+import datetime
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import netCDF4  # noqa: E402
+import numpy  # noqa: E402
+
+DAY = 86400.0
+COLOURS = ["#0072b2", "#56b4e9", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#000000", "#7f7f7f"]
+
+
+class Forecasts:
+    """The file's variables in days from the first reading, missing ones NaN."""
+
+    def __init__(self, path):
+        with netCDF4.Dataset(path) as data:
+            data.set_auto_mask(True)
+            take = lambda name: numpy.ma.filled(data[name][:].astype(float), numpy.nan)  # noqa: E731
+            self.start = take("reading_time")[0]
+            self.dated = "since" in data["reading_time"].units
+            for name in ("reading_time", "velocity_time", "issue_time", "failure_time",
+                         "failure_time_low50", "failure_time_high50", "failure_time_low90",
+                         "failure_time_high90"):
+                setattr(self, name, (take(name) - self.start) / DAY)
+            self.displacement, self.velocity = take("displacement"), take("velocity") * DAY
+            self.issued = take("issued") > 0
+            self.methods = data["method"].flag_meanings.split()
+            failed = getattr(data, "failed_at_s", None)
+            self.failed = None if failed is None else (failed - self.start) / DAY
+            self.source = data.source_file
+
+    def axis(self):
+        if not self.dated:
+            return "days since the first reading"
+        at = datetime.datetime.fromtimestamp(self.start, datetime.timezone.utc)
+        return f"days since {at:%Y-%m-%d %H:%M} UTC"
+
+
+def draw_motion(axes, f):
+    axes.plot(f.reading_time, f.displacement, "k.-", markersize=4, linewidth=0.8)
+    axes.set_ylabel("displacement (m)")
+    right = axes.twinx()
+    rising = f.velocity > 0
+    right.plot(f.velocity_time[rising], 1 / f.velocity[rising], "o", color=COLOURS[0], markersize=3,
+               markerfacecolor="none")
+    right.set_ylabel("1/v (day/m)", color=COLOURS[0])
+    shown = numpy.sort(1 / f.velocity[rising])
+    if len(shown):
+        right.set_ylim(0, 1.1 * shown[int(0.9 * (len(shown) - 1))])
+
+
+def draw_life(axes, f):
+    lives = []
+    for k, method in enumerate(f.methods[:-1]):
+        ok = f.issued[:, k]
+        if not ok.any():
+            continue
+        now = f.issue_time[ok]
+        left = f.failure_time[ok, k] - now
+        lives += list(left)
+        axes.fill_between(now, f.failure_time_low50[ok, k] - now, f.failure_time_high50[ok, k] - now,
+                          color=COLOURS[k % 8], alpha=0.1, linewidth=0)
+        axes.plot(now, left, ".-", color=COLOURS[k % 8], label=method, markersize=4, linewidth=0.8)
+    if f.failed is not None:
+        axes.plot([f.issue_time[0], f.failed], [f.failed - f.issue_time[0], 0], "k--", linewidth=1,
+                  label="true (45 degrees)")
+    if lives:
+        top = f.failed - f.issue_time[f.issued[:, :-1].any(axis=1)][0] if f.failed is not None else 0
+        axes.set_ylim(0, 1.5 * max(top, numpy.median(lives)))
+        axes.legend(fontsize=7, ncol=2)
+    axes.set_ylabel("life expectancy (day)")
+
+
+def draw_windows(axes, f):
+    last = len(f.issue_time) - 1
+    for k, method in enumerate(f.methods[:-1]):
+        if not f.issued[last, k]:
+            axes.text(f.issue_time[last], k, " not issued", va="center", fontsize=7)
+            continue
+        colour = COLOURS[k % 8]
+        axes.plot([f.failure_time_low90[last, k], f.failure_time_high90[last, k]], [k, k], color=colour,
+                  linewidth=1)
+        axes.plot([f.failure_time_low50[last, k], f.failure_time_high50[last, k]], [k, k], color=colour,
+                  linewidth=5, solid_capstyle="butt")
+        axes.plot(f.failure_time[last, k], k, "k|", markersize=9)
+    axes.axvline(f.issue_time[last], color="k", linewidth=0.8, linestyle=":")
+    if f.failed is not None:
+        axes.axvline(f.failed, color="k", linewidth=1, linestyle="--")
+    axes.set_yticks(range(len(f.methods) - 1), f.methods[:-1])
+    axes.set_ylim(len(f.methods) - 1.5, -0.5)
+    axes.set_title("failure windows at the last issue: 50 % (thick), 90 % (thin), | the fit", fontsize=9)
+    axes.set_xlabel(f.axis())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("file")
+    parser.add_argument("-o", "--output", help="else the file's name with .png")
+    arguments = parser.parse_args()
+    f = Forecasts(arguments.file)
+    figure, axes = plt.subplots(3, 1, figsize=(8, 10), constrained_layout=True)
+    draw_motion(axes[0], f)
+    axes[0].set_title(os.path.basename(f.source), fontsize=9)
+    draw_life(axes[1], f)
+    draw_windows(axes[2], f)
+    output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
+    figure.savefig(output, dpi=110)
+    print(output)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
