@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every friction law must do, run on each law of the registry in every form, with and without
-// cut-off slip rates.
+// What every law of the registry must do in every form, with and without cut-off slip rates.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -417,8 +416,7 @@ static void check_hostile(const variant *kind)
     }
 }
 
-// Normal stress that changes takes (alpha/b) d ln p/dt off dw/dt, and nothing else changes; a jump
-// by r is that integrated; without alpha neither does anything.
+// Normal stress takes (alpha/b) d ln p/dt off dw/dt, a jump the integral of that; and no more.
 static void check_normal_stress(const variant *kind)
 {
     lac_friction *friction = make_varied(kind);
@@ -432,8 +430,7 @@ static void check_normal_stress(const variant *kind)
             lac_friction_evaluate(friction,
                                   &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate},
                                   &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
-            double response =
-                with ? alpha[cell] / lac_cellwise_of(&friction->column[LAC_B], cell) : 0;
+            double response = with ? alpha[cell] / friction->column[LAC_B].value[cell] : 0;
             double want = still.out[G][0] - response * rate;
             assert_true(fabs(moving.out[G][0] - want) <= 1e-15 * (fabs(want) + response * rate));
             assert_true(f == still.out[F][0] && f_w == still.out[F_W][0]);
