@@ -83,6 +83,9 @@ typedef struct lac_load_kind {
     void (*add)(const lac_load *load, double t, lac_load_state *sum);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
     double (*next_break)(const lac_load *load, double t);
+    /// The longest step from t to the next break that cannot miss a swing [s]; INFINITY where it
+    /// does not swing. NULL: it never does.
+    double (*longest_step)(const lac_load *load, double t);
 } lac_load_kind;
 
 /// The loads of a scene.
@@ -135,5 +138,8 @@ void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
 
 /// The first time after t at which any load or its rate jumps; INFINITY if none.
 double lac_load_next_break(const lac_load_set *set, double t);
+
+/// The longest step from t to the next break that misses no swing of a load [s]; INFINITY if none.
+double lac_load_longest_step(const lac_load_set *set, double t);
 
 #endif

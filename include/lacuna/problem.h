@@ -151,6 +151,11 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 /// The first time after t at which a load jumps or bends; INFINITY if none.
 double lac_problem_next_break(const lac_problem *problem, double t);
 
+/// The longest step from t to the next break [s]; INFINITY if any will do. Where the rates of the
+/// unknowns do not hold the rates of the loads, a cell at rest does not feel a swing that a step
+/// leaps over.
+double lac_problem_longest_step(const lac_problem *problem, double t);
+
 /// A thousandth of the fastest cell's own time scale: that of its state, which counts b/(10 a)
 /// times where b > 10 a (with damping less), or of dc/v [s].
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);

@@ -34,6 +34,17 @@ static double first_break(const lac_load *loads, size_t count, double t)
     return first;
 }
 
+static double longest_step(const lac_load *loads, size_t count, double t)
+{
+    double longest = INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        if (loads[i].kind->longest_step != NULL) {
+            longest = fmin(longest, loads[i].kind->longest_step(&loads[i], t));
+        }
+    }
+    return longest;
+}
+
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
 {
     *sum = (lac_load_state){0};
@@ -45,6 +56,12 @@ double lac_load_next_break(const lac_load_set *set, double t)
 {
     return fmin(first_break(set->shear, set->shear_count, t),
                 first_break(set->pore, set->pore_count, t));
+}
+
+double lac_load_longest_step(const lac_load_set *set, double t)
+{
+    return fmin(longest_step(set->shear, set->shear_count, t),
+                longest_step(set->pore, set->pore_count, t));
 }
 
 lac_share lac_load_slot_share(const lac_slot *slot)

@@ -58,6 +58,13 @@ static double next_break(const lac_load *load, double t)
     return INFINITY;
 }
 
+static double longest_step(const lac_load *load, double t)
+{
+    const shaking_params *s = load->params;
+    bool swings = s->acceleration > 0.0 && t >= s->start && t < s->start + s->duration;
+    return swings ? 0.125 / s->frequency : INFINITY;
+}
+
 static const char *fault(const void *p)
 {
     const shaking_params *s = p;
@@ -124,4 +131,5 @@ const lac_load_kind lac_shear_shaking = {
               .fault = fault},
     .add = add,
     .next_break = next_break,
+    .longest_step = longest_step,
 };

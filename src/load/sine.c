@@ -39,6 +39,13 @@ static double next_break(const lac_load *load, double t)
     return lac_window_break(sine->start, lac_end_of(sine->end), t);
 }
 
+static double longest_step(const lac_load *load, double t)
+{
+    const sine_params *sine = load->params;
+    bool swings = sine->amplitude > 0.0 && t >= sine->start && t < lac_end_of(sine->end);
+    return swings ? sine->period / 8 : INFINITY;
+}
+
 static const char *fault(const void *p)
 {
     const sine_params *sine = p;
@@ -97,6 +104,7 @@ const lac_load_kind lac_shear_sine = {
               .fault = fault},
     .add = add_shear,
     .next_break = next_break,
+    .longest_step = longest_step,
 };
 
 const lac_load_kind lac_pore_sine = {
@@ -111,4 +119,5 @@ const lac_load_kind lac_pore_sine = {
               .fault = fault},
     .add = add_pore,
     .next_break = next_break,
+    .longest_step = longest_step,
 };

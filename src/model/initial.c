@@ -94,7 +94,8 @@ static void rate_from_load(const start_cell *c, lac_initial_state how, double va
     }
 }
 
-static lac_status cannot_start(const start_cell *c, double rate, double value, lac_error *err)
+static lac_status cannot_start(const start_cell *c, double rate, double value, double w,
+                               lac_error *err)
 {
     double a = lac_cellwise_of(&c->friction->column[LAC_A], c->cell);
     double b = lac_cellwise_of(&c->friction->column[LAC_B], c->cell);
@@ -106,6 +107,11 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, l
         return lac_fail(err, LAC_EINPUT,
                         "a = %g and b = %g of cell %zu leave its rate or state undetermined", a, b,
                         c->cell);
+    }
+    if (!isfinite(exp(w)) && w > 0.0 && isfinite(w)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers",
+                        c->cell, w);
     }
     return lac_fail(
         err, LAC_EINPUT,
@@ -165,8 +171,8 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
             log_rate[i] = log(rate);
             state_from_rate(&c, initial->state, log_rate[i], value, &log_state[i]);
         }
-        if (!isfinite(log_rate[i]) || !isfinite(log_state[i])) {
-            status = cannot_start(&c, rate, value, err);
+        if (!isfinite(log_rate[i]) || !isfinite(log_state[i]) || !isfinite(exp(log_state[i]))) {
+            status = cannot_start(&c, rate, value, log_state[i], err);
         }
     }
     return status;

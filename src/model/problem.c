@@ -187,6 +187,12 @@ double lac_problem_next_break(const lac_problem *problem, double t)
     return lac_load_next_break(&problem->loads, t);
 }
 
+double lac_problem_longest_step(const lac_problem *problem, double t)
+{
+    bool feels = problem->kind->id == LAC_FORMULATION_RATE;
+    return feels ? INFINITY : lac_load_longest_step(&problem->loads, t);
+}
+
 bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
 {
     const lac_load_state *start = &problem->at_start;

@@ -52,6 +52,11 @@ void lac_engine_free(lac_engine *engine)
     free(engine);
 }
 
+double lac_engine_longest_step(const lac_engine *engine)
+{
+    return lac_problem_longest_step(engine->problem, lac_engine_time(engine));
+}
+
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
 {
     lac_problem_forget(engine->problem, engine->work);

@@ -58,6 +58,9 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
                              lac_error *err);
 void lac_engine_free(lac_engine *engine);
 
+/// The longest step that the loads allow from where the engine stands [s]; INFINITY if any.
+double lac_engine_longest_step(const lac_engine *engine);
+
 // Begins anew as the kind does, from y and slip alone: nothing of the way there carries over.
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err);
 

@@ -208,7 +208,8 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
     engine->before = engine->counts;
     if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
         (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
-        CVodeSetInitStep(c->mem, h) != CV_SUCCESS) {
+        CVodeSetInitStep(c->mem, h) != CV_SUCCESS ||
+        CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }

@@ -148,7 +148,8 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
-        ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS) {
+        ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS ||
+        ERKStepSetMaxStep(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }

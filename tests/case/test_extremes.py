@@ -43,7 +43,7 @@ class Extremes(unittest.TestCase):
         case = os.path.join(self.folder, "case.yaml")
         self.output = os.path.join(self.folder, "out.nc")
         with open(case, "w", encoding="utf-8") as file:
-            file.write(BLOCK.format(**{**PLAIN, **changes}))
+            file.write(BLOCK.format(**{**PLAIN, **changes}).replace(", state: None", ""))
         return subprocess.run(
             [PROGRAM, "run", case, "-o", self.output, "--force", "--json", "--no-progress"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=120)
@@ -72,6 +72,24 @@ class Extremes(unittest.TestCase):
         self.assertRegex(lines[0], what)
         self.assertRegex(lines[0], r"t = [-+0-9.e]+ s")
         self.assertEqual(self.scan(), "failed")
+
+    def test_state_beyond_numbers(self):
+        """ln theta that no double holds e^ of is refused, not written as infinity."""
+        done = self.run_case(v=1e-9, state=None, shear=", shear: [{ratio: 30}]")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertRegex(done.stderr, "beyond numbers")
+
+    def test_shaking_is_not_leapt_over(self):
+        """A locked block that ten seconds of shaking move by 1.157 m, whatever the unknown."""
+        load = (", shear: [{ratio: 0.5}, {shaking: {acceleration: 3, mass: 1e5, frequency: 1, "
+                "start: 1e6, duration: 10}}]")
+        for formulation in "rate", "traction", "slip":
+            for method in "bdf", "adams", "erk":
+                done = self.completes(
+                    shear=load, a=0.01, b=0.015, dc=1e-4, form="regularised", v=1e-14, state=None,
+                    end=1.01e6, failure=1e4, rtol=1e-6, steps=50000, formulation=formulation,
+                    method=method, more="material: {shear_modulus: 1 GPa, shear_speed: 1 km/s}")
+                self.assertLess(abs(done["mean_slip_m"] / 1.15704 - 1), 1e-3, formulation)
 
     def fails_in_time(self, v, dc, failure, **changes):
         done = self.completes(v=v, dc=dc, failure=failure, **changes)
