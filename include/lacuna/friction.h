@@ -48,19 +48,38 @@ typedef struct lac_friction_slopes {
     double *g_u, *g_w; ///< [1/s]
 } lac_friction_slopes;
 
+/// One number of every cell. Where all are alike it is stored once for a block of cells, which
+/// kernels read as they read the cells' own.
+typedef struct lac_cellwise {
+    double *value; ///< [n], or [min(n, LAC_FRICTION_BLOCK)] where alike; NULL: no cell has one
+    size_t mask;   ///< of a cell's number: all ones, or 0 where alike
+} lac_cellwise;
+
+/// What one cell has; there must be values.
+static inline double lac_cellwise_of(const lac_cellwise *column, size_t cell)
+{
+    return column->value[cell & column->mask];
+}
+
+/// What the cells from `first` on have, LAC_FRICTION_BLOCK of them at most.
+static inline const double *lac_cellwise_from(const lac_cellwise *column, size_t first)
+{
+    return column->value + (first & column->mask);
+}
+
 /// The cells' parameters. Transparent to laws; others go through the functions below.
 typedef struct lac_friction {
     const struct lac_friction_law *law;
     int form;
-    size_t n;         ///< cells
-    size_t columns;   ///< cell-wise parameters of the law, in the order of its table
-    double **column;  ///< [columns][n] SI; NULL: an optional parameter that no cell has
-    double *constant; ///< [n] f0 + (b - a) ln v0 - b ln dc: F = constant + a U + b W
-    double *ln_dc;    ///< [n]
-    double *inv_dc;   ///< [n] [1/m]
-    double *ln_v1;    ///< [n] U = u - ln(1 + v/v1); NULL: U = u
-    double *ln_cut;   ///< [n] ln(dc/v2): W = ln(theta + dc/v2); NULL: W = w
-    double *response; ///< [n] alpha/b: dw/dt falls by this times normal_rate; NULL: none
+    size_t n;              ///< cells
+    size_t columns;        ///< cell-wise parameters of the law, in the order of its table
+    lac_cellwise *column;  ///< [columns] SI; without values: optional, and no cell has it
+    lac_cellwise constant; ///< f0 + (b - a) ln v0 - b ln dc: F = constant + a U + b W
+    lac_cellwise ln_dc;    ///< ln dc
+    lac_cellwise inv_dc;   ///< [1/m]
+    lac_cellwise ln_v1;    ///< U = u - ln(1 + v/v1); without values: U = u
+    lac_cellwise ln_cut;   ///< ln(dc/v2): W = ln(theta + dc/v2); without values: W = w
+    lac_cellwise response; ///< alpha/b: dw/dt falls by this times normal_rate; may have no values
 } lac_friction;
 
 /// Columns that every law has.
@@ -103,8 +122,9 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
                             lac_error *err);
 
 /// What the cells have of one parameter.
-/// @return [n] SI; NULL where the law has no such cell-wise parameter or no cell has it
-const double *lac_friction_values_of(const lac_friction *friction, const char *key);
+/// @return SI, one or one a cell; NULL where the law has no such cell-wise parameter or no cell has
+/// it
+const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key);
 
 /// Whether the parameters of every cell go together: alpha > 0 needs b > 0.
 /// @return LAC_OK; LAC_EINPUT: says which cell

@@ -41,9 +41,9 @@ static void begin(lac_slipping *s, const lac_record *record)
         s->rate = isnan(s->ratio) ? s->rate : s->ratio * record->seen.mean_rate;
         return;
     }
-    const double *v0 = s->friction->column[LAC_V0];
+    const lac_cellwise *v0 = &s->friction->column[LAC_V0];
     for (size_t i = 0; i < s->n; i++) {
-        double u = log(v0[i]);
+        double u = log(lac_cellwise_of(v0, i));
         double at_start = lac_friction_coefficient(s->friction, i, u, record->cells.log_state[i]);
         s->most_state[i] = lac_friction_state_for(s->friction, i, u, s->strength * at_start);
     }

@@ -26,7 +26,7 @@ LAC_CLONES static void lac_aging_renew(size_t n, const double *v, const double *
 static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
                    double *g_u, double *g_w)
 {
-    const double *inv_dc = friction->inv_dc + cells->first;
+    const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
     lac_vexp_minus(cells->n, cells->w, g);
     if (g_u != NULL) {
         lac_aging_slopes(cells->n, cells->v, inv_dc, g, g_u, g_w);

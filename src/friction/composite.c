@@ -27,9 +27,9 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     const double *u = cells->u;
     const double *w = cells->w;
     const double *v = cells->v;
-    const double *vc = friction->column[LAC_VC] + cells->first;
-    const double *inv_dc = friction->inv_dc + cells->first;
-    const double *ln_dc = friction->ln_dc + cells->first;
+    const double *vc = lac_cellwise_from(&friction->column[LAC_VC], cells->first);
+    const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
+    const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);
     for (size_t i = 0; i < n; i++) {
         g[i] = -over(v[i], vc[i]) - w[i];
     }
@@ -51,7 +51,7 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
 // steps fall onto it.
 static double steady_state(const lac_friction *friction, size_t cell, double u)
 {
-    double healing = exp(-over(exp(u), friction->column[LAC_VC][cell]));
+    double healing = exp(-over(exp(u), lac_cellwise_of(&friction->column[LAC_VC], cell)));
     double y = healing;
     for (int i = 0; i < 20; i++) {
         double next = y - (y - healing * exp(-y)) / (1 + y);
@@ -60,7 +60,7 @@ static double steady_state(const lac_friction *friction, size_t cell, double u)
         }
         y = next;
     }
-    return y + friction->ln_dc[cell] - u;
+    return y + lac_cellwise_of(&friction->ln_dc, cell) - u;
 }
 
 static const lac_param params[] = {

@@ -44,13 +44,13 @@ static void soften(size_t n, const double *x, const double *limit, double s, lac
 void lac_cutoff_map(const lac_friction *friction, size_t first, size_t n, const double *u,
                     const double *w, lac_cutoff *cutoff)
 {
-    if (friction->ln_v1 != NULL) {
-        soften(n, u, friction->ln_v1 + first, -1, &cutoff->rate);
+    if (friction->ln_v1.value != NULL) {
+        soften(n, u, lac_cellwise_from(&friction->ln_v1, first), -1, &cutoff->rate);
     } else {
         identity(n, u, &cutoff->rate);
     }
-    if (friction->ln_cut != NULL) {
-        soften(n, w, friction->ln_cut + first, 1, &cutoff->state);
+    if (friction->ln_cut.value != NULL) {
+        soften(n, w, lac_cellwise_from(&friction->ln_cut, first), 1, &cutoff->state);
     } else {
         identity(n, w, &cutoff->state);
     }
@@ -74,40 +74,40 @@ void lac_cutoff_chain(const lac_cutoff *cutoff, size_t n, const lac_friction_val
 
 double lac_cutoff_rate(const lac_friction *friction, size_t cell, double u)
 {
-    if (friction->ln_v1 == NULL) {
+    if (friction->ln_v1.value == NULL) {
         return u;
     }
     lac_softened rate;
-    soften(1, &u, friction->ln_v1 + cell, -1, &rate);
+    soften(1, &u, lac_cellwise_from(&friction->ln_v1, cell), -1, &rate);
     return rate.value[0];
 }
 
 double lac_cutoff_state(const lac_friction *friction, size_t cell, double w)
 {
-    if (friction->ln_cut == NULL) {
+    if (friction->ln_cut.value == NULL) {
         return w;
     }
     lac_softened state;
-    soften(1, &w, friction->ln_cut + cell, 1, &state);
+    soften(1, &w, lac_cellwise_from(&friction->ln_cut, cell), 1, &state);
     return state.value[0];
 }
 
 // e^-u = e^-U - 1/v1
 double lac_cutoff_rate_of(const lac_friction *friction, size_t cell, double softened)
 {
-    if (friction->ln_v1 == NULL) {
+    if (friction->ln_v1.value == NULL) {
         return softened;
     }
-    double past = softened - friction->ln_v1[cell];
+    double past = softened - lac_cellwise_of(&friction->ln_v1, cell);
     return past < 0 ? softened - log(-expm1(past)) : (double)NAN;
 }
 
 // e^w = e^W - dc/v2
 double lac_cutoff_state_of(const lac_friction *friction, size_t cell, double softened)
 {
-    if (friction->ln_cut == NULL) {
+    if (friction->ln_cut.value == NULL) {
         return softened;
     }
-    double short_of = friction->ln_cut[cell] - softened;
+    double short_of = lac_cellwise_of(&friction->ln_cut, cell) - softened;
     return short_of < 0 ? softened + log(-expm1(short_of)) : (double)NAN;
 }

@@ -20,7 +20,7 @@ typedef struct lac_cutoff {
 /// Whether any cell has a cut-off slip rate.
 static inline bool lac_cutoff_any(const lac_friction *friction)
 {
-    return friction->ln_v1 != NULL || friction->ln_cut != NULL;
+    return friction->ln_v1.value != NULL || friction->ln_cut.value != NULL;
 }
 
 /// U(u) = u - ln(1 + v/v1) and W(w) = ln(theta + dc/v2) over cells first ... first + n - 1.

@@ -31,9 +31,9 @@ LAC_CLONES static void lac_form_plain_coefficient(const lac_friction *friction, 
                                                   size_t n, const double *u, const double *w,
                                                   double *f)
 {
-    const double *constant = friction->constant + first;
-    const double *a = friction->column[LAC_A] + first;
-    const double *b = friction->column[LAC_B] + first;
+    const double *constant = lac_cellwise_from(&friction->constant, first);
+    const double *a = lac_cellwise_from(&friction->column[LAC_A], first);
+    const double *b = lac_cellwise_from(&friction->column[LAC_B], first);
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         f[i] = constant[i] + a[i] * u[i] + b[i] * w[i];
@@ -43,8 +43,8 @@ LAC_CLONES static void lac_form_plain_coefficient(const lac_friction *friction, 
 static void plain_slopes(const lac_friction *friction, size_t first, size_t n,
                          const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    memcpy(values->f_u, friction->column[LAC_A] + first, n * sizeof(double));
-    memcpy(values->f_w, friction->column[LAC_B] + first, n * sizeof(double));
+    memcpy(values->f_u, lac_cellwise_from(&friction->column[LAC_A], first), n * sizeof(double));
+    memcpy(values->f_w, lac_cellwise_from(&friction->column[LAC_B], first), n * sizeof(double));
     if (slopes != NULL) {
         memset(slopes->f_uu, 0, n * sizeof(double));
         memset(slopes->f_uw, 0, n * sizeof(double));
@@ -106,8 +106,8 @@ static void strength(const lac_friction *friction, size_t first, size_t n, const
 {
     lac_form_plain_coefficient(friction, first, n, u, w, values->f);
     if (friction->form == LAC_FORM_REGULARISED) {
-        regularise(friction->column[LAC_A] + first, friction->column[LAC_B] + first, n, values,
-                   slopes);
+        regularise(lac_cellwise_from(&friction->column[LAC_A], first),
+                   lac_cellwise_from(&friction->column[LAC_B], first), n, values, slopes);
     } else {
         plain_slopes(friction, first, n, values, slopes);
     }
@@ -129,15 +129,11 @@ void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, con
 
 double lac_friction_plain(const lac_friction *friction, size_t cell, double u, double w)
 {
-    double f;
-    if (!lac_cutoff_any(friction)) {
-        lac_form_plain_coefficient(friction, cell, 1, &u, &w, &f);
-        return f;
-    }
-    lac_cutoff cutoff;
-    lac_cutoff_map(friction, cell, 1, &u, &w, &cutoff);
-    lac_form_plain_coefficient(friction, cell, 1, cutoff.rate.value, cutoff.state.value, &f);
-    return f;
+    double rate = lac_cutoff_rate(friction, cell, u);
+    double state = lac_cutoff_state(friction, cell, w);
+    return lac_cellwise_of(&friction->constant, cell) +
+           lac_cellwise_of(&friction->column[LAC_A], cell) * rate +
+           lac_cellwise_of(&friction->column[LAC_B], cell) * state;
 }
 
 double lac_form_plain_of(const lac_friction *friction, size_t cell, double f)
@@ -149,6 +145,6 @@ double lac_form_plain_of(const lac_friction *friction, size_t cell, double f)
         return NAN;
     }
     // a ln(2 sinh(f/a)) = f + a ln(1 - exp(-2 f/a)): no overflow, no cancellation, right at a = 0
-    double a = friction->column[LAC_A][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     return f + a * log(-expm1(-2 * (f / a)));
 }

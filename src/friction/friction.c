@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +12,6 @@
 #include "friction/cutoff.h"
 #include "friction/form.h"
 #include "friction/law.h"
-
-enum { DERIVED_COLUMNS = 3 };
 
 static size_t count_columns(const lac_descriptor *about)
 {
@@ -40,82 +39,124 @@ static const lac_param *find_column(const lac_descriptor *about, const char *key
     return NULL;
 }
 
-// What an optional column is turned into for the kernels.
-static double derived_value(const lac_friction *friction, int column, size_t i)
+static double constant_of(const lac_friction *friction, size_t i)
 {
-    double given = friction->column[column][i];
-    switch (column) {
-    case LAC_V1:
-        return log(given);
-    case LAC_V2:
-        return friction->ln_dc[i] - log(given);
-    default: // LAC_ALPHA; lac_friction_check sees to b = 0
-        return given > 0 ? given / friction->column[LAC_B][i] : 0;
-    }
+    const lac_cellwise *column = friction->column;
+    double ln_v0 = log(lac_cellwise_of(&column[LAC_V0], i));
+    double a = lac_cellwise_of(&column[LAC_A], i), b = lac_cellwise_of(&column[LAC_B], i);
+    return lac_cellwise_of(&column[LAC_F0], i) + (b - a) * ln_v0 -
+           b * lac_cellwise_of(&friction->ln_dc, i);
 }
 
-static void derive(lac_friction *friction)
+static double ln_dc_of(const lac_friction *friction, size_t i)
 {
-    double **column = friction->column;
-    for (size_t i = 0; i < friction->n; i++) {
-        double dc = column[LAC_DC][i], ln_v0 = log(column[LAC_V0][i]);
-        double a = column[LAC_A][i], b = column[LAC_B][i];
-        friction->ln_dc[i] = log(dc);
-        friction->inv_dc[i] = fmin(1 / dc, DBL_MAX);
-        friction->constant[i] = column[LAC_F0][i] + (b - a) * ln_v0 - b * friction->ln_dc[i];
-    }
-    double *optional[] = {friction->ln_v1, friction->ln_cut, friction->response};
-    for (int k = 0; k < 3; k++) {
-        for (size_t i = 0; optional[k] != NULL && i < friction->n; i++) {
-            optional[k][i] = derived_value(friction, LAC_V1 + k, i);
-        }
-    }
+    return log(lac_cellwise_of(&friction->column[LAC_DC], i));
 }
 
-static lac_status allocate_cells(size_t n, size_t rows, double **out, lac_error *err)
+static double inv_dc_of(const lac_friction *friction, size_t i)
 {
-    *out = n <= SIZE_MAX / (rows * sizeof **out) ? calloc(n, rows * sizeof **out) : NULL;
-    return *out != NULL ? LAC_OK : lac_fail_memory(err);
+    return fmin(1 / lac_cellwise_of(&friction->column[LAC_DC], i), DBL_MAX);
 }
 
-// A column, and what the kernels make of it where it is optional.
-static lac_status allocate_column(lac_friction *friction, size_t column, lac_error *err)
+static double ln_v1_of(const lac_friction *friction, size_t i)
 {
-    double **made = column == LAC_V1      ? &friction->ln_v1
-                    : column == LAC_V2    ? &friction->ln_cut
-                    : column == LAC_ALPHA ? &friction->response
-                                          : NULL;
-    lac_status status = LAC_OK;
-    if (friction->column[column] == NULL) {
-        LAC_TRY(allocate_cells(friction->n, 1, &friction->column[column], err));
-    }
-    if (made != NULL && *made == NULL) {
-        LAC_TRY(allocate_cells(friction->n, 1, made, err));
-    }
-out:
-    return status;
+    return log(lac_cellwise_of(&friction->column[LAC_V1], i));
 }
 
-// constant owns ln_dc and inv_dc too.
-static lac_status allocate(lac_friction *friction, lac_error *err)
+static double ln_cut_of(const lac_friction *friction, size_t i)
 {
-    friction->column = calloc(friction->columns, sizeof *friction->column);
-    if (friction->column == NULL) {
+    return lac_cellwise_of(&friction->ln_dc, i) -
+           log(lac_cellwise_of(&friction->column[LAC_V2], i));
+}
+
+// lac_friction_check sees to b = 0
+static double response_of(const lac_friction *friction, size_t i)
+{
+    double alpha = lac_cellwise_of(&friction->column[LAC_ALPHA], i);
+    return alpha > 0 ? alpha / lac_cellwise_of(&friction->column[LAC_B], i) : 0;
+}
+
+// What kernels read in the place of parameters; later rows use earlier ones.
+static const struct {
+    size_t offset; // of the column in lac_friction
+    double (*value)(const lac_friction *, size_t);
+    int from[5], count; // the parameters; an optional one stands first
+} derived[] = {
+    {offsetof(lac_friction, ln_dc), ln_dc_of, {LAC_DC}, 1},
+    {offsetof(lac_friction, inv_dc), inv_dc_of, {LAC_DC}, 1},
+    {offsetof(lac_friction, constant), constant_of, {LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0}, 5},
+    {offsetof(lac_friction, ln_v1), ln_v1_of, {LAC_V1}, 1},
+    {offsetof(lac_friction, ln_cut), ln_cut_of, {LAC_V2, LAC_DC}, 2},
+    {offsetof(lac_friction, response), response_of, {LAC_ALPHA, LAC_B}, 2},
+};
+
+enum { DERIVED_COLUMNS = sizeof derived / sizeof derived[0] };
+
+static lac_cellwise *derived_column(lac_friction *friction, size_t row)
+{
+    return (lac_cellwise *)(void *)((char *)friction + derived[row].offset);
+}
+
+static size_t count_values(const lac_friction *friction, const lac_cellwise *column)
+{
+    bool alike = column->mask == 0 && friction->n > LAC_FRICTION_BLOCK;
+    return alike ? LAC_FRICTION_BLOCK : friction->n;
+}
+
+// Makes room for what all cells have, or for what each has; what was there before is lost where
+// that changes.
+static lac_status allocate_column(const lac_friction *friction, bool alike, lac_cellwise *column,
+                                  lac_error *err)
+{
+    lac_cellwise made = {.mask = alike ? 0 : SIZE_MAX};
+    if (column->value != NULL && column->mask == made.mask) {
+        return LAC_OK;
+    }
+    size_t count = count_values(friction, &made);
+    made.value = count <= SIZE_MAX / sizeof(double) ? calloc(count, sizeof(double)) : NULL;
+    if (made.value == NULL) {
         return lac_fail_memory(err);
     }
-    lac_status status = allocate_cells(friction->n, DERIVED_COLUMNS, &friction->constant, err);
-    if (status == LAC_OK) {
-        friction->ln_dc = friction->constant + friction->n;
-        friction->inv_dc = friction->ln_dc + friction->n;
-    }
-    return status;
+    free(column->value);
+    *column = made;
+    return LAC_OK;
 }
 
-static lac_status fill_column(lac_friction *friction, size_t column, double value, lac_error *err)
+static bool made_of_alike(const lac_friction *friction, size_t row)
 {
-    lac_status status = allocate_column(friction, column, err);
-    for (size_t cell = 0; status == LAC_OK && cell < friction->n; cell++) {
-        friction->column[column][cell] = value;
+    bool alike = true;
+    for (int k = 0; k < derived[row].count; k++) {
+        alike = alike && friction->column[derived[row].from[k]].mask == 0;
+    }
+    return alike;
+}
+
+static lac_status derive(lac_friction *friction, lac_error *err)
+{
+    for (size_t row = 0; row < DERIVED_COLUMNS; row++) {
+        lac_cellwise *column = derived_column(friction, row);
+        if (friction->column[derived[row].from[0]].value == NULL) {
+            continue;
+        }
+        lac_status status = allocate_column(friction, made_of_alike(friction, row), column, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+        size_t count = count_values(friction, column);
+        for (size_t i = 0; i < count; i++) {
+            column->value[i] = derived[row].value(friction, i);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status fill_column(const lac_friction *friction, lac_cellwise *column, double value,
+                              lac_error *err)
+{
+    lac_status status = allocate_column(friction, true, column, err);
+    size_t count = count_values(friction, column);
+    for (size_t i = 0; status == LAC_OK && i < count; i++) {
+        column->value[i] = value;
     }
     return status;
 }
@@ -139,7 +180,7 @@ static lac_status fill_from_slot(lac_friction *friction, const lac_slot *slot, l
             return lac_fail(err, LAC_EINPUT, "%s.%s: %s", slot->about->name, param->key,
                             isnan(value) ? "must be given" : why);
         }
-        lac_status status = fill_column(friction, at, value, err);
+        lac_status status = fill_column(friction, &friction->column[at], value, err);
         if (status != LAC_OK) {
             return status;
         }
@@ -173,9 +214,13 @@ lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **ou
     friction->columns = count_columns(slot->about);
 
     lac_status status;
-    LAC_TRY(allocate(friction, err));
+    friction->column = calloc(friction->columns, sizeof *friction->column);
+    if (friction->column == NULL) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
     LAC_TRY(fill_from_slot(friction, slot, err));
-    derive(friction);
+    LAC_TRY(derive(friction, err));
     *out = friction;
     friction = NULL;
 out:
@@ -189,13 +234,12 @@ void lac_friction_free(lac_friction *friction)
         return;
     }
     for (size_t i = 0; friction->column != NULL && i < friction->columns; i++) {
-        free(friction->column[i]);
+        free(friction->column[i].value);
     }
     free(friction->column);
-    free(friction->constant);
-    free(friction->ln_v1);
-    free(friction->ln_cut);
-    free(friction->response);
+    for (size_t row = 0; row < DERIVED_COLUMNS; row++) {
+        free(derived_column(friction, row)->value);
+    }
     free(friction);
 }
 
@@ -216,19 +260,20 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
                             values[i], why);
         }
     }
-    lac_status status = allocate_column(friction, column, err);
-    if (status == LAC_OK) {
-        memcpy(friction->column[column], values, friction->n * sizeof *values);
-        derive(friction);
-    }
+    lac_status status;
+    LAC_TRY(allocate_column(friction, false, &friction->column[column], err));
+    memcpy(friction->column[column].value, values, friction->n * sizeof *values);
+    LAC_TRY(derive(friction, err));
+out:
     return status;
 }
 
-const double *lac_friction_values_of(const lac_friction *friction, const char *key)
+const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key)
 {
     size_t column;
     const lac_param *param = find_column(&friction->law->about, key, &column);
-    return param != NULL ? friction->column[column] : NULL;
+    bool given = param != NULL && friction->column[column].value != NULL;
+    return given ? &friction->column[column] : NULL;
 }
 
 static const char alpha_without_b[] = "alpha needs b > 0, through which the state acts on friction";
@@ -241,11 +286,13 @@ const char *lac_law_fault(const void *params)
 
 lac_status lac_friction_check(const lac_friction *friction, lac_error *err)
 {
-    const double *alpha = friction->column[LAC_ALPHA], *b = friction->column[LAC_B];
-    for (size_t i = 0; alpha != NULL && i < friction->n; i++) {
-        if (alpha[i] > 0 && !(b[i] > 0)) {
+    const lac_cellwise *column = friction->column;
+    for (size_t i = 0; column[LAC_ALPHA].value != NULL && i < friction->n; i++) {
+        double alpha = lac_cellwise_of(&column[LAC_ALPHA], i),
+               b = lac_cellwise_of(&column[LAC_B], i);
+        if (alpha > 0 && !(b > 0)) {
             return lac_fail(err, LAC_EINPUT, "%s: cell %zu has alpha = %g and b = %g: %s",
-                            friction->law->about.name, i, alpha[i], b[i], alpha_without_b);
+                            friction->law->about.name, i, alpha, b, alpha_without_b);
         }
     }
     return LAC_OK;
@@ -260,9 +307,9 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
     }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);
-    if (friction->response != NULL && cells->normal_rate != 0) {
+    if (friction->response.value != NULL && cells->normal_rate != 0) {
         // dtheta/dt -= (alpha/b) theta d ln(pressure)/dt
-        const double *response = friction->response + cells->first;
+        const double *response = lac_cellwise_from(&friction->response, cells->first);
         for (size_t i = 0; i < cells->n; i++) {
             values->g[i] -= response[i] * cells->normal_rate;
         }
@@ -279,12 +326,14 @@ double lac_friction_coefficient(const lac_friction *friction, size_t cell, doubl
 
 double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f)
 {
-    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     double plain = lac_form_plain_of(friction, cell, f);
     if (!(b > 0)) {
         return NAN;
     }
     // F is linear in W: F = F(u, W = 0) + b W
-    double rest = friction->constant[cell] + a * lac_cutoff_rate(friction, cell, u);
+    double rest =
+        lac_cellwise_of(&friction->constant, cell) + a * lac_cutoff_rate(friction, cell, u);
     return lac_cutoff_state_of(friction, cell, (plain - rest) / b);
 }

@@ -77,7 +77,7 @@ static double damped_rate(const balance *eq)
 // Without a cut-off of the direct effect. `above` is U without damping.
 static double convex_rate(const balance *eq, double from_state, double above)
 {
-    double a = eq->friction->column[LAC_A][eq->cell];
+    double a = lac_cellwise_of(&eq->friction->column[LAC_A], eq->cell);
     double u_plain = plain_rate((eq->tau / eq->p - from_state) / a, eq->eta, a * eq->p);
     if (eq->friction->form == LAC_FORM_PLAIN) {
         return u_plain;
@@ -121,7 +121,7 @@ static double cut_rate(const balance *eq, double from_state, double above)
     if (regularised) {
         // Below `low`, friction without the cut-off and damping take less than half each.
         double half = lac_form_plain_of(eq->friction, eq->cell, 0.5 * eq->tau / eq->p);
-        double a = eq->friction->column[LAC_A][eq->cell];
+        double a = lac_cellwise_of(&eq->friction->column[LAC_A], eq->cell);
         low = fmin((half - from_state) / a, log(0.5 * eq->tau) - ln_eta);
         high = log(eq->tau) - ln_eta;
     } else {
@@ -138,7 +138,7 @@ double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w
                              double pressure, double eta)
 {
     balance eq = {friction, cell, w, tau, pressure, eta};
-    double a = friction->column[LAC_A][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     bool regularised = friction->form == LAC_FORM_REGULARISED;
     if (!(pressure >= 0 && eta >= 0) || !isfinite(tau) || !isfinite(w) ||
         (regularised && tau <= 0)) {
@@ -147,10 +147,11 @@ double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w
     if (!(a * pressure > 0)) {
         return damped_rate(&eq);
     }
-    double from_state = friction->constant[cell] +
-                        friction->column[LAC_B][cell] * lac_cutoff_state(friction, cell, w);
+    double from_state =
+        lac_cellwise_of(&friction->constant, cell) +
+        lac_cellwise_of(&friction->column[LAC_B], cell) * lac_cutoff_state(friction, cell, w);
     double above = (lac_form_plain_of(friction, cell, tau / pressure) - from_state) / a;
-    if (friction->ln_v1 != NULL) {
+    if (friction->ln_v1.value != NULL) {
         return cut_rate(&eq, from_state, above);
     }
     return convex_rate(&eq, from_state, above);

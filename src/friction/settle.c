@@ -48,9 +48,9 @@ LAC_CLONES static void lac_settle_prepare(const lac_friction *friction,
                                           const lac_friction_balance *eq, size_t first, size_t n,
                                           chunk *c)
 {
-    const double *constant = friction->constant + eq->first + first;
-    const double *a = friction->column[LAC_A] + eq->first + first;
-    const double *b = friction->column[LAC_B] + eq->first + first;
+    const double *constant = lac_cellwise_from(&friction->constant, eq->first + first);
+    const double *a = lac_cellwise_from(&friction->column[LAC_A], eq->first + first);
+    const double *b = lac_cellwise_from(&friction->column[LAC_B], eq->first + first);
     const double *pressure = eq->pressure + first;
     const double *traction = eq->traction + first;
     const double *w = eq->w + first;

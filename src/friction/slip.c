@@ -9,8 +9,8 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     const double *u = cells->u;
     const double *w = cells->w;
     const double *v = cells->v;
-    const double *inv_dc = friction->inv_dc + cells->first;
-    const double *ln_dc = friction->ln_dc + cells->first;
+    const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
+    const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);
     for (size_t i = 0; i < n; i++) {
         g[i] = -v[i] * inv_dc[i] * (u[i] + w[i] - ln_dc[i]);
     }

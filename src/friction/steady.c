@@ -7,7 +7,7 @@
 
 double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double u)
 {
-    return friction->ln_dc[cell] - u;
+    return lac_cellwise_of(&friction->ln_dc, cell) - u;
 }
 
 double lac_friction_steady_state(const lac_friction *friction, size_t cell, double u)
@@ -18,7 +18,9 @@ double lac_friction_steady_state(const lac_friction *friction, size_t cell, doub
 double lac_friction_state_after(const lac_friction *friction, size_t cell, double w,
                                 double pressure_ratio)
 {
-    return friction->response == NULL ? w : w - friction->response[cell] * log(pressure_ratio);
+    return friction->response.value == NULL
+               ? w
+               : w - lac_cellwise_of(&friction->response, cell) * log(pressure_ratio);
 }
 
 // A cell that slides at u in the state ln x above the one that is steady at `steady` (ln v).
@@ -62,7 +64,8 @@ double lac_friction_state_at_ratio(const lac_friction *friction, size_t cell, do
     if (x == 1) {
         return lac_friction_steady_state(friction, cell, u);
     }
-    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     aged c = {.friction = friction, .cell = cell, .u = u, .ln_x = log(x)};
     double steady = u + b / a * c.ln_x;
     if (lac_cutoff_any(friction)) {

@@ -7,7 +7,7 @@
 static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
                    double *g_u, double *g_w)
 {
-    const double *ln_dc = friction->ln_dc + cells->first;
+    const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);
     lac_friction_slip.evolve(friction, cells, g, g_u, g_w);
     for (size_t i = 0; i < cells->n; i++) {
         bool weakens = cells->u[i] + cells->w[i] > ln_dc[i];

@@ -24,14 +24,15 @@ lac_status lac_micro_supports(const lac_friction *friction, lac_error *err)
         return lac_fail(err, LAC_EINPUT,
                         "fidelity events follows the aging and the slip law, not \"%s\"", law);
     }
-    if (friction->ln_v1 != NULL || friction->ln_cut != NULL || friction->response != NULL) {
+    if (friction->ln_v1.value != NULL || friction->ln_cut.value != NULL ||
+        friction->response.value != NULL) {
         return lac_fail(err, LAC_EINPUT,
                         "fidelity events follows no cut-off slip rates (v1, v2) and no alpha");
     }
     for (size_t i = 0; i < friction->n; i++) {
-        if (!(friction->column[LAC_A][i] > 0.0)) {
+        if (!(lac_cellwise_of(&friction->column[LAC_A], i) > 0.0)) {
             return lac_fail(err, LAC_EINPUT, "fidelity events needs a > 0; cell %zu has %g", i,
-                            friction->column[LAC_A][i]);
+                            lac_cellwise_of(&friction->column[LAC_A], i));
         }
     }
     return LAC_OK;
@@ -42,11 +43,11 @@ static void fill_cells(lac_micro *m, const lac_micro_def *def)
     const lac_friction *f = def->friction;
     for (uint32_t i = 0; i < m->tree.n; i++) {
         lac_micro_cell *c = &m->tree.cell[i];
-        c->a = f->column[LAC_A][i];
-        c->b = f->column[LAC_B][i];
-        c->constant = f->constant[i];
-        c->dc = f->column[LAC_DC][i];
-        c->ln_dc = f->ln_dc[i];
+        c->a = lac_cellwise_of(&f->column[LAC_A], i);
+        c->b = lac_cellwise_of(&f->column[LAC_B], i);
+        c->constant = lac_cellwise_of(&f->constant, i);
+        c->dc = lac_cellwise_of(&f->column[LAC_DC], i);
+        c->ln_dc = lac_cellwise_of(&f->ln_dc, i);
         c->pressure = def->pressure[i];
     }
 }

@@ -29,8 +29,8 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 // Error of ln theta that counts as rtol where v is solved for.
 static double state_scale(const lac_problem *problem, size_t cell)
 {
-    double a = problem->friction->column[LAC_A][cell];
-    double b = problem->friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
     bool counts = problem->kind->solved && a > 0.0 && b > MOST_WORTH * a;
     return counts ? MOST_WORTH * a / b : 1.0;
 }
@@ -54,7 +54,7 @@ bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double 
         return false;
     }
     for (size_t i = 0; i < problem->n; i++) {
-        tolerance[i] = rtol * problem->friction->column[LAC_DC][i];
+        tolerance[i] = rtol * lac_cellwise_of(&problem->friction->column[LAC_DC], i);
     }
     return true;
 }
@@ -72,7 +72,7 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
             lac_block_friction(problem, &drive, &motion, y + problem->n, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
             double p = problem->pressure[first + i] * drive.share;
-            double slip = s.speed[i] * problem->friction->inv_dc[first + i];
+            double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
             double held = p * s.f_u[i] + problem->damping * s.speed[i];
             double worth = p * s.f_w[i] / fmax(MOST_WORTH * held, DBL_MIN);
             fastest = fmax(fastest, fmax(fabs(s.g[i]) * fmin(fmax(worth, 1.0), 1e12), slip));

@@ -45,8 +45,8 @@ bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, dou
 
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
 {
-    double a = problem->friction->column[LAC_A][cell];
-    double b = problem->friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
     double effect = a > 0.0 ? a : b;
     return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
 }

@@ -20,7 +20,7 @@ static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
     double scale = greatest;
     for (size_t i = 0; i < problem->n; i++) {
         double u = def->log_rate[i];
-        double a = problem->friction->column[LAC_A][i];
+        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         double f = lac_friction_plain(problem->friction, i, u, def->log_state[i]);
         scale = fmin(scale, a > 0.0 ? u - f / a - healing : least);
     }
@@ -280,7 +280,7 @@ void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, doub
                             double *weight)
 {
     for (size_t i = 0; i < problem->n; i++) {
-        double worth = problem->friction->column[LAC_DC][i] + fabs(slip[i]);
+        double worth = lac_cellwise_of(&problem->friction->column[LAC_DC], i) + fabs(slip[i]);
         double traction = lac_implicit_traction_scale(problem, i);
         if (traction < problem->stiffness * worth) {
             worth = traction / problem->stiffness;

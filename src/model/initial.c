@@ -97,8 +97,8 @@ static void rate_from_load(const start_cell *c, lac_initial_state how, double va
 static lac_status cannot_start(const start_cell *c, double rate, double value, double w,
                                lac_error *err)
 {
-    double a = c->friction->column[LAC_A][c->cell];
-    double b = c->friction->column[LAC_B][c->cell];
+    double a = lac_cellwise_of(&c->friction->column[LAC_A], c->cell);
+    double b = lac_cellwise_of(&c->friction->column[LAC_B], c->cell);
     if (rate <= 0.0 || value <= 0.0) {
         return lac_fail(err, LAC_EINPUT, "%s of cell %zu is %g: must be > 0",
                         rate <= 0.0 ? "slip rate" : "state", c->cell, rate <= 0.0 ? rate : value);

@@ -51,7 +51,6 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 static double balance_residual(const lac_problem *problem, const lac_drive *drive,
                                const lac_motion *motion, const double *w, double *traction)
 {
-    const double *f0 = problem->friction->column[LAC_F0];
     double worst = 0.0;
     (void)lac_problem_unbalanced(problem, drive, motion, w, traction, NULL);
     if (problem->mass > 0.0) {
@@ -59,7 +58,8 @@ static double balance_residual(const lac_problem *problem, const lac_drive *driv
     }
     for (size_t i = 0; i < problem->n; i++) {
         double p = problem->pressure[i] * drive->share;
-        double scale = p * (f0[i] != 0.0 ? fabs(f0[i]) : 1.0);
+        double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
+        double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
         double relative = fabs(traction[i]) / scale;
         worst = relative > worst || isnan(relative) ? relative : worst;
     }
@@ -112,12 +112,12 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
         u = problem->kind->move(problem, &drive, y, &ws, false).u;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
-    const double *a = friction->column[LAC_A];
+    const lac_cellwise *a = &friction->column[LAC_A];
     const double *w = y + problem->n;
     double folds = regularised ? -20.0 : 0.0;
     for (size_t i = 0; i < problem->n; i++) {
         bool back = problem->kind->solved && ws.v[i] < 0.0;
-        if (back || lac_friction_plain(friction, i, u[i], w[i]) <= folds * a[i]) {
+        if (back || lac_friction_plain(friction, i, u[i], w[i]) <= folds * lac_cellwise_of(a, i)) {
             *cell = i;
             return false;
         }

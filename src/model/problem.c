@@ -44,14 +44,15 @@ static void fill_traction(lac_problem *problem, double share)
 // Without direct effect and damping the traction says nothing of the rate.
 static lac_status check_solvable(const lac_problem *problem, lac_error *err)
 {
-    const double *a = problem->friction->column[LAC_A];
+    const lac_cellwise *column_a = &problem->friction->column[LAC_A];
     for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
-        if (!(a[i] > 0.0) && !(problem->damping > 0.0)) {
+        double a = lac_cellwise_of(column_a, i);
+        if (!(a > 0.0) && !(problem->damping > 0.0)) {
             return lac_fail(err, LAC_EINPUT,
                             "a = %g of cell %zu without radiation damping: the formulation "
                             "\"%s\" cannot tell its slip rate from its traction; a must be > 0, "
                             "or give material.shear_modulus and shear_speed",
-                            a[i], i, problem->kind->name);
+                            a, i, problem->kind->name);
         }
     }
     return LAC_OK;

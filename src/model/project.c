@@ -20,7 +20,8 @@ static void residual_block(const lac_problem *problem, const lac_drive *drive,
         double e = p * s.f_u[i] + problem->damping * s.speed[i];
         double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
         ws->kv[k] -= held;
-        ws->diagonal[k] = e / (fabs(slip[k]) + problem->friction->column[LAC_DC][k]);
+        ws->diagonal[k] =
+            e / (fabs(slip[k]) + lac_cellwise_of(&problem->friction->column[LAC_DC], k));
         ws->v[k] = e;
     }
 }

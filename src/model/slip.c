@@ -62,7 +62,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
 // takes a p off against the cell's stiffness, whichever is less.
 static double scale(const lac_problem *problem, size_t cell)
 {
-    double dc = problem->friction->column[LAC_DC][cell];
+    double dc = lac_cellwise_of(&problem->friction->column[LAC_DC], cell);
     double traction = lac_implicit_traction_scale(problem, cell);
     return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
 }

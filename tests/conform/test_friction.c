@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every friction law must do, run on each law of the registry in every form, with and without
-// cut-off slip rates.
+// What every law of the registry must do in every form, with and without cut-off slip rates.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -128,7 +127,8 @@ static void draw(const lac_friction *friction, uint64_t trial, size_t cell, doub
 {
     *u = biased(trial, 10, ln_slowest, ln_fastest);
     *w = biased(trial, 11, ln_youngest, ln_oldest);
-    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     if (trial % 2 == 0) {
         double plain = a * uniform(trial, 12, -4, 4);
         *w = (plain - lac_friction_plain(friction, cell, *u, 0)) / b;
@@ -160,7 +160,7 @@ static void check_steady(const variant *kind)
         e.u[0] = biased(i, 1, ln_slowest, ln_fastest);
         e.w[0] = lac_friction_steady_state(friction, i, e.u[0]);
         evaluate(friction, i, 1, &e);
-        double renewal = e.v[0] / friction->column[LAC_DC][i]; // [1/s]
+        double renewal = e.v[0] / lac_cellwise_of(&friction->column[LAC_DC], i); // [1/s]
         assert_true(fabs(e.out[G][0]) <= 1e-12 * renewal);
         e.w[0] += 0.1; // too old: the state falls
         evaluate(friction, i, 1, &e);
@@ -236,7 +236,8 @@ static void assert_slope(const char *name, double analytic, double numeric, doub
 
 static void check_slopes_at(const lac_friction *friction, size_t cell, const evaluation *e)
 {
-    double a = friction->column[LAC_A][cell], b = friction->column[LAC_B][cell];
+    double a = lac_cellwise_of(&friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     double by_u[OUTPUTS], by_w[OUTPUTS];
     // along w the regularised strength bends over a/b
     difference(friction, cell, e, true, 1e-4, by_u);
@@ -337,7 +338,7 @@ static void check_state_for(const variant *kind)
         double found = lac_friction_state_for(friction, cell, u, f);
         if (isnan(found)) {
             // younger than dc/v2 by far, f does not tell how young
-            assert_true(kind->v2 && w < friction->ln_cut[cell] - 20);
+            assert_true(kind->v2 && w < lac_cellwise_of(&friction->ln_cut, cell) - 20);
             continue;
         }
         double again = lac_friction_coefficient(friction, cell, u, found);
@@ -365,7 +366,7 @@ static void check_rate_for(const variant *kind)
         double found = lac_friction_rate_for(friction, cell, w, tau, pressure, eta);
         if (isnan(found)) {
             // faster than v1 by far, f does not tell how fast
-            assert_true(kind->v1 && eta == 0 && u > friction->ln_v1[cell] + 20);
+            assert_true(kind->v1 && eta == 0 && u > lac_cellwise_of(&friction->ln_v1, cell) + 20);
             continue;
         }
         double viscous = eta * exp(found);
@@ -415,8 +416,7 @@ static void check_hostile(const variant *kind)
     }
 }
 
-// Normal stress that changes takes (alpha/b) d ln p/dt off dw/dt, and nothing else changes; a jump
-// by r is that integrated; without alpha neither does anything.
+// Normal stress takes (alpha/b) d ln p/dt off dw/dt, a jump the integral of that; and no more.
 static void check_normal_stress(const variant *kind)
 {
     lac_friction *friction = make_varied(kind);
@@ -430,7 +430,7 @@ static void check_normal_stress(const variant *kind)
             lac_friction_evaluate(friction,
                                   &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate},
                                   &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
-            double response = with ? alpha[cell] / friction->column[LAC_B][cell] : 0;
+            double response = with ? alpha[cell] / friction->column[LAC_B].value[cell] : 0;
             double want = still.out[G][0] - response * rate;
             assert_true(fabs(moving.out[G][0] - want) <= 1e-15 * (fabs(want) + response * rate));
             assert_true(f == still.out[F][0] && f_w == still.out[F_W][0]);

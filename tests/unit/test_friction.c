@@ -36,7 +36,8 @@ static void required_parameters_have_no_default(void **state)
     assert_string_equal(err.message, "aging.dc: must be > 0 m");
     test_slot_set(&slot, "dc", 1e-4);
     assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_OK);
-    assert_true(friction->column[LAC_F0][0] == 0.6 && friction->column[LAC_V0][0] == 1e-6);
+    assert_true(lac_cellwise_of(&friction->column[LAC_F0], 0) == 0.6 &&
+                lac_cellwise_of(&friction->column[LAC_V0], 0) == 1e-6);
     assert_int_equal(friction->form, LAC_FORM_PLAIN);
     lac_friction_free(friction);
     lac_slot_clear(&slot);
@@ -53,7 +54,6 @@ static void nonsense_is_refused(void **state)
     test_slot_set(&slot, "dc", 1e-4);
     assert_int_equal(lac_friction_create(&slot, 0, &friction, &err), LAC_EINPUT);
     assert_int_equal(lac_friction_create(&(lac_slot){0}, 1, &friction, &err), LAC_EINPUT);
-    assert_int_equal(lac_friction_create(&slot, SIZE_MAX / 16, &friction, &err), LAC_ENOMEM);
     test_slot_set(&slot, "form", 2);
     assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.form: must be plain or regularised");
@@ -94,15 +94,64 @@ static void optional_parameters_may_be_absent(void **state)
     test_slot_set(&slot, "b", 0.015);
     test_slot_set(&slot, "dc", 1e-4);
     assert_int_equal(lac_friction_create(&slot, 2, &friction, NULL), LAC_OK);
-    assert_true(friction->ln_v1 == NULL && friction->ln_cut == NULL && friction->response == NULL);
+    assert_true(friction->ln_v1.value == NULL && friction->ln_cut.value == NULL &&
+                friction->response.value == NULL);
     for (size_t k = 0; k < 3; k++) {
         assert_null(lac_friction_values_of(friction, keys[k]));
         assert_int_equal(lac_friction_set(friction, keys[k], (double[]){1, 2}, NULL), LAC_OK);
-        assert_true(lac_friction_values_of(friction, keys[k])[1] == 2);
+        assert_true(lac_cellwise_of(lac_friction_values_of(friction, keys[k]), 1) == 2);
     }
-    assert_true(lac_friction_values_of(friction, "dc")[0] == 1e-4);
+    assert_true(lac_cellwise_of(lac_friction_values_of(friction, "dc"), 0) == 1e-4);
     assert_null(lac_friction_values_of(friction, "form"));
     assert_null(lac_friction_values_of(friction, "nothing"));
+    lac_friction_free(friction);
+    lac_slot_clear(&slot);
+}
+
+// Strength and evolution of some cells far into the second and third block.
+static void evaluate_some(const lac_friction *friction, double out[4][200])
+{
+    double u[200], w[200], v[200];
+    for (size_t i = 0; i < 200; i++) {
+        u[i] = -20.0 + 0.1 * (double)i;
+        w[i] = 16.0 - 0.1 * (double)i;
+        v[i] = exp(u[i]);
+    }
+    lac_friction_cells cells = {.first = 450, .n = 200, .u = u, .w = w, .v = v, .normal_rate = 1};
+    lac_friction_evaluate(friction, &cells, &(lac_friction_values){out[0], out[1], out[2], out[3]},
+                          NULL);
+}
+
+// What all cells have is stored for one block, and gives the bits of cells with the same each.
+static void alike_cells_are_stored_once(void **state)
+{
+    (void)state;
+    enum { CELLS = 1000 };
+    static const char *const keys[] = {"f0", "a", "b", "dc", "v0", "v1", "v2", "alpha"};
+    static const double value[] = {0.6, 0.01, 0.015, 1e-4, 1e-6, 1e-2, 1e-3, 0.2};
+    static double want[4][200], got[4][200], values[CELLS];
+    lac_slot slot = aging_slot();
+    lac_friction *friction;
+    for (size_t k = 0; k < 8; k++) {
+        test_slot_set(&slot, keys[k], value[k]);
+    }
+    assert_int_equal(lac_friction_create(&slot, SIZE_MAX / 16, &friction, NULL), LAC_OK);
+    lac_friction_free(friction);
+    assert_int_equal(lac_friction_create(&slot, CELLS, &friction, NULL), LAC_OK);
+    assert_true(friction->constant.mask == 0 && friction->response.mask == 0);
+    evaluate_some(friction, want);
+    for (size_t k = 0; k < 8; k++) {
+        for (size_t i = 0; i < CELLS; i++) {
+            values[i] = value[k];
+        }
+        values[449] = values[650] = 2 * value[k]; // beside those evaluated
+        assert_int_equal(lac_friction_set(friction, keys[k], values, NULL), LAC_OK);
+        assert_true(lac_cellwise_of(lac_friction_values_of(friction, keys[k]), 650) == values[650]);
+        evaluate_some(friction, got);
+        assert_memory_equal(got, want, sizeof want);
+        assert_true((friction->inv_dc.mask == 0) == (k < 3));
+    }
+    assert_true(lac_cellwise_of(&friction->ln_cut, 650) == log(2e-4) - log(2e-3));
     lac_friction_free(friction);
     lac_slot_clear(&slot);
 }
@@ -169,6 +218,7 @@ int main(void)
         cmocka_unit_test(required_parameters_have_no_default),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(optional_parameters_may_be_absent),
+        cmocka_unit_test(alike_cells_are_stored_once),
         cmocka_unit_test(alpha_needs_b),
         cmocka_unit_test(a_bad_cell_is_named_and_changes_nothing),
         cmocka_unit_test(weakening_never_heals),
