@@ -145,7 +145,9 @@ static void smooth_curves_overshoot_nowhere(void **state)
     assert_near(sum.pore_rate, 2, 1e-12);
     lac_load_evaluate(&r.set, 3, &sum); // secants 5 and 0
     assert_near(sum.pore_rate, 0, 1e-12);
-    assert_true(lac_load_next_break(&r.set, 0) == 12);
+    assert_true(lac_load_next_break(&r.set, 0) == 1 && lac_load_next_break(&r.set, 3) == 5);
+    assert_near(lac_load_longest_step(&r.set, 3), 0.25, 1e-12);
+    assert_true(lac_load_longest_step(&r.set, 12) == INFINITY);
     clear(&r);
 }
 
