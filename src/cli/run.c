@@ -220,10 +220,11 @@ static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_st
     // A hundredth of the strength: the drift then shows in what is drawn from the run.
     double residual = outcome->result.balance_residual;
     if (!(residual <= 0.01) && !cli_given(job->request, CLI_OPT_QUIET)) {
-        cli_note("warning: the traction balance drifted by %.2g of the strength; tighten "
-                 "solver.rtol, or "
-                 "see solver.projection and formulation: slip",
-                 residual);
+        bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
+        cli_note("warning: the traction balance %s by %.2g of the strength; %s",
+                 integrated ? "drifted" : "is off", residual,
+                 integrated ? "tighten solver.rtol, or see solver.projection and formulation: slip"
+                            : "cells at rest are held at the slowest rate that is followed");
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_outcome_json(outcome);

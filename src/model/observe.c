@@ -153,6 +153,9 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     for (size_t i = 0; i < problem->n; i++) {
         double *w = &y[problem->n + i];
         *w = lac_friction_state_after(problem->friction, i, *w, after.share / before.share);
+        if (!isfinite(exp(*w))) {
+            return false; // alpha/b makes e-folds of theta without bounds
+        }
     }
     return true;
 }

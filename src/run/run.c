@@ -227,8 +227,8 @@ static lac_status cross_break(run *r, lac_error *err)
                         "the pore pressure reaches the normal pressure at t = %g s", t);
     }
     if (!lac_problem_jump(r->problem, t, engine->y)) {
-        return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load that jumps at t = %g s",
-                        t);
+        return lac_fail(err, LAC_ENUMERIC,
+                        "no slip rate and state balance the load that jumps at t = %g s", t);
     }
     measure_speed(r);
     bool failed = mean_before < def->failure_rate && r->mean_rate >= def->failure_rate;

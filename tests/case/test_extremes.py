@@ -79,6 +79,14 @@ class Extremes(unittest.TestCase):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertRegex(done.stderr, "beyond numbers")
 
+    def test_state_that_jumps_beyond_numbers(self):
+        """Pressure that falls to a tenth, with alpha/b = 500: theta gains e^1151."""
+        done = self.run_case(b=0.001, form="plain, alpha: 0.5", more="", end=1e4, shear=(
+            ", pore_pressure: [{step: {value: 0.9 MPa, at: 100}}]"))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stderr, "state balance the load that jumps at t = 100 s")
+        self.assertEqual(self.scan(), "failed")
+
     def test_shaking_is_not_leapt_over(self):
         """A locked block that ten seconds of shaking move by 1.157 m, whatever the unknown."""
         load = (", shear: [{ratio: 0.5}, {shaking: {acceleration: 3, mass: 1e5, frequency: 1, "
