@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef void visitor(void *context, const char *path);
 
@@ -79,9 +80,14 @@ bool cli_inputs_has(const lac_case *c, const struct stat *file)
     return s.found;
 }
 
-// FNV-1a; 0 where the file cannot be read, which the run then says.
+// FNV-1a; 0 where the file cannot be read, which the run then says, or is a pipe, whose content
+// would be gone.
 static uint64_t sum_file(const char *path)
 {
+    struct stat about;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode)) {
+        return 0;
+    }
     unsigned char block[1 << 14];
     uint64_t sum = UINT64_C(0xcbf29ce484222325);
     size_t got = 0;

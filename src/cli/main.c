@@ -32,24 +32,19 @@ static int exit_status(lac_status status)
     return CLI_EXIT_FAILED;
 }
 
-static void print_exit_statuses(void)
-{
-    puts("Exit status: 0 done, 1 the computation failed, 2 the request is wrong,\n"
-         "             3 a file could not be read or written, 4 interrupted.");
-}
-
 static void print_help(void)
 {
     const cli_command *command;
     puts("Lacuna: creep, acceleration and failure of rough rock joints.\n\n"
          "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
     for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
-        printf("  %-8s %-13s %s\n", command->name, command->arguments, command->summary);
+        printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
     cli_options_help(CLI_OPT_COMMON);
-    puts("\nexample: lacuna new && lacuna run case.yaml");
-    print_exit_statuses();
+    puts("example: lacuna new && lacuna run case.yaml\n"
+         "Exit status: 0 done, 1 the computation failed, 2 the request is wrong,\n"
+         "             3 a file could not be read or written, 4 interrupted.");
 }
 
 static void print_command_help(const cli_command *command)
@@ -58,9 +53,10 @@ static void print_command_help(const cli_command *command)
            command->summary);
     cli_wrap("", command->notes);
     puts("");
-    cli_options_help(command->options | CLI_OPT_COMMON);
-    printf("\nexample: %s\n", command->example);
-    print_exit_statuses();
+    cli_options_help(command->options & ~(unsigned)CLI_OPT_COMMON);
+    printf("Of all commands, in lacuna --help: --json -q -v --threads, and exit statuses.\n"
+           "example: %s\n",
+           command->example);
 }
 
 static void print_version(void)

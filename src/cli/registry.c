@@ -6,7 +6,7 @@
 enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
 
 static const cli_command commands[] = {
-    {"run", "CASE", "integrate a case in time, write a netCDF time series",
+    {"run", "CASE", "integrate a case in time, write a netCDF series",
      "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
      "on from; a second one kills it. SIGUSR1 prints how far it is.\n",

@@ -35,4 +35,9 @@ bool lac_input_number(const lac_input *in, int id, const char *name, double *val
 /// Whether the attribute `status` says so.
 bool lac_input_has_status(const lac_input *in, const char *status);
 
+/// Refuses a variable that does not say the unit that files of ours have it in.
+/// @return LAC_OK, also where it is not there; LAC_EINPUT
+lac_status lac_input_must_be(const lac_input *in, const char *name, const char *unit,
+                             lac_error *err);
+
 #endif

@@ -303,10 +303,29 @@ out:
     return status;
 }
 
+lac_status lac_input_must_be(const lac_input *in, const char *name, const char *unit,
+                             lac_error *err)
+{
+    char found[32];
+    int id = 0;
+    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
+        return LAC_OK; // said where it is read
+    }
+    lac_netcdf_text(in->id, id, "units", found, sizeof found);
+    if (strcmp(found, unit) != 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: its %s is in \"%s\": must be in %s", in->path, name,
+                        found, unit);
+    }
+    return LAC_OK;
+}
+
 bool lac_stored_is_netcdf(const char *path)
 {
     char head[4] = {0};
-    FILE *file = fopen(path, "rb");
+    struct stat about;
+    // a pipe could keep us waiting for ever, and what is read from it is gone
+    bool regular = stat(path, &about) == 0 && S_ISREG(about.st_mode);
+    FILE *file = regular ? fopen(path, "rb") : NULL;
     size_t n = file != NULL ? fread(head, 1, sizeof head, file) : 0;
     if (file != NULL) {
         (void)fclose(file);

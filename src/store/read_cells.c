@@ -186,6 +186,7 @@ static lac_status read_domain(const lac_input *in, lac_domain **out, lac_error *
     LAC_TRY(status);
     LAC_TRY(read_all(in, "x", n, place, err));
     LAC_TRY(read_all(in, "y", n, place + n, err));
+    LAC_TRY(lac_input_must_be(in, "pressure", "Pa", err));
     LAC_TRY(read_all(in, "pressure", n, domain->pressure, err));
     if (!place_cells(domain, place, place + n)) {
         LAC_TRY(fail_damaged(in, "list of cells", err));
@@ -399,6 +400,7 @@ static lac_status read_pressed(const lac_input *in, size_t step, lac_domain **do
     lac_status status;
     LAC_TRY(read_axes(in, &grid, err));
     LAC_TRY(new_doubles(lac_grid_cells(&grid), &map, err));
+    LAC_TRY(lac_input_must_be(in, name, "Pa", err));
     LAC_TRY(read_map(in, name, step, &grid, map, err));
     status = lac_domain_create(&grid, map, domain, err);
     if (status != LAC_OK) {

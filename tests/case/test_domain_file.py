@@ -138,7 +138,13 @@ class DomainFile(Case):
         numpy.save(self.path("nothing.npy"), numpy.zeros((32, 32)))
         numpy.save(self.path("small.npy"), numpy.ones((16, 32)))
         numpy.save(self.path("tiny.npy"), numpy.full((32, 32), 5e-324))
+        os.mkfifo(self.path("pipe.nc"))
+        with open(self.path("kilos.nc"), "wb") as file:
+            file.write(whole)
+        with netCDF4.Dataset(self.path("kilos.nc"), "a") as data:
+            data["pressure"].units = "kg"
         for path, status, says in (
+                ("pipe.nc", 3, "is no file"), ("kilos.nc", 2, 'pressure is in "kg": must be in Pa'),
                 ("gone.nc", 3, "No such file"), (".", 3, "is no file"),
                 ("joint.yaml", 2, "none of the formats"),
                 ("cut.nc", 3, ""), ("empty.nc", 2, ""), ("other.nc", 3, "other.nc"),
