@@ -71,10 +71,12 @@ def draw_life(axes, f):
         ok = f.issued[:, k]
         if not ok.any():
             continue
-        now = f.issue_time[ok]
-        left = f.failure_time[ok, k] - now
-        lives += list(left)
-        axes.fill_between(now, f.failure_time_low50[ok, k] - now, f.failure_time_high50[ok, k] - now,
+        # nothing is drawn across the times at which none was issued
+        now = f.issue_time
+        left, low, high = (numpy.where(ok, times[:, k] - now, numpy.nan) for times in
+                           (f.failure_time, f.failure_time_low50, f.failure_time_high50))
+        lives += list(left[ok])
+        axes.fill_between(now, low, high,
                           color=COLOURS[k % 8], alpha=0.1, linewidth=0)
         axes.plot(now, left, ".-", color=COLOURS[k % 8], label=method, markersize=4, linewidth=0.8)
     if f.failed is not None:
