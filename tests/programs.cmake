@@ -57,7 +57,7 @@ set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_envir
 function(lacuna_python_test name)
   add_test(NAME case.${name}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
-                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR} ${${name}_files})
   set(labels case ${ARGN})
   set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600
                        ENVIRONMENT "${case_environment}")
@@ -88,7 +88,10 @@ set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" T
 # Numbers of extreme size, through the program.
 lacuna_python_test(test_extremes extreme)
 
-# Runs that are stopped and go on.
+# Runs that are stopped and go on. The library that stops them is loaded into them.
+add_library(stop_at_checkpoint MODULE stop/stop_at_checkpoint.c)
+target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
 # Histories of load, and the commands of the tutorials with what they print.
