@@ -29,7 +29,7 @@ static const cli_command commands[] = {
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
      "Of monitoring data, whose columns --displacement and --velocity name, or of a run. -o FILE "
      "writes netCDF, which tools/plot_precursors.py draws.\n",
-     "lacuna precursors prism.csv --displacement disp:mm --rolling", 1, 1,
+     "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST, cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns. Writes the draws, the "
