@@ -213,8 +213,9 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     return LAC_OK;
 }
 
-static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
+static bool erk_at(lac_engine *engine, double t, double *seen)
 {
+    size_t n = engine->n;
     erk *c = engine->inner;
     // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
     // behind.
@@ -226,13 +227,8 @@ static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
         return false;
     }
     const double *data = lac_vector_data(c->scratch);
-    if (y != NULL) {
-        memcpy(y, data, 2 * engine->n * sizeof *y);
-    }
-    if (slip != NULL) {
-        size_t first = (size_t)(engine->slip - engine->y);
-        memcpy(slip, data + first, engine->n * sizeof *slip);
-    }
+    memcpy(seen, data, 2 * n * sizeof *seen);
+    memcpy(seen + 2 * n, data + (engine->slip - engine->y), n * sizeof *seen);
     return true;
 }
 

@@ -8,6 +8,8 @@
 
 double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
 
+void lac_vector_lend(N_Vector x, double *components) { N_VSetArrayPointer(components, x); }
+
 static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
 
 // The arrays and numbers of one operation, for its parts.

@@ -11,4 +11,7 @@ N_Vector lac_vector_create(size_t n, SUNContext sun);
 // The vector's components.
 double *lac_vector_data(N_Vector x);
 
+// Gives a vector made by N_VCloneEmpty its components, which stay the lender's.
+void lac_vector_lend(N_Vector x, double *components);
+
 #endif
