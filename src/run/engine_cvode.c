@@ -111,7 +111,7 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(engine->unknowns, engine->sun);
+    c->y = lac_vector_create(engine->unknowns, true, engine->sun);
     c->seen_y = c->y == NULL ? NULL : N_VCloneEmpty(c->y);
     if (c->seen_y == NULL) {
         return lac_fail_memory(err);
@@ -121,7 +121,7 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
         engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
-    c->slip = lac_vector_create(engine->n, engine->sun);
+    c->slip = lac_vector_create(engine->n, true, engine->sun);
     c->seen_slip = c->slip == NULL ? NULL : N_VCloneEmpty(c->slip);
     if (c->seen_slip == NULL) {
         return lac_fail_memory(err);
@@ -129,6 +129,15 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
     N_VConst(0.0, c->slip);
     engine->slip = lac_vector_data(c->slip);
     return LAC_OK;
+}
+
+// Nothing waits beyond a call: the engine's y and slip are current.
+static void settle(cvode *c)
+{
+    lac_vector_finish(c->y);
+    if (c->slip != NULL) {
+        lac_vector_finish(c->slip);
+    }
 }
 
 static lac_status cvode_create(lac_engine *engine, lac_error *err)
@@ -151,6 +160,7 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
     }
     LAC_TRY(attach_solver(engine, c, err));
+    settle(c);
 out:
     return status;
 }
@@ -178,10 +188,12 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
     cvode_count(engine);
     engine->before = engine->counts;
     c->evaluations = 0;
-    if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
-        (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
-        CVodeSetInitStep(c->mem, h) != CV_SUCCESS ||
-        CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) != CV_SUCCESS) {
+    bool good = CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
+                (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
+                CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
+                CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) == CV_SUCCESS;
+    settle(c);
+    if (!good) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }
@@ -237,7 +249,10 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     if (CVodeSetStopTime(c->mem, stop) != CV_SUCCESS) {
         return gave_up(engine, CV_ILL_INPUT, err);
     }
+    sunrealtype at;
     int flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
+    settle(c);
     if (flag < 0) {
         return gave_up(engine, flag, err);
     }
@@ -248,13 +263,8 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     engine->t = flag == CV_TSTOP_RETURN ? stop : t;
     engine->step = h;
     engine->order = order;
-    if (c->slip == NULL) {
-        return LAC_OK;
-    }
-    sunrealtype at;
-    return CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS
-               ? LAC_OK
-               : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
+    return slid ? LAC_OK
+                : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
 }
 
 // Straight into the place that is asked for: vectors of their own would only be copied from.
@@ -266,13 +276,16 @@ static bool cvode_at(lac_engine *engine, double t, double *seen)
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;
     }
+    lac_vector_finish(c->seen_y);
     if (c->slip == NULL) {
         size_t place = lac_problem_slip_place(engine->problem);
         memmove(slip, seen + place, engine->n * sizeof *slip);
         return true;
     }
     lac_vector_lend(c->seen_slip, slip);
-    return CVodeGetQuadDky(c->mem, t, 0, c->seen_slip) == CV_SUCCESS;
+    bool known = CVodeGetQuadDky(c->mem, t, 0, c->seen_slip) == CV_SUCCESS;
+    lac_vector_finish(c->seen_slip);
+    return known;
 }
 
 const lac_engine_kind lac_engine_cvode = {.create = cvode_create,

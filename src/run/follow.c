@@ -133,7 +133,7 @@ static lac_status allocate(lac_follower *f, lac_error *err)
     }
     f->scale = f->probe + 3 * f->m;
     LAC_SUN_SILENCE_CONTEXT(f->sun);
-    f->y = lac_vector_create(f->m, f->sun);
+    f->y = lac_vector_create(f->m, false, f->sun);
     f->seen = f->y != NULL ? N_VClone(f->y) : NULL;
     if (f->seen != NULL && def->nudges > 0) {
         f->s = N_VCloneVectorArray((int)def->nudges, f->y);

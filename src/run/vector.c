@@ -2,60 +2,136 @@
 #include "run/vector.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/clones.h"
-#include "base/parts.h"
+#include "run/pending.h"
 
-double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
+typedef struct content {
+    double *data;
+    bool own;
+    lac_pending *pending; // shared with all clones
+} content;
 
-void lac_vector_lend(N_Vector x, double *components) { N_VSetArrayPointer(components, x); }
+static content *content_of(N_Vector x) { return x->content; }
 
-static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
+static double *raw(N_Vector x) { return content_of(x)->data; }
 
-// The arrays and numbers of one operation, for its parts.
-typedef struct operation {
-    double a, b;
-    const double *x, *y;
-    double *z;
-    double sum[LAC_PARTS];
-} operation;
+static lac_pending *pending_of(N_Vector x) { return content_of(x)->pending; }
 
-LAC_CLONES static void lac_vector_sum_part(void *context, size_t part, size_t first, size_t end)
+static size_t length(N_Vector x) { return lac_pending_length(pending_of(x)); }
+
+double *lac_vector_data(N_Vector x)
 {
-    const operation *o = context;
-    double a = o->a;
-    double b = o->b;
-    const double *x = o->x;
-    const double *y = o->y;
-    double *z = o->z;
-    (void)part;
-    // a factor of 1 changes no bit of the product
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        z[i] = a * x[i] + b * y[i];
-    }
+    lac_pending_finish(pending_of(x));
+    return raw(x);
 }
 
-static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
+void lac_vector_finish(N_Vector x) { lac_pending_finish(pending_of(x)); }
+
+static void v_lend(sunrealtype *components, N_Vector x)
 {
-    operation o = {.a = a, .b = b, .x = NV_DATA_S(xv), .y = NV_DATA_S(yv), .z = NV_DATA_S(zv)};
-    (void)lac_parts_run(length(xv), lac_vector_sum_part, &o);
+    lac_pending_finish(pending_of(x));
+    content_of(x)->data = components;
 }
 
-static void v_const(sunrealtype c, N_Vector zv)
+void lac_vector_lend(N_Vector x, double *components) { v_lend(components, x); }
+
+static N_Vector_ID v_id(N_Vector x)
 {
-    double *z = NV_DATA_S(zv);
-    size_t n = length(zv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = c;
+    (void)x;
+    return SUNDIALS_NVEC_CUSTOM;
+}
+
+static sunindextype v_length(N_Vector x) { return (sunindextype)length(x); }
+
+// In doubles and integers, as CVODES asks.
+static void v_space(N_Vector x, sunindextype *reals, sunindextype *integers)
+{
+    *reals = v_length(x);
+    *integers = 1;
+}
+
+static void v_destroy(N_Vector x)
+{
+    content *c = content_of(x);
+    if (c != NULL) {
+        lac_pending_release(c->pending);
+        if (c->own) {
+            free(c->data);
+        }
+        free(c);
+        x->content = NULL;
     }
+    N_VFreeEmpty(x);
+}
+
+// Takes over one hold of `pending`, also where it fails.
+static N_Vector wrap(N_Vector x, lac_pending *pending)
+{
+    content *c = calloc(1, sizeof *c);
+    if (x == NULL || c == NULL) {
+        free(c);
+        if (x != NULL) {
+            N_VFreeEmpty(x);
+        }
+        lac_pending_release(pending);
+        return NULL;
+    }
+    c->pending = pending;
+    x->content = c;
+    return x;
+}
+
+static N_Vector allocate(N_Vector x)
+{
+    if (x == NULL) {
+        return NULL;
+    }
+    content *c = content_of(x);
+    c->data = malloc(length(x) * sizeof *c->data);
+    c->own = true;
+    if (c->data == NULL) {
+        v_destroy(x);
+        return NULL;
+    }
+    return x;
+}
+
+static N_Vector v_clone_empty(N_Vector like)
+{
+    N_Vector x = N_VNewEmpty(like->sunctx);
+    if (x == NULL || N_VCopyOps(like, x) != 0) {
+        if (x != NULL) {
+            N_VFreeEmpty(x);
+        }
+        return NULL;
+    }
+    return wrap(x, lac_pending_hold(pending_of(like)));
+}
+
+static N_Vector v_clone(N_Vector like) { return allocate(v_clone_empty(like)); }
+
+static void v_linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 2, (double[]){a, b}, (const double *[]){raw(x), raw(y)}, raw(z));
+}
+
+static void v_const(sunrealtype c, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 0, &c, NULL, raw(z));
+}
+
+static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 1, &c, (const double *[]){raw(x)}, raw(z));
 }
 
 LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] * y[i];
@@ -64,38 +140,19 @@ LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 
 LAC_CLONES static void lac_vector_div(N_Vector xv, N_Vector yv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] / y[i];
     }
 }
 
-LAC_CLONES static void lac_vector_scale_part(void *context, size_t part, size_t first, size_t end)
-{
-    const operation *o = context;
-    double a = o->a;
-    const double *x = o->x;
-    double *z = o->z;
-    (void)part;
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        z[i] = a * x[i];
-    }
-}
-
-static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
-{
-    operation o = {.a = c, .x = NV_DATA_S(xv), .z = NV_DATA_S(zv)};
-    (void)lac_parts_run(length(xv), lac_vector_scale_part, &o);
-}
-
 LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = fabs(x[i]);
@@ -104,8 +161,8 @@ LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
 
 LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = 1.0 / x[i];
@@ -114,8 +171,8 @@ LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
 
 static void v_add_const(N_Vector xv, sunrealtype b, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] + b;
@@ -125,15 +182,10 @@ static void v_add_const(N_Vector xv, sunrealtype b, N_Vector zv)
 // Eight running sums, added up in a fixed order: vectorises, and the bits never change.
 enum { LANES = 8 };
 
-static double lanes_sum(const double s[LANES])
-{
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
-
 LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
     size_t n = length(xv);
     size_t whole = n - n % LANES;
     double s[LANES] = {0};
@@ -145,44 +197,17 @@ LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
     for (size_t i = whole; i < n; i++) {
         s[i - whole] += x[i] * y[i];
     }
-    return lanes_sum(s);
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-LAC_CLONES static void lac_vector_squares_part(void *context, size_t part, size_t first, size_t end)
+static sunrealtype v_wrms_norm(N_Vector x, N_Vector w)
 {
-    operation *o = context;
-    const double *x = o->x;
-    const double *w = o->y;
-    size_t whole = end - (end - first) % LANES;
-    double s[LANES] = {0};
-    for (size_t i = first; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            double term = x[i + k] * w[i + k];
-            s[k] += term * term;
-        }
-    }
-    for (size_t i = whole; i < end; i++) {
-        double term = x[i] * w[i];
-        s[i - whole] += term * term;
-    }
-    o->sum[part] = lanes_sum(s);
-}
-
-static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
-{
-    operation o = {.x = NV_DATA_S(xv), .y = NV_DATA_S(wv)};
-    size_t parts = lac_parts_run(length(xv), lac_vector_squares_part, &o);
-    return lac_parts_sum(parts, o.sum);
-}
-
-static sunrealtype v_wrms_norm(N_Vector xv, N_Vector wv)
-{
-    return sqrt(v_weighted_squares(xv, wv) / (double)length(xv));
+    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) / (double)length(x));
 }
 
 LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
 {
-    const double *x = NV_DATA_S(xv);
+    const double *x = lac_vector_data(xv);
     size_t n = length(xv);
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -193,100 +218,51 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
     return most;
 }
 
-// z = sum_j c_j x_j of 2 to 8 vectors, each read once; z may be x_0. Added in the order of j.
-enum { MOST_TERMS = 8 };
-
-typedef struct terms {
-    const double *x[MOST_TERMS];
-    double c[MOST_TERMS];
-    int count;
-    double *z;
-} terms;
-
-static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
-                                                          const terms *from)
+static sunrealtype v_min(N_Vector xv)
 {
-    const terms t = *from;
-    double *z = t.z;
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        double sum = t.c[0] * t.x[0][i] + t.c[1] * t.x[1][i];
-        for (int j = 2; j < count; j++) {
-            sum += t.c[j] * t.x[j][i];
-        }
-        z[i] = sum;
+    const double *x = lac_vector_data(xv);
+    size_t n = length(xv);
+    double least = x[0];
+    for (size_t i = 1; i < n; i++) {
+        least = x[i] < least ? x[i] : least;
     }
+    return least;
 }
 
-LAC_CLONES static void lac_vector_combine_part(void *context, size_t part, size_t first, size_t end)
+static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
 {
-    const terms *t = context;
-    (void)part;
-    switch (t->count) { // so that each loop is unrolled
-    case 2:
-        combine(2, first, end, t);
-        break;
-    case 3:
-        combine(3, first, end, t);
-        break;
-    case 4:
-        combine(4, first, end, t);
-        break;
-    case 5:
-        combine(5, first, end, t);
-        break;
-    case 6:
-        combine(6, first, end, t);
-        break;
-    case 7:
-        combine(7, first, end, t);
-        break;
-    default:
-        combine(8, first, end, t);
+    enum { MOST = 16 }; // CVODE and ARKODE ask for less
+    const double *x[MOST];
+    if (count > MOST) {
+        return -1;
     }
-}
-
-// z = c_0 x_0 + c_1 x_1 + ..., eight at first and then seven more at a time
-static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector zv)
-{
-    double *z = NV_DATA_S(zv);
-    if (count == 1) {
-        v_scale(c[0], xv[0], zv);
-        return 0;
-    }
-    terms t = {.z = z};
-    int used = 0;
     for (int j = 0; j < count; j++) {
-        t.x[used] = NV_DATA_S(xv[j]);
-        t.c[used] = c[j];
-        used++;
-        if (used == MOST_TERMS || j + 1 == count) {
-            t.count = used;
-            (void)lac_parts_run(length(zv), lac_vector_combine_part, &t);
-            t.x[0] = z;
-            t.c[0] = 1.0;
-            used = 1;
-        }
+        x[j] = raw(xv[j]);
     }
+    lac_pending_add(pending_of(z), count, c, x, raw(z));
     return 0;
 }
 
 // z_j = a_j x + y_j
-static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector xv, N_Vector *yv,
-                                        N_Vector *zv)
+static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector x, N_Vector *y,
+                                        N_Vector *z)
 {
     for (int j = 0; j < count; j++) {
-        v_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
+        v_linear_sum(a[j], x, 1.0, y[j], z[j]);
     }
     return 0;
 }
 
-N_Vector lac_vector_create(size_t n, SUNContext sun)
+static void set_operations(N_Vector x)
 {
-    N_Vector x = N_VNew_Serial((sunindextype)n, sun);
-    if (x == NULL) {
-        return NULL;
-    }
+    x->ops->nvgetvectorid = v_id;
+    x->ops->nvclone = v_clone;
+    x->ops->nvcloneempty = v_clone_empty;
+    x->ops->nvdestroy = v_destroy;
+    x->ops->nvspace = v_space;
+    x->ops->nvgetlength = v_length;
+    x->ops->nvgetarraypointer = lac_vector_data;
+    x->ops->nvsetarraypointer = v_lend;
     x->ops->nvlinearsum = v_linear_sum;
     x->ops->nvconst = v_const;
     x->ops->nvprod = lac_vector_prod;
@@ -298,10 +274,17 @@ N_Vector lac_vector_create(size_t n, SUNContext sun)
     x->ops->nvdotprod = lac_vector_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;
-    x->ops->nvwsqrsumlocal = v_weighted_squares;
-    x->ops->nvdotprodlocal = lac_vector_dot;
-    x->ops->nvmaxnormlocal = lac_vector_max_norm;
+    x->ops->nvmin = v_min;
     x->ops->nvlinearcombination = v_linear_combination;
     x->ops->nvscaleaddmulti = v_scale_add_multi;
-    return x;
+}
+
+N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun)
+{
+    lac_pending *pending = lac_pending_create(n, waits);
+    N_Vector x = pending == NULL ? NULL : N_VNewEmpty(sun);
+    if (x != NULL) {
+        set_operations(x);
+    }
+    return pending == NULL ? NULL : allocate(wrap(x, pending));
 }
