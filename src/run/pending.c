@@ -9,7 +9,7 @@
 enum {
     MOST_TERMS = 8,
     MOST_WAITING = 64,
-    BLOCK = 512, // elements: some ten arrays of them fit the first cache
+    BLOCK = 256, // elements: some ten arrays of them fit the first cache
     LANES = 8,
 };
 
