@@ -132,8 +132,10 @@ LAC_CLONES static void lac_pending_part(void *context, size_t part, size_t first
 {
     lac_pending *p = context;
     double s[LANES] = {0};
-    for (size_t begin = first; begin < end; begin += BLOCK) {
-        size_t stop = end - begin < BLOCK ? end : begin + BLOCK;
+    // what is alone has nothing to share a cache with
+    size_t block = p->waiting + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
+    for (size_t begin = first; begin < end; begin += block) {
+        size_t stop = end - begin < block ? end : begin + block;
         for (size_t i = 0; i < p->waiting; i++) {
             make(&p->list[i], begin, stop);
         }
