@@ -81,15 +81,16 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
 // Slip beside y, and whether its errors count.
 static int set_slip(lac_engine *engine, cvode *c)
 {
-    N_Vector tolerance = N_VClone(c->slip);
-    if (tolerance == NULL) {
-        return CV_MEM_FAIL;
-    }
     int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
-    bool counts =
-        lac_problem_slip_tolerance(engine->problem, engine->def->rtol, lac_vector_data(tolerance));
-    flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
-    flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, tolerance) : CV_SUCCESS;
+    N_Vector tolerance = N_VClone(c->slip);
+    if (lac_vector_lacks(c->slip)) {
+        flag = CV_MEM_FAIL;
+    } else {
+        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
+                                                 lac_vector_data(tolerance));
+        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
+        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, tolerance) : CV_SUCCESS;
+    }
     N_VDestroy(tolerance);
     return flag;
 }
@@ -112,8 +113,8 @@ static int set_options(lac_engine *engine, cvode *c)
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
     c->y = lac_vector_create(engine->unknowns, true, engine->sun);
-    c->seen_y = c->y == NULL ? NULL : N_VCloneEmpty(c->y);
-    if (c->seen_y == NULL) {
+    c->seen_y = c->y == NULL ? NULL : lac_vector_clone_empty(c->y);
+    if (c->seen_y == NULL || lac_vector_lacks(c->y)) {
         return lac_fail_memory(err);
     }
     engine->y = lac_vector_data(c->y);
@@ -122,8 +123,8 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
         return LAC_OK;
     }
     c->slip = lac_vector_create(engine->n, true, engine->sun);
-    c->seen_slip = c->slip == NULL ? NULL : N_VCloneEmpty(c->slip);
-    if (c->seen_slip == NULL) {
+    c->seen_slip = c->slip == NULL ? NULL : lac_vector_clone_empty(c->slip);
+    if (c->seen_slip == NULL || lac_vector_lacks(c->slip)) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->slip);
@@ -140,6 +141,27 @@ static void settle(cvode *c)
     }
 }
 
+static bool lacks_memory(const cvode *c)
+{
+    return lac_vector_lacks(c->y) || (c->slip != NULL && lac_vector_lacks(c->slip));
+}
+
+static lac_status set_up(lac_engine *engine, cvode *c, lac_error *err)
+{
+    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
+    if (c->mem == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CVODE(c->mem);
+    bool good =
+        CVodeInit(c->mem, rates, 0.0, c->y) == CV_SUCCESS && set_options(engine, c) == CV_SUCCESS;
+    lac_status status = good ? attach_solver(engine, c, err) : LAC_OK;
+    if (lacks_memory(c)) {
+        return lac_fail_memory(err);
+    }
+    return good ? status : lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
+}
+
 static lac_status cvode_create(lac_engine *engine, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -150,16 +172,7 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
     engine->inner = c;
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
-
-    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
-    if (c->mem == NULL) {
-        return lac_fail_memory(err);
-    }
-    LAC_SUN_SILENCE_CVODE(c->mem);
-    if (CVodeInit(c->mem, rates, 0.0, c->y) != CV_SUCCESS || set_options(engine, c) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
-    }
-    LAC_TRY(attach_solver(engine, c, err));
+    LAC_TRY(set_up(engine, c, err));
     settle(c);
 out:
     return status;
@@ -206,15 +219,13 @@ static bool find_worst(const lac_engine *engine, size_t *worst)
 {
     const cvode *c = engine->inner;
     N_Vector errors = N_VClone(c->y);
-    bool known = errors != NULL && CVodeGetEstLocalErrors(c->mem, errors) == CV_SUCCESS;
-    const double *e = errors == NULL ? NULL : lac_vector_data(errors);
+    bool known = !lac_vector_lacks(c->y) && CVodeGetEstLocalErrors(c->mem, errors) == CV_SUCCESS;
+    const double *e = lac_vector_data(errors);
     *worst = 0;
     for (size_t i = 1; known && i < engine->unknowns; i++) {
         *worst = fabs(e[i]) > fabs(e[*worst]) ? i : *worst;
     }
-    if (errors != NULL) {
-        N_VDestroy(errors);
-    }
+    N_VDestroy(errors);
     return known;
 }
 

@@ -22,7 +22,7 @@ typedef struct combination {
 } combination;
 
 struct lac_pending {
-    size_t n, holders, waiting;
+    size_t n, waiting;
     bool waits;
     const double *x, *w; // (x w)^2 is wanted; or NULL
     double sum[LAC_PARTS];
@@ -34,7 +34,6 @@ lac_pending *lac_pending_create(size_t n, bool waits)
     lac_pending *p = malloc(sizeof *p);
     if (p != NULL) {
         p->n = n;
-        p->holders = 1;
         p->waiting = 0;
         p->waits = waits;
         p->x = p->w = NULL;
@@ -42,19 +41,12 @@ lac_pending *lac_pending_create(size_t n, bool waits)
     return p;
 }
 
-lac_pending *lac_pending_hold(lac_pending *p)
-{
-    p->holders++;
-    return p;
-}
+void lac_pending_free(lac_pending *p) { free(p); }
 
-void lac_pending_release(lac_pending *p)
+void lac_pending_close(lac_pending *p)
 {
-    lac_pending_finish(p);
-    p->holders--;
-    if (p->holders == 0) {
-        free(p);
-    }
+    p->n = 0;
+    p->waiting = 0;
 }
 
 size_t lac_pending_length(const lac_pending *p) { return p->n; }

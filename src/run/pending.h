@@ -13,14 +13,16 @@ typedef struct lac_pending lac_pending;
 
 /// @param n      length of the arrays
 /// @param waits  false: each is made at once
-/// @return held once; NULL where memory is short
+/// @return NULL where memory is short
 lac_pending *lac_pending_create(size_t n, bool waits);
 
-/// Several may hold it; the last that lets go frees it. What waits is made before.
-lac_pending *lac_pending_hold(lac_pending *p);
-void lac_pending_release(lac_pending *p);
+/// What waits is not made; NULL is fine.
+void lac_pending_free(lac_pending *p);
 
 size_t lac_pending_length(const lac_pending *p);
+
+/// Makes nothing from now on: all arrays count as empty, as if n were 0.
+void lac_pending_close(lac_pending *p);
 
 /// z = c_0 x_0 + c_1 x_1 + ..., added up in this order; z = c_0 where there is no x. z may be one
 /// of them. Nobody may look into these arrays, nor write there, before lac_pending_finish.

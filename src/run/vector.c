@@ -7,19 +7,34 @@
 #include "base/clones.h"
 #include "run/pending.h"
 
+typedef struct family family;
+
+// The components of a vector of its own follow in the same allocation.
 typedef struct content {
     double *data;
-    bool own;
-    lac_pending *pending; // shared with all clones
+    family *family;
 } content;
+
+// A vector and its clones. SUNDIALS 6.4 and 7 do not survive a clone that is NULL: where memory is
+// short it is `lacking`, and all vectors count as empty until the engine looks.
+struct family {
+    lac_pending *pending;
+    size_t members;
+    bool lacking;
+    content none; // of the members for which there was no memory
+};
+
+enum { CONTENT_ROOM = 64 }; // bytes: a line of the cache
 
 static content *content_of(N_Vector x) { return x->content; }
 
 static double *raw(N_Vector x) { return content_of(x)->data; }
 
-static lac_pending *pending_of(N_Vector x) { return content_of(x)->pending; }
+static lac_pending *pending_of(N_Vector x) { return content_of(x)->family->pending; }
 
 static size_t length(N_Vector x) { return lac_pending_length(pending_of(x)); }
+
+bool lac_vector_lacks(N_Vector x) { return content_of(x)->family->lacking; }
 
 double *lac_vector_data(N_Vector x)
 {
@@ -29,13 +44,16 @@ double *lac_vector_data(N_Vector x)
 
 void lac_vector_finish(N_Vector x) { lac_pending_finish(pending_of(x)); }
 
-static void v_lend(sunrealtype *components, N_Vector x)
+void lac_vector_lend(N_Vector x, double *components)
 {
+    content *c = content_of(x);
     lac_pending_finish(pending_of(x));
-    content_of(x)->data = components;
+    if (c != &c->family->none) {
+        c->data = components;
+    }
 }
 
-void lac_vector_lend(N_Vector x, double *components) { v_lend(components, x); }
+static void v_lend(sunrealtype *components, N_Vector x) { lac_vector_lend(x, components); }
 
 static N_Vector_ID v_id(N_Vector x)
 {
@@ -52,53 +70,45 @@ static void v_space(N_Vector x, sunindextype *reals, sunindextype *integers)
     *integers = 1;
 }
 
+static void leave(family *f)
+{
+    f->members--;
+    if (f->members == 0) {
+        lac_pending_free(f->pending);
+        free(f);
+    }
+}
+
 static void v_destroy(N_Vector x)
 {
     content *c = content_of(x);
-    if (c != NULL) {
-        lac_pending_release(c->pending);
-        if (c->own) {
-            free(c->data);
-        }
+    family *f = c->family;
+    lac_pending_finish(f->pending);
+    if (c != &f->none) {
         free(c);
-        x->content = NULL;
     }
+    leave(f);
+    x->content = NULL;
     N_VFreeEmpty(x);
 }
 
-// Takes over one hold of `pending`, also where it fails.
-static N_Vector wrap(N_Vector x, lac_pending *pending)
+// Makes x a member with room for `bytes` of components.
+static void join(N_Vector x, family *f, size_t bytes)
 {
-    content *c = calloc(1, sizeof *c);
-    if (x == NULL || c == NULL) {
-        free(c);
-        if (x != NULL) {
-            N_VFreeEmpty(x);
-        }
-        lac_pending_release(pending);
-        return NULL;
+    content *c = malloc(CONTENT_ROOM + bytes);
+    if (c == NULL) {
+        f->lacking = true;
+        lac_pending_close(f->pending);
+        c = &f->none;
+    } else {
+        c->data = bytes == 0 ? NULL : (double *)(void *)((char *)c + CONTENT_ROOM);
+        c->family = f;
     }
-    c->pending = pending;
+    f->members++;
     x->content = c;
-    return x;
 }
 
-static N_Vector allocate(N_Vector x)
-{
-    if (x == NULL) {
-        return NULL;
-    }
-    content *c = content_of(x);
-    c->data = malloc(length(x) * sizeof *c->data);
-    c->own = true;
-    if (c->data == NULL) {
-        v_destroy(x);
-        return NULL;
-    }
-    return x;
-}
-
-static N_Vector v_clone_empty(N_Vector like)
+static N_Vector clone(N_Vector like, size_t bytes)
 {
     N_Vector x = N_VNewEmpty(like->sunctx);
     if (x == NULL || N_VCopyOps(like, x) != 0) {
@@ -107,10 +117,13 @@ static N_Vector v_clone_empty(N_Vector like)
         }
         return NULL;
     }
-    return wrap(x, lac_pending_hold(pending_of(like)));
+    join(x, content_of(like)->family, bytes);
+    return x;
 }
 
-static N_Vector v_clone(N_Vector like) { return allocate(v_clone_empty(like)); }
+N_Vector lac_vector_clone_empty(N_Vector like) { return clone(like, 0); }
+
+static N_Vector v_clone(N_Vector like) { return clone(like, length(like) * sizeof(double)); }
 
 static void v_linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
 {
@@ -222,8 +235,8 @@ static sunrealtype v_min(N_Vector xv)
 {
     const double *x = lac_vector_data(xv);
     size_t n = length(xv);
-    double least = x[0];
-    for (size_t i = 1; i < n; i++) {
+    double least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
         least = x[i] < least ? x[i] : least;
     }
     return least;
@@ -257,7 +270,7 @@ static void set_operations(N_Vector x)
 {
     x->ops->nvgetvectorid = v_id;
     x->ops->nvclone = v_clone;
-    x->ops->nvcloneempty = v_clone_empty;
+    x->ops->nvcloneempty = lac_vector_clone_empty;
     x->ops->nvdestroy = v_destroy;
     x->ops->nvspace = v_space;
     x->ops->nvgetlength = v_length;
@@ -281,10 +294,24 @@ static void set_operations(N_Vector x)
 
 N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun)
 {
-    lac_pending *pending = lac_pending_create(n, waits);
-    N_Vector x = pending == NULL ? NULL : N_VNewEmpty(sun);
-    if (x != NULL) {
-        set_operations(x);
+    family *f = calloc(1, sizeof *f);
+    N_Vector x = f == NULL ? NULL : N_VNewEmpty(sun);
+    if (x == NULL) {
+        free(f);
+        return NULL;
     }
-    return pending == NULL ? NULL : allocate(wrap(x, pending));
+    f->none.family = f;
+    f->pending = lac_pending_create(n, waits);
+    if (f->pending == NULL) {
+        N_VFreeEmpty(x);
+        free(f);
+        return NULL;
+    }
+    set_operations(x);
+    join(x, f, n * sizeof(double));
+    if (f->lacking) {
+        v_destroy(x);
+        return NULL;
+    }
+    return x;
 }

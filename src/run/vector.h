@@ -13,13 +13,20 @@
 // before shows nothing of them until then.
 N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun);
 
+// Whether memory was too short for the vector or one of its clones. A clone is never NULL for that,
+// as SUNDIALS would not survive it; nobody may look at components then.
+bool lac_vector_lacks(N_Vector x);
+
 // The vector's components, everything that waited made.
 double *lac_vector_data(N_Vector x);
 
 // Makes what waits, so that pointers taken before are good.
 void lac_vector_finish(N_Vector x);
 
-// Gives a vector made by N_VCloneEmpty its components, which stay the lender's.
+// A clone without components; NULL where memory is short.
+N_Vector lac_vector_clone_empty(N_Vector like);
+
+// Gives such a vector its components, which stay the lender's.
 void lac_vector_lend(N_Vector x, double *components);
 
 #endif

@@ -79,7 +79,8 @@ static void many_at_random(size_t n, bool waits)
             lac_pending_finish(p);
         }
     }
-    lac_pending_release(p);
+    lac_pending_finish(p);
+    lac_pending_free(p);
     for (size_t j = 0; j < ARRAYS; j++) {
         assert_memory_equal(plain.of[j], made.of[j], sizeof plain.of[j]);
     }
@@ -116,7 +117,7 @@ static void long_combination(void **state)
         lac_pending_finish(p);
         assert_memory_equal(plain, made, sizeof plain);
     }
-    lac_pending_release(p);
+    lac_pending_free(p);
 }
 
 // The sum of squares sees what waits, and is that of all elements.
@@ -143,8 +144,8 @@ static void squares_of_what_waits(void **state)
         }
         assert_memory_equal(&sums[0], &sums[1], sizeof sums[0]);
         assert_true(fabs(sums[0] - (double)exact) <= 1e-14 * (double)exact);
-        lac_pending_release(late);
-        lac_pending_release(soon);
+        lac_pending_free(late);
+        lac_pending_free(soon);
     }
 }
 
