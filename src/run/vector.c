@@ -9,9 +9,9 @@
 
 typedef struct family family;
 
-// The components of a vector of its own follow in the same allocation.
 typedef struct content {
     double *data;
+    double *own; // to be freed; NULL where they are lent
     family *family;
 } content;
 
@@ -23,8 +23,6 @@ struct family {
     bool lacking;
     content none; // of the members for which there was no memory
 };
-
-enum { CONTENT_ROOM = 64 }; // bytes: a line of the cache
 
 static content *content_of(N_Vector x) { return x->content; }
 
@@ -85,6 +83,7 @@ static void v_destroy(N_Vector x)
     family *f = c->family;
     lac_pending_finish(f->pending);
     if (c != &f->none) {
+        free(c->own);
         free(c);
     }
     leave(f);
@@ -95,14 +94,16 @@ static void v_destroy(N_Vector x)
 // Makes x a member with room for `bytes` of components.
 static void join(N_Vector x, family *f, size_t bytes)
 {
-    content *c = malloc(CONTENT_ROOM + bytes);
-    if (c == NULL) {
+    content *c = malloc(sizeof *c);
+    double *own = bytes == 0 ? NULL : malloc(bytes);
+    if (c == NULL || (own == NULL && bytes > 0)) {
+        free(c);
+        free(own);
         f->lacking = true;
         lac_pending_close(f->pending);
         c = &f->none;
     } else {
-        c->data = bytes == 0 ? NULL : (double *)(void *)((char *)c + CONTENT_ROOM);
-        c->family = f;
+        *c = (content){.data = own, .own = own, .family = f};
     }
     f->members++;
     x->content = c;
