@@ -56,7 +56,7 @@ static const double safe_ratio = 30, safe_spread_ratio = 300;
 enum { OWN_FEWEST = 30, OWN_STEPS = 1000 };
 static const double own_step_seconds = 2e-6;
 
-// Fidelity events was 3 to 400 times faster below twice k_crit, ode 5 times from five times k_crit
+// Fidelity events was 3 to 100 times faster below twice k_crit, ode 5 times from five times k_crit
 // on, where no cell slips by itself (docs/choosing.md). Few cells cost nothing either way.
 enum { FEWEST_EVENTS_CELLS = 64 };
 static const double soft_ratio = 1, stiff_ratio = 5;
