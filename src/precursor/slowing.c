@@ -5,10 +5,21 @@
 #include <stdlib.h>
 
 #include "base/least_squares.h"
-#include "base/rng.h"
 #include "precursor/kinds.h"
+#include "precursor/surrogates.h"
 
 enum { LEAST = 24, MOST = 200 };
+
+static const lac_precursor_value numbers[] = {
+    {"variance_m2_s2", "m2 s-2", "variance of the last window"},
+    {"variance_tau", "1", "Kendall's tau of the variance"},
+    {"variance_p", "1", "part of autoregressive surrogates with as high a tau"},
+    {"variance_phase_p", "1", "part of phase-randomised surrogates with as high a tau"},
+    {"autocorrelation", "1", "lag-1 autocorrelation of the last window"},
+    {"autocorrelation_tau", "1", "Kendall's tau of the autocorrelation"},
+    {"autocorrelation_p", "1", "part of autoregressive surrogates with as high a tau"},
+    {"autocorrelation_phase_p", "1", "part of phase-randomised surrogates with as high a tau"},
+};
 
 // One series on its way: what is left of it, and the two indicators of its windows.
 typedef struct passage {
@@ -81,26 +92,56 @@ static double without_bias(double r, size_t n)
     return fmax(-0.99, fmin(0.99, phi));
 }
 
-static void fill_surrogate(passage *p, double phi, uint64_t seed, size_t index)
+// How many surrogates have a tau as high, of either indicator.
+typedef struct ranks {
+    size_t variance, relation;
+} ranks;
+
+static void compare(passage *p, const lac_slowing *with, ranks *above)
 {
-    double before = 0.0;
-    double pair[2];
-    for (size_t i = 0; i < p->n; i++) {
-        if (i % 2 == 0) {
-            lac_random_normal(seed, LAC_STREAM_SURROGATE, index, i / 2, pair);
-        }
-        before = i == 0 ? pair[0] / sqrt(1.0 - phi * phi) : phi * before + pair[i % 2];
-        p->rest[i] = before;
+    double variance_tau;
+    double relation_tau;
+    pass(p, &variance_tau, &relation_tau);
+    above->variance += variance_tau >= with->variance_tau ? 1 : 0;
+    above->relation += relation_tau >= with->autocorrelation_tau ? 1 : 0;
+}
+
+static double share(size_t above, size_t surrogates)
+{
+    return (double)(1 + above) / (double)(1 + surrogates);
+}
+
+// p among both kinds of surrogates of the residuals that p->rest holds.
+static lac_status rank(passage *p, uint64_t seed, size_t surrogates, lac_slowing *out,
+                       lac_error *err)
+{
+    ranks red = {0};
+    ranks phase = {0};
+    double all = 0.0;
+    double relation = 0.0;
+    lac_phases phases;
+    lac_status status = lac_phases_create(p->n, p->rest, &phases, err);
+    LAC_TRY(status);
+    relate(p->n, p->rest, &all, &relation);
+    for (size_t s = 0; s < surrogates; s++) {
+        lac_surrogate_red(p->n, without_bias(relation, p->n), seed, s, p->rest);
+        compare(p, out, &red);
+        lac_phases_draw(&phases, seed, s, p->rest);
+        compare(p, out, &phase);
     }
+    out->variance_p = share(red.variance, surrogates);
+    out->variance_phase_p = share(phase.variance, surrogates);
+    out->autocorrelation_p = share(red.relation, surrogates);
+    out->autocorrelation_phase_p = share(phase.relation, surrogates);
+out:
+    lac_phases_clear(&phases);
+    return status;
 }
 
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err)
 {
     passage p;
-    double all = 0.0;
-    double relation = 0.0;
-    size_t above[2] = {0, 0};
     lac_status status = create(&p, n, err);
     if (status != LAC_OK) {
         return status;
@@ -111,18 +152,9 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
     pass(&p, &out->variance_tau, &out->autocorrelation_tau);
     out->variance = p.variance[n - p.window];
     out->autocorrelation = p.relation[n - p.window];
-    relate(n, p.rest, &all, &relation);
-    for (size_t s = 0; s < surrogates; s++) {
-        double tau[2];
-        fill_surrogate(&p, without_bias(relation, n), seed, s);
-        pass(&p, &tau[0], &tau[1]);
-        above[0] += tau[0] >= out->variance_tau ? 1 : 0;
-        above[1] += tau[1] >= out->autocorrelation_tau ? 1 : 0;
-    }
-    out->variance_p = (double)(1 + above[0]) / (double)(1 + surrogates);
-    out->autocorrelation_p = (double)(1 + above[1]) / (double)(1 + surrogates);
+    status = rank(&p, seed, surrogates, out, err);
     free(p.rest);
-    return LAC_OK;
+    return status;
 }
 
 // Velocities at even times, linear between those there are, from the first to the last.
@@ -159,9 +191,11 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
         lac_fit_add(found, "variance_m2_s2", slowing.variance);
         lac_fit_add(found, "variance_tau", slowing.variance_tau);
         lac_fit_add(found, "variance_p", slowing.variance_p);
+        lac_fit_add(found, "variance_phase_p", slowing.variance_phase_p);
         lac_fit_add(found, "autocorrelation", slowing.autocorrelation);
         lac_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
         lac_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
+        lac_fit_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
     }
     return status;
 }
@@ -170,9 +204,12 @@ const lac_precursor_kind lac_precursor_slowing = {
     .about = {.name = "slowing",
               .summary = "variance and autocorrelation of the velocity, with Kendall's tau",
               .reference = "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
-                           "10.1073/pnas.0802430105"},
+                           "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"},
     .needs = LAC_NEEDS_MOTION,
     .estimator = "velocities at as many even times, at most 200, less a parabola; trailing windows "
-                 "of half of them; tau over the windows; p among first-order autoregressions",
+                 "of half of them; tau over the windows; p among first-order autoregressions, "
+                 "phase_p among series of the same spectrum",
+    LAC_PRECURSOR_VALUES(numbers),
+    .headline = 6,
     .look = look,
 };

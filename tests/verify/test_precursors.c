@@ -215,15 +215,15 @@ static void rates_lengths_and_oscillations_are_found(void **state)
         moment[i] = i % 2 == 0 ? 1e9 : 3e9;
     }
     lac_motion motion = {.n = READINGS, .time = time, .displacement = displacement, .sigma = sigma};
-    const lac_event_list events = {EVENTS, event_time, moment};
+    const lac_event_list events = {EVENTS, event_time, moment, NULL};
     const lac_slip_history slip = {READINGS, LEVELS, time, n_slip, n_tot, length, 0.6};
     const lac_observed seen = {&motion, &events, &slip, tc, 0.0, 1, 59};
     lac_precursor out[LAC_PRECURSORS_MAX];
     size_t count = 0;
     assert_int_equal(lac_precursors_look(&seen, out, &count, NULL), LAC_OK);
     const lac_fit *rate = find(out, count, "event_rate");
-    assert_true(fabs(value(rate, "p") - p) < 0.01);
-    assert_true(value(rate, "p_error") > 0.005 && value(rate, "p_error") < 0.1);
+    assert_true(fabs(value(rate, "exponent") - p) < 0.01);
+    assert_true(value(rate, "exponent_error") > 0.005 && value(rate, "exponent_error") < 0.1);
     const lac_fit *longest = find(out, count, "correlation_length");
     assert_true(fabs(value(longest, "growth_exponent") - 0.7) < 1e-9);
     const lac_fit *waves = find(out, count, "log_periodicity");
@@ -242,7 +242,7 @@ static void what_is_not_there_is_said(void **state)
     (void)state;
     double none = 0.0;
     lac_motion motion = {.n = 1, .time = &none, .displacement = &none, .sigma = &none};
-    const lac_event_list events = {0, &none, &none};
+    const lac_event_list events = {0, &none, &none, NULL};
     const lac_slip_history slip = {.n = 0};
     const lac_observed series = {&motion, NULL, NULL, NAN, NAN, 1, 19};
     const lac_observed run = {&motion, &events, &slip, NAN, NAN, 1, 19};
