@@ -52,6 +52,7 @@ RELIEF = '\n  shear: [{{step: {{value: "{value} Pa", at: "{at!r} s"}}}}]'
 LEFT = (0.5, 0.2, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 SHOWN = (0.5, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 RELIEFS = (0.01, 0.03, 0.1)
+GRID = 10 ** numpy.linspace(-0.3, -8, 78)  # life left, of the picture's curves
 # what alarms: an indicator, and its p that is then at most 0.05
 P = {"slip fraction rises": ("slip_fraction", "rise_p"),
      "correlation length rises": ("correlation_length", "rise_p"),
@@ -136,8 +137,7 @@ def study(job):
     out = {"before": [alarms(ask(program, path, "--until", f"{(1 - part) * failure!r} s"), failure)
                       for part in LEFT],
            "critical": critical, "reached": left[reached[0]] if len(reached) else None,
-           "slipping": numpy.interp(numpy.log10(LEFT), numpy.log10(numpy.maximum(left, 1e-12))[::-1],
-                                    slipping[::-1])}
+           "slipping": numpy.interp(-GRID, -left, slipping)}
     control, calm, out["ratio"] = find_control(program, folder, seed)
     answer = ask(program, control, "--rolling", "--issues", "24")
     out["calm"] = [alarms({**answer, **issue}, None) for issue in answer["rolling"]["issues"]]
@@ -201,12 +201,12 @@ def draw(rows, path):
     styles = ["-", "--", ":"]
     for k, test in enumerate(TESTS):
         shown = [share(row["before"][i][test] for row in rows) for i in range(len(LEFT))]
-        axes[0].plot(left, shown, styles[k // 5], marker="o", markersize=3, label=test)
+        axes[0].plot(left, shown, styles[k // 5], marker="o", markersize=3, linewidth=5 - 0.35 * k, label=test)
     axes[0].set_ylabel("joints in which it shows (%)")
     axes[0].legend(fontsize=7, ncol=2)
-    axes[1].fill_between(left, *numpy.percentile([row["slipping"] for row in rows], [5, 95], axis=0), color="0.85",
+    axes[1].fill_between(100 * GRID, *numpy.percentile([row["slipping"] for row in rows], [5, 95], axis=0), color="0.85",
                          label="slipping fraction: 90 % of joints")
-    axes[1].plot(left, numpy.median([row["slipping"] for row in rows], axis=0), "k-", label="median")
+    axes[1].plot(100 * GRID, numpy.median([row["slipping"] for row in rows], axis=0), "k-", label="median")
     axes[1].axhline(numpy.nanmedian([row["critical"] for row in rows]), color="k", linestyle="--", linewidth=0.8,
                     label="fixed point C")
     axes[1].plot([100 * row["reached"] for row in rows if row["reached"] is not None],

@@ -146,32 +146,59 @@ static double headline(const lac_precursor *p)
     return lac_precursor_find(p, p->kind->value[p->kind->headline].key);
 }
 
-void cli_course_print(const cli_precursors_result *r)
+// Which kinds a table shows: those that say something at some time.
+static size_t find_shown(const lac_precursor_course *course, size_t *shown)
 {
-    const lac_precursor_course *course = r->course;
-    char text[40];
-    printf("\n  indicators            ");
+    size_t count = 0;
     for (size_t k = 0; k < course->kinds; k++) {
-        printf(" %18s", lac_precursor_kind_at(k)->about.name);
+        bool any = false;
+        for (size_t i = 0; i < course->issues; i++) {
+            any = any || !isnan(headline(&course->found[i * course->kinds + k]));
+        }
+        if (any) {
+            shown[count++] = k;
+        }
+    }
+    return count;
+}
+
+static void print_heads(size_t count, const size_t *shown)
+{
+    printf("\n  indicators            ");
+    for (size_t k = 0; k < count; k++) {
+        printf(" %18s", lac_precursor_kind_at(shown[k])->about.name);
     }
     printf("\n  %-22s", "");
-    for (size_t k = 0; k < course->kinds; k++) {
-        const lac_precursor_kind *kind = lac_precursor_kind_at(k);
+    for (size_t k = 0; k < count; k++) {
+        const lac_precursor_kind *kind = lac_precursor_kind_at(shown[k]);
         printf(" %18s", kind->value[kind->headline].key);
     }
     printf("\n");
+}
+
+void cli_course_print(const cli_precursors_result *r)
+{
+    const lac_precursor_course *course = r->course;
+    size_t shown[LAC_PRECURSORS_MAX];
+    const size_t count = find_shown(course, shown);
+    char text[40];
+    if (count == 0) {
+        return;
+    }
+    print_heads(count, shown);
     for (size_t i = 0; i < course->issues; i++) {
+        double value[LAC_PRECURSORS_MAX];
         bool any = false;
-        for (size_t k = 0; k < course->kinds; k++) {
-            any = any || !isnan(headline(&course->found[i * course->kinds + k]));
+        for (size_t k = 0; k < count; k++) {
+            value[k] = headline(&course->found[i * course->kinds + shown[k]]);
+            any = any || !isnan(value[k]);
         }
         if (!any) {
             continue;
         }
         printf("  %-22s", cli_precursors_when(r, r->rolling->issue_time[i], text, sizeof text));
-        for (size_t k = 0; k < course->kinds; k++) {
-            const double value = headline(&course->found[i * course->kinds + k]);
-            (void)snprintf(text, sizeof text, isnan(value) ? "." : "%.4g", value);
+        for (size_t k = 0; k < count; k++) {
+            (void)snprintf(text, sizeof text, isnan(value[k]) ? "." : "%.4g", value[k]);
             printf(" %18s", text);
         }
         printf("\n");
