@@ -14,6 +14,19 @@ static const lac_precursor_value numbers[] = {
     {"error", "1", "standard error of b"},
 };
 
+// The magnitudes from the one on from which the catalogue as a whole is complete, in their order.
+static size_t keep_complete(size_t n, double *magnitude)
+{
+    const double mc = lac_precursor_complete_from(n, magnitude);
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (magnitude[i] >= mc) {
+            magnitude[kept++] = magnitude[i];
+        }
+    }
+    return kept;
+}
+
 static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
 {
     double *magnitude = NULL;
@@ -23,6 +36,7 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
     if (status != LAC_OK) {
         return status;
     }
+    n = n > 0 ? keep_complete(n, magnitude) : 0;
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {
         (void)lac_fit_refuse(found,
@@ -43,7 +57,8 @@ const lac_precursor_kind lac_precursor_b_positive = {
               .reference = "van der Elst (2021), J. Geophys. Res. 126, e2020JB021027, doi "
                            "10.1029/2020JB021027"},
     .needs = LAC_NEEDS_EVENTS,
-    .estimator = "b = log10(e)/(mean - 0.2) over the differences of 0.2 or more",
+    .estimator = "b = log10(e)/(mean - 0.2) over the differences of 0.2 or more of successive "
+                 "magnitudes from mc, that of b_value",
     LAC_PRECURSOR_VALUES(numbers),
     .look = look,
 };

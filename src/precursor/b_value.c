@@ -5,7 +5,7 @@
 
 #include "precursor/kinds.h"
 
-enum { FEW = 20, BINS = 400 };
+enum { FEW = 20, BINS = 400, STABLE = 5, ENOUGH = 50, HIGHER = 20 };
 static const double bin = 0.1, beyond = 0.2;
 
 static const lac_precursor_value numbers[] = {
@@ -16,8 +16,8 @@ static const lac_precursor_value numbers[] = {
     {"fall_p", "1", "chance of a fall as large, if b did not change"},
 };
 
-// Where magnitudes are complete: the fullest bin and 0.2 beyond (Woessner & Wiemer 2005).
-static double complete_from(size_t n, const double *magnitude)
+// Lower edge of the fullest bin.
+static double fullest_bin(size_t n, const double *magnitude)
 {
     size_t count[BINS] = {0};
     size_t best = 0;
@@ -33,7 +33,32 @@ static double complete_from(size_t n, const double *magnitude)
     for (size_t k = 1; k < BINS; k++) {
         best = count[k] > count[best] ? k : best;
     }
-    return lowest + bin * (double)best + beyond;
+    return lowest + bin * (double)best;
+}
+
+// Whether b from mc on is, within its error, the mean of those from the next bins on too.
+static bool is_stable(size_t n, const double *magnitude, double mc)
+{
+    double error;
+    double other_error;
+    double mean = 0.0;
+    size_t used;
+    const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &used);
+    for (size_t k = 0; k < STABLE; k++) {
+        mean += lac_b_value(n, magnitude, mc + bin * (double)k, 0.0, &other_error, &used) / STABLE;
+    }
+    return used >= ENOUGH && fabs(mean - b) <= error;
+}
+
+double lac_precursor_complete_from(size_t n, const double *magnitude)
+{
+    const double first = fullest_bin(n, magnitude) + beyond;
+    for (size_t k = 0; k < HIGHER; k++) {
+        if (is_stable(n, magnitude, first + bin * (double)k)) {
+            return first + bin * (double)k;
+        }
+    }
+    return first;
 }
 
 // b of the later half of the magnitudes from mc on, against the earlier half's.
@@ -60,7 +85,7 @@ static void add_change(size_t n, double *magnitude, double mc, lac_fit *found)
 static void measure(size_t n, double *magnitude, lac_fit *found)
 {
     double error = NAN;
-    const double mc = complete_from(n, magnitude);
+    const double mc = lac_precursor_complete_from(n, magnitude);
     const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
     if (found->points < FEW) {
         (void)lac_fit_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
@@ -93,11 +118,15 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
 const lac_precursor_kind lac_precursor_b_value = {
     .about = {.name = "b_value",
               .summary = "size distribution of events, by maximum likelihood",
-              .reference = "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. "
-                           "Seismol. Soc. Am. 72, 1677"},
+              .reference =
+                  "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. "
+                  "Seismol. Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. "
+                  "Am. 95, 684"},
     .needs = LAC_NEEDS_EVENTS,
-    .estimator = "b = log10(e)/(mean - mc) over magnitudes from mc, the fullest bin of 0.1 and "
-                 "0.2; fall_p: the later half of them against the earlier, normal errors",
+    .estimator =
+        "b = log10(e)/(mean - mc) over magnitudes from mc: the fullest bin of 0.1 and 0.2, "
+        "and on until b is stable over 0.5; fall_p: the later half of them against the "
+        "earlier, normal errors",
     LAC_PRECURSOR_VALUES(numbers),
     .look = look,
 };

@@ -16,4 +16,10 @@ extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodi
 lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
                                     lac_error *err);
 
+/// From which magnitude on a catalogue is complete: 0.2 above the fullest bin of 0.1 (Woessner &
+/// Wiemer 2005), and on from there until b is stable within its error over half a magnitude (Cao &
+/// Gao 2002); where it never is, the first.
+/// @param n  at least 1
+double lac_precursor_complete_from(size_t n, const double *magnitude);
+
 #endif
