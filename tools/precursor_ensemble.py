@@ -52,6 +52,7 @@ RELIEF = '\n  shear: [{{step: {{value: "{value} Pa", at: "{at!r} s"}}}}]'
 LEFT = (0.5, 0.2, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 SHOWN = (0.5, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 RELIEFS = (0.01, 0.03, 0.1)
+LAST = -9  # log10 of the life left when the last relief is tried
 GRID = 10 ** numpy.linspace(-0.3, -8, 78)  # life left, of the picture's curves
 # what alarms: an indicator, and its p that is then at most 0.05
 P = {"slip fraction rises": ("slip_fraction", "rise_p"),
@@ -111,7 +112,7 @@ def find_control(program, folder, seed):
 
 def last_rescue(program, folder, seed, failure, relief, force):
     """Part of the life left at the last moment at which a relief saves the joint, to 1/28 of a decade."""
-    low, high = -9.0, 0.0  # log10: fails, is saved
+    low, high = LAST, 0.0  # log10: fails, is saved
     for _ in range(8):
         middle = 0.5 * (low + high)
         step = RELIEF.format(value=-relief * force, at=failure * (1 - 10 ** middle))
@@ -193,6 +194,7 @@ def print_rescues(rows):
         past = sum(row["reached"] is not None and row["reached"] > row["rescue"][k] for row in relieved)
         print(f"| {100 * relief:g} % of the shear load | {middle([100 * row['rescue'][k] for row in relieved])} % | "
               f"{middle([row['rescue slipping'][k] for row in relieved])} | {past} |")
+    print(f"\n{100 * 10 ** LAST:.2g} % is the last that was tried.")
 
 
 def draw(rows, path):
@@ -215,6 +217,7 @@ def draw(rows, path):
         axes[1].plot([100 * row["rescue"][k] for row in rows if row["rescue"]],
                      [row["rescue slipping"][k] for row in rows if row["rescue"]], "o", color=f"C{k}",
                      markersize=4, label=f"last at which {100 * relief:g} % less load saves")
+    axes[1].axvline(100 * 10 ** LAST, color="k", linestyle=":", linewidth=0.8, label="last that is tried")
     axes[1].set(xlabel="part of the life left (%)", ylabel="slipping fraction", xscale="log")
     axes[1].invert_xaxis()
     axes[1].legend(fontsize=7, loc="upper left")
