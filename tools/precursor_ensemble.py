@@ -159,6 +159,8 @@ def share(values):
 
 def middle(values, form="{:.2g}"):
     values = sorted(values)
+    if not values:
+        return "-"
     return (form + " (" + form + " to " + form + ")").format(numpy.median(values), values[0], values[-1])
 
 
