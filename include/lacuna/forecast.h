@@ -29,7 +29,7 @@ typedef struct lac_fitted {
 } lac_fitted;
 
 /// What a method found.
-typedef struct lac_fit {
+typedef struct lac_finding {
     double remaining;     ///< time from now to failure [s]; NaN: none
     double error;         ///< standard error of ln remaining, by the fit itself
     double rms;           ///< of the residuals, in `rms_unit`
@@ -39,15 +39,15 @@ typedef struct lac_fit {
     size_t count;
     lac_fitted value[LAC_FORECAST_VALUES];
     char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
-} lac_fit;
+} lac_finding;
 
 /// Says why there is no forecast, or no value of an indicator.
 /// @return LAC_OK, so that it is one statement
-lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
+lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /// Adds a fitted number.
-void lac_fit_add(lac_fit *fit, const char *key, double value);
+void lac_finding_add(lac_finding *fit, const char *key, double value);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
@@ -66,7 +66,7 @@ typedef struct lac_forecast_kind {
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*fit)(const lac_window *window, lac_fit *fit, lac_error *err);
+    lac_status (*fit)(const lac_window *window, lac_finding *fit, lac_error *err);
 } lac_forecast_kind;
 
 /// The index-th method in the registry, NULL past the end.
@@ -91,7 +91,7 @@ typedef struct lac_forecast {
     double window_start;                 ///< [s]
     double time;                         ///< of failure [s]; NaN: none
     double low50, high50, low90, high90; ///< [s]; NaN: none
-    lac_fit fit;                         ///< also where it is not issued, as far as it went
+    lac_finding fit;                     ///< also where it is not issued, as far as it went
 } lac_forecast;
 
 /// All methods at the last of the readings given.

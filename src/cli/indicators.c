@@ -152,7 +152,7 @@ void cli_indicators_print(const cli_indicators *indicators)
 {
     printf("\n  indicator\n");
     for (size_t k = 0; k < indicators->count; k++) {
-        const lac_fit *found = &indicators->found[k].found;
+        const lac_finding *found = &indicators->found[k].found;
         printf("  %-19s", indicators->found[k].kind->about.name);
         for (size_t i = 0; i < found->count; i++) {
             printf(" %s %.4g", found->value[i].key, found->value[i].value);

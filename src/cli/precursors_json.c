@@ -28,7 +28,7 @@ static void write_interval(cli_json *json, const char *key, double low, double h
 
 static void write_forecast(cli_json *json, const cli_precursors_result *r, const lac_forecast *f)
 {
-    const lac_fit *fit = &f->fit;
+    const lac_finding *fit = &f->fit;
     cli_json_open(json, NULL, '{');
     cli_json_text(json, "method", f->kind->about.name);
     write_time(json, r, "tc_s", "tc_date", f->time);

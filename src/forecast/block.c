@@ -100,20 +100,21 @@ static void offer_grid(lac_projection *law, lac_starts *starts)
     }
 }
 
-static void describe(const lac_projection *law, const double *p, lac_fit *fit)
+static void describe(const lac_projection *law, const double *p, lac_finding *fit)
 {
     const table *b = law->context;
     const double s = look_up(b, p[0] - p[1]);
-    lac_fit_add(fit, "m", b->m);
-    lac_fit_add(fit, "dc_m", law->c[1]);
-    lac_fit_add(fit, "theta_ss_s", exp(p[1]));
-    lac_fit_add(fit, "combination_1_m", b->m / law->c[1] / (1.0 + exp(-s)));
+    lac_finding_add(fit, "m", b->m);
+    lac_finding_add(fit, "dc_m", law->c[1]);
+    lac_finding_add(fit, "theta_ss_s", exp(p[1]));
+    lac_finding_add(fit, "combination_1_m", b->m / law->c[1] / (1.0 + exp(-s)));
     if (!(law->c[1] > 0.0)) {
-        (void)lac_fit_refuse(fit, "the slope does not accelerate");
+        (void)lac_finding_refuse(fit, "the slope does not accelerate");
     }
 }
 
-static lac_status fit_strength(const lac_window *w, const table *b, lac_fit *fit, lac_error *err)
+static lac_status fit_strength(const lac_window *w, const table *b, lac_finding *fit,
+                               lac_error *err)
 {
     const double centre[2] = {0.0, log(-w->time[0])};
     const double width[2] = {INFINITY, width_of_state};
@@ -139,7 +140,7 @@ out:
 }
 
 // The error holds what the strengths that fit about as well say apart.
-static void combine(size_t n, const lac_fit *each, lac_fit *fit)
+static void combine(size_t n, const lac_finding *each, lac_finding *fit)
 {
     size_t best = 0;
     double weights = 0.0;
@@ -161,10 +162,10 @@ static void combine(size_t n, const lac_fit *each, lac_fit *fit)
     fit->error = weights > 0.0 ? sqrt(variance / weights) : fit->error;
 }
 
-static lac_status fit_block(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_block(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     static const double strengths[STRENGTHS] = {1.1, 1.2, 1.35, 1.6, 2.0, 3.0};
-    lac_fit each[STRENGTHS] = {{0}};
+    lac_finding each[STRENGTHS] = {{0}};
     table *b = malloc(sizeof *b);
     lac_status status = b != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);

@@ -9,7 +9,7 @@ extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast
     lac_forecast_lppls, lac_forecast_persistence;
 
 /// Misfit of v = B/(remaining - t) to velocities as inverse velocities: rms and misfit.
-void lac_fit_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
-                           lac_fit *fit);
+void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
+                               lac_finding *fit);
 
 #endif

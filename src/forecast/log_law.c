@@ -16,7 +16,7 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static lac_status fit_log(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_log(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     lac_projection law = {.window = w, .columns = 2, .shapes = 1, .curve = curve};
     lac_starts starts = {0};
@@ -29,9 +29,9 @@ static lac_status fit_log(const lac_window *w, lac_fit *fit, lac_error *err)
     }
     LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
     if (!(law.c[1] > 0.0)) {
-        status = lac_fit_refuse(fit, "the slope does not accelerate");
+        status = lac_finding_refuse(fit, "the slope does not accelerate");
     }
-    lac_fit_add(fit, "scale_m", law.c[1]);
+    lac_finding_add(fit, "scale_m", law.c[1]);
 out:
     lac_projection_clear(&law);
     return status;

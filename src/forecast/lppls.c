@@ -49,7 +49,7 @@ static void offer_grid(lac_projection *law, lac_starts *starts)
     }
 }
 
-static lac_status fit_lppls(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_lppls(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     lac_projection law = {.window = w, .columns = 4, .shapes = 3, .curve = curve};
     lac_starts starts = {0};
@@ -59,12 +59,12 @@ static lac_status fit_lppls(const lac_window *w, lac_fit *fit, lac_error *err)
     offer_grid(&law, &starts);
     LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
     const double omega = within(low_omega, high_omega, p[2]);
-    lac_fit_add(fit, "m", within(low_m, high_m, p[1]));
-    lac_fit_add(fit, "omega", omega);
-    lac_fit_add(fit, "lambda", exp(2.0 * pi / omega));
-    lac_fit_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
+    lac_finding_add(fit, "m", within(low_m, high_m, p[1]));
+    lac_finding_add(fit, "omega", omega);
+    lac_finding_add(fit, "lambda", exp(2.0 * pi / omega));
+    lac_finding_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
     if (!(law.c[1] < 0.0)) {
-        status = lac_fit_refuse(fit, "the slope does not accelerate");
+        status = lac_finding_refuse(fit, "the slope does not accelerate");
     }
 out:
     lac_projection_clear(&law);

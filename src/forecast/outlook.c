@@ -37,24 +37,24 @@ static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast
     f->high90 = now + f->fit.remaining * exp(e * c->high90);
     f->issued = isfinite(f->low90) && isfinite(f->high90);
     if (!f->issued) {
-        (void)lac_fit_refuse(&f->fit, "its error is not finite");
+        (void)lac_finding_refuse(&f->fit, "its error is not finite");
     }
 }
 
 static void judge(const lac_forecast_kind *kind, lac_forecast *f)
 {
-    lac_fit *fit = &f->fit;
+    lac_finding *fit = &f->fit;
     if (fit->reason[0] != '\0') {
         return;
     }
     if (!isfinite(fit->remaining) || !(fit->remaining > 0.0)) {
-        (void)lac_fit_refuse(fit, "points to a time that is over");
+        (void)lac_finding_refuse(fit, "points to a time that is over");
     } else if (!(fit->misfit <= kind->worst)) {
-        (void)lac_fit_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
-                             fit->misfit, kind->worst);
+        (void)lac_finding_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
+                                 fit->misfit, kind->worst);
     } else if (!(fit->error <= vaguest)) {
-        (void)lac_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
-                             exp(fit->error), exp(vaguest));
+        (void)lac_finding_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
+                                 exp(fit->error), exp(vaguest));
     } else {
         set_interval(kind, f->issue_time, f);
     }
@@ -67,12 +67,12 @@ static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_fo
     f->issue_time = w->now;
     f->window_start = w->start;
     if (points < kind->least) {
-        return lac_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu", points,
-                              kind->least);
+        return lac_finding_refuse(&f->fit, "too few points: %zu in the window, at least %zu",
+                                  points, kind->least);
     }
     if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
-        return lac_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d", w->n,
-                              (int)INTEGRABLE);
+        return lac_finding_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
+                                  w->n, (int)INTEGRABLE);
     }
     lac_status status = kind->fit(w, &f->fit, err);
     if (status == LAC_OK) {

@@ -100,7 +100,7 @@ static double alike(const lac_projection *self)
 }
 
 static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,
-                  gsl_matrix *covariance, const double *p, lac_fit *fit)
+                  gsl_matrix *covariance, const double *p, lac_finding *fit)
 {
     const lac_window *w = self->window;
     const double sum = lac_projection_at(self, p);
@@ -121,8 +121,8 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     fit->rms_unit = "m";
     fit->misfit = fit->rms / (high - low);
     if (fit->remaining > -farthest * w->time[0]) {
-        (void)lac_fit_refuse(fit, "no finite time fits better than one %.0f windows away",
-                             farthest);
+        (void)lac_finding_refuse(fit, "no finite time fits better than one %.0f windows away",
+                                 farthest);
     }
 }
 
@@ -153,7 +153,7 @@ static bool descend(lac_projection *self, gsl_multifit_nlinear_workspace *work, 
 }
 
 lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts, double *p,
-                                 lac_fit *fit, lac_error *err)
+                                 lac_finding *fit, lac_error *err)
 {
     const size_t rows = self->window->n + self->shapes;
     const gsl_multifit_nlinear_parameters settings = gsl_multifit_nlinear_default_parameters();
@@ -171,7 +171,7 @@ lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts,
         }
     }
     if (!isfinite(best) || !descend(self, work, starts->p[chosen])) {
-        (void)lac_fit_refuse(fit, "no fit was found");
+        (void)lac_finding_refuse(fit, "no fit was found");
         goto out;
     }
     for (size_t j = 0; j < self->shapes; j++) {

@@ -43,7 +43,7 @@ void lac_starts_offer(lac_starts *starts, size_t shapes, const double *p, double
 /// @param p  [shapes] the best
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts, double *p,
-                                 lac_fit *fit, lac_error *err);
+                                 lac_finding *fit, lac_error *err);
 
 /// ln remaining times to start from: `count` values, from a thirtieth of the last interval to
 /// thirty times the window, evenly.

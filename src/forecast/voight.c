@@ -32,7 +32,7 @@ static void offer_grid(lac_projection *law, lac_starts *starts)
     }
 }
 
-static lac_status fit_voight(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_voight(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     lac_projection law = {.window = w, .columns = 2, .shapes = 2, .curve = curve};
     lac_starts starts = {0};
@@ -41,11 +41,11 @@ static lac_status fit_voight(const lac_window *w, lac_fit *fit, lac_error *err)
     LAC_TRY(lac_projection_create(&law, err));
     offer_grid(&law, &starts);
     LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
-    lac_fit_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
+    lac_finding_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
     if (!(p[1] < 1.0)) {
-        status = lac_fit_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
+        status = lac_finding_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
     } else if (!(law.c[1] > 0.0)) {
-        status = lac_fit_refuse(fit, "the slope does not accelerate");
+        status = lac_finding_refuse(fit, "the slope does not accelerate");
     }
 out:
     lac_projection_clear(&law);

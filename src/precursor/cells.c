@@ -7,7 +7,7 @@
 
 enum { FEW = 5, NAMED = 12 };
 
-static lac_status look_fraction(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_fraction(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     static const char *const names[NAMED] = {"level_0", "level_1", "level_2",  "level_3",
                                              "level_4", "level_5", "level_6",  "level_7",
@@ -15,16 +15,16 @@ static lac_status look_fraction(const lac_observed *seen, lac_fit *found, lac_er
     const lac_slip_history *s = seen->slip;
     (void)err;
     if (s->n == 0) {
-        return lac_fit_refuse(found, "no record holds slipping blocks");
+        return lac_finding_refuse(found, "no record holds slipping blocks");
     }
     const double *now = s->n_slip + (s->n - 1) * s->levels;
     const double cells = now[0] / s->n_tot[0];
     found->points = s->n;
-    lac_fit_add(found, "slip_fraction", cells);
-    lac_fit_add(found, "critical_fraction", s->critical_fraction);
-    lac_fit_add(found, "distance", s->critical_fraction - cells);
+    lac_finding_add(found, "slip_fraction", cells);
+    lac_finding_add(found, "critical_fraction", s->critical_fraction);
+    lac_finding_add(found, "distance", s->critical_fraction - cells);
     for (size_t level = 0; level < s->levels && level < NAMED; level++) {
-        lac_fit_add(found, names[level], now[level] / s->n_tot[level]);
+        lac_finding_add(found, names[level], now[level] / s->n_tot[level]);
     }
     return LAC_OK;
 }
@@ -56,20 +56,20 @@ static size_t fit_growth(const lac_slip_history *s, double tc, double *nu, doubl
     return (size_t)n;
 }
 
-static lac_status look_length(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_length(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_slip_history *s = seen->slip;
     double nu = NAN;
     double error = NAN;
     (void)err;
     if (s->n == 0) {
-        return lac_fit_refuse(found, "no record holds slipping blocks");
+        return lac_finding_refuse(found, "no record holds slipping blocks");
     }
-    lac_fit_add(found, "length_m", s->length[s->n - 1]);
+    lac_finding_add(found, "length_m", s->length[s->n - 1]);
     found->points = fit_growth(s, seen->tc, &nu, &error);
     if (found->points >= FEW && isfinite(nu)) {
-        lac_fit_add(found, "growth_exponent", nu);
-        lac_fit_add(found, "growth_error", error);
+        lac_finding_add(found, "growth_exponent", nu);
+        lac_finding_add(found, "growth_error", error);
     }
     return LAC_OK;
 }

@@ -42,22 +42,22 @@ static double find_p(double mean, double length, double count, double *error)
     return 1.0 - 0.5 * (low + high);
 }
 
-static lac_status look_rate(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_rate(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_event_list *e = seen->events;
     const lac_motion *m = seen->motion;
     (void)err;
     found->points = e->n;
     if (e->n < FEW) {
-        return lac_fit_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
+        return lac_finding_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
     }
     const double now = m->time[m->n - 1];
     size_t late = 0;
     for (size_t i = 0; i < e->n; i++) {
         late += e->time[i] > 0.5 * (e->time[0] + now) ? 1 : 0;
     }
-    lac_fit_add(found, "rate_1_s", (double)e->n / (now - e->time[0]));
-    lac_fit_add(found, "share_of_the_last_half", (double)late / (double)e->n);
+    lac_finding_add(found, "rate_1_s", (double)e->n / (now - e->time[0]));
+    lac_finding_add(found, "share_of_the_last_half", (double)late / (double)e->n);
     if (!(seen->tc > now)) {
         return LAC_OK; // no time of failure to count from
     }
@@ -68,12 +68,12 @@ static lac_status look_rate(const lac_observed *seen, lac_fit *found, lac_error 
     for (size_t i = 0; i < e->n; i++) {
         mean += (log(seen->tc - e->time[i]) - nearest) / (double)e->n;
     }
-    lac_fit_add(found, "p", find_p(mean, length, (double)e->n, &error));
-    lac_fit_add(found, "p_error", error);
+    lac_finding_add(found, "p", find_p(mean, length, (double)e->n, &error));
+    lac_finding_add(found, "p_error", error);
     return LAC_OK;
 }
 
-static lac_status look_moment(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_moment(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_event_list *e = seen->events;
     const lac_motion *m = seen->motion;
@@ -90,12 +90,12 @@ static lac_status look_moment(const lac_observed *seen, lac_fit *found, lac_erro
         }
     }
     if (found->points == 0) {
-        return lac_fit_refuse(found, "no event has a moment: the case needs "
-                                     "material.shear_modulus");
+        return lac_finding_refuse(found, "no event has a moment: the case needs "
+                                         "material.shear_modulus");
     }
-    lac_fit_add(found, "moment_N_m", sum);
-    lac_fit_add(found, "largest_N_m", largest);
-    lac_fit_add(found, "share_of_the_last_half", late / sum);
+    lac_finding_add(found, "moment_N_m", sum);
+    lac_finding_add(found, "largest_N_m", largest);
+    lac_finding_add(found, "share_of_the_last_half", late / sum);
     return LAC_OK;
 }
 

@@ -28,7 +28,7 @@ static double complete_from(size_t n, const double *magnitude)
     return lowest + bin * (double)best + beyond;
 }
 
-static lac_status look_all(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_all(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double *magnitude = NULL;
     double error = NAN;
@@ -38,23 +38,24 @@ static lac_status look_all(const lac_observed *seen, lac_fit *found, lac_error *
         return status;
     }
     if (n < FEW) {
-        (void)lac_fit_refuse(found, "too few events with a moment: %zu, at least %d", n, (int)FEW);
+        (void)lac_finding_refuse(found, "too few events with a moment: %zu, at least %d", n,
+                                 (int)FEW);
     } else {
         const double mc = complete_from(n, magnitude);
         const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
-        lac_fit_add(found, "b", b);
-        lac_fit_add(found, "error", error);
-        lac_fit_add(found, "complete_from", mc);
+        lac_finding_add(found, "b", b);
+        lac_finding_add(found, "error", error);
+        lac_finding_add(found, "complete_from", mc);
         if (found->points < FEW) {
-            (void)lac_fit_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
-                                 found->points, (int)FEW);
+            (void)lac_finding_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
+                                     found->points, (int)FEW);
         }
     }
     free(magnitude);
     return LAC_OK;
 }
 
-static lac_status look_steps(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look_steps(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double *magnitude = NULL;
     double error = NAN;
@@ -65,13 +66,13 @@ static lac_status look_steps(const lac_observed *seen, lac_fit *found, lac_error
     }
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_fit_refuse(found,
-                             "too few events larger by %.1f than the one before: %zu, "
-                             "at least %d",
-                             least_step, found->points, (int)FEW);
+        (void)lac_finding_refuse(found,
+                                 "too few events larger by %.1f than the one before: %zu, "
+                                 "at least %d",
+                                 least_step, found->points, (int)FEW);
     }
-    lac_fit_add(found, "b", b);
-    lac_fit_add(found, "error", error);
+    lac_finding_add(found, "b", b);
+    lac_finding_add(found, "error", error);
     free(magnitude);
     return LAC_OK;
 }

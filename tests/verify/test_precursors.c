@@ -167,7 +167,7 @@ static void slowing_is_seen(void **state)
     assert_true(seen[0] >= 8 && seen[1] >= 15);
 }
 
-static const lac_fit *find(const lac_precursor *all, size_t count, const char *name)
+static const lac_finding *find(const lac_precursor *all, size_t count, const char *name)
 {
     for (size_t k = 0; k < count; k++) {
         if (strcmp(all[k].kind->about.name, name) == 0) {
@@ -178,7 +178,7 @@ static const lac_fit *find(const lac_precursor *all, size_t count, const char *n
     return NULL;
 }
 
-static double value(const lac_fit *found, const char *key)
+static double value(const lac_finding *found, const char *key)
 {
     for (size_t i = 0; i < found->count; i++) {
         if (strcmp(found->value[i].key, key) == 0) {
@@ -221,15 +221,15 @@ static void rates_lengths_and_oscillations_are_found(void **state)
     lac_precursor out[LAC_PRECURSORS_MAX];
     size_t count = 0;
     assert_int_equal(lac_precursors_look(&seen, out, &count, NULL), LAC_OK);
-    const lac_fit *rate = find(out, count, "event_rate");
+    const lac_finding *rate = find(out, count, "event_rate");
     assert_true(fabs(value(rate, "p") - p) < 0.01);
     assert_true(value(rate, "p_error") > 0.005 && value(rate, "p_error") < 0.1);
-    const lac_fit *longest = find(out, count, "correlation_length");
+    const lac_finding *longest = find(out, count, "correlation_length");
     assert_true(fabs(value(longest, "growth_exponent") - 0.7) < 1e-9);
-    const lac_fit *waves = find(out, count, "log_periodicity");
+    const lac_finding *waves = find(out, count, "log_periodicity");
     assert_true(fabs(value(waves, "omega") - 9.0) < 0.3);
     assert_true(value(waves, "p") < 0.03 && value(waves, "power") > 0.9);
-    const lac_fit *fraction = find(out, count, "slip_fraction");
+    const lac_finding *fraction = find(out, count, "slip_fraction");
     assert_true(value(fraction, "slip_fraction") == 21.0 / 64.0);
     assert_true(fabs(value(fraction, "distance") - (0.6 - 21.0 / 64.0)) < 1e-15);
     assert_true(value(fraction, "level_1") == 0.25);
