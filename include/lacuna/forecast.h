@@ -5,7 +5,11 @@
 #include "lacuna/motion.h"
 #include "lacuna/param.h"
 
-enum { LAC_FORECAST_TEXT = 160, LAC_FORECAST_VALUES = 16 };
+enum {
+    LAC_FORECAST_TEXT = 160,
+    LAC_FORECAST_VALUES = 16,
+    LAC_FORECAST_LEVELS = 5, ///< 5, 25, 50, 75 and 95 %
+};
 
 /// What a method is given: the motion since the window's start, nothing after `now`. Times are
 /// seconds before now, so <= 0.
@@ -36,6 +40,8 @@ typedef struct lac_finding {
     const char *rms_unit; ///< "m", or "s/m" of inverse velocities
     double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
     size_t points;        ///< that were fitted
+    bool posterior;       ///< the method has a posterior: `quantile` holds
+    double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
     size_t count;
     lac_fitted value[LAC_FORECAST_VALUES];
     char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
@@ -51,7 +57,9 @@ void lac_finding_add(lac_finding *fit, const char *key, double value);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
-/// simulated failures (docs/theory/forecasting.md says which).
+/// simulated failures (docs/theory/forecasting.md says which). Of a method with a posterior
+/// `remaining` is its median there, and `error` each quantile's distance from it over that of a
+/// standard normal distribution: a posterior that is right has the q of that distribution.
 typedef struct lac_calibration {
     double spread, low90, low50, high50, high90;
 } lac_calibration;

@@ -27,14 +27,26 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
     return LAC_OK;
 }
 
+// Where an interval ends: q errors from the fit, or from the posterior's median by the error that
+// its quantile at `level` stands for.
+static double end_of(const lac_finding *fit, double spread, int level, double q)
+{
+    static const double normal[LAC_FORECAST_LEVELS] = {1.6448536269514722, 0.6744897501960817, 1.0,
+                                                       0.6744897501960817, 1.6448536269514722};
+    if (!fit->posterior) {
+        return fit->remaining * exp(hypot(fit->error, spread) * q);
+    }
+    const double e = (fit->quantile[level] - fit->quantile[2]) / normal[level];
+    return exp(fit->quantile[2] + hypot(e, spread) * q);
+}
+
 static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast *f)
 {
     const lac_calibration *c = &kind->calibration;
-    const double e = hypot(f->fit.error, c->spread);
-    f->low90 = now + f->fit.remaining * exp(e * c->low90);
-    f->low50 = now + f->fit.remaining * exp(e * c->low50);
-    f->high50 = now + f->fit.remaining * exp(e * c->high50);
-    f->high90 = now + f->fit.remaining * exp(e * c->high90);
+    f->low90 = now + end_of(&f->fit, c->spread, 0, c->low90);
+    f->low50 = now + end_of(&f->fit, c->spread, 1, c->low50);
+    f->high50 = now + end_of(&f->fit, c->spread, 3, c->high50);
+    f->high90 = now + end_of(&f->fit, c->spread, 4, c->high90);
     f->issued = isfinite(f->low90) && isfinite(f->high90);
     if (!f->issued) {
         (void)lac_finding_refuse(&f->fit, "its error is not finite");

@@ -20,27 +20,23 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static void offer_grid(lac_projection *law, lac_starts *starts)
+static double place(const lac_projection *self, size_t shape, double part)
 {
-    double p[LAC_SHAPES_MAX];
-    for (size_t i = 0; i < GRID; i++) {
-        for (size_t j = 0; j < POWERS; j++) {
-            p[0] = lac_projection_start(law->window, i, GRID);
-            p[1] = lowest + (highest - lowest) * ((double)j + 0.5) / POWERS;
-            lac_starts_offer(starts, 2, p, lac_projection_at(law, p));
-        }
-    }
+    (void)self, (void)shape;
+    return lowest + (highest - lowest) * part;
 }
 
 static lac_status fit_voight(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    lac_projection law = {.window = w, .columns = 2, .shapes = 2, .curve = curve};
-    lac_starts starts = {0};
+    lac_projection law = {.window = w,
+                          .columns = 2,
+                          .shapes = 2,
+                          .curve = curve,
+                          .place = place,
+                          .grid = {GRID, POWERS}};
     double p[LAC_SHAPES_MAX];
     lac_status status;
-    LAC_TRY(lac_projection_create(&law, err));
-    offer_grid(&law, &starts);
-    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    LAC_TRY(lac_projection_fit(&law, p, fit, err));
     lac_finding_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
     if (!(p[1] < 1.0)) {
         status = lac_finding_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
