@@ -80,12 +80,24 @@ typedef struct lac_forecast_kind {
 /// The index-th method in the registry, NULL past the end.
 const lac_forecast_kind *lac_forecast_kind_at(size_t index);
 
+/// A method that stands beside those of the registry: a model of this very slope.
+typedef struct lac_forecast_model {
+    const lac_forecast_kind *kind; ///< its own `fit` is NULL
+    void *context;
+    /// Fits the motion, which ends at `now`, all of it: the window is of methods that know no more
+    /// of the slope.
+    /// @return LAC_OK, also where it says a reason; what ends the whole outlook
+    lac_status (*fit)(void *context, const lac_motion *motion, double now, lac_finding *found,
+                      lac_error *err);
+} lac_forecast_model;
+
 /// How forecasts are made.
 typedef struct lac_forecast_def {
     lac_motion_def motion;
     double since;     ///< start of what is fitted [s]; NaN: the onset of acceleration
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
+    const lac_forecast_model *model; ///< asked before the baseline; NULL: none
 } lac_forecast_def;
 
 /// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017).
@@ -108,7 +120,7 @@ typedef struct lac_outlook {
     bool accelerating;  ///< the gates before any method are open
     double issue_time, window_start;
     size_t count;
-    lac_forecast *forecast; ///< [count] in the order of the registry; owned
+    lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned
 } lac_outlook;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.

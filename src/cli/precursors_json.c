@@ -34,6 +34,15 @@ static void write_forecast(cli_json *json, const cli_precursors_result *r, const
     write_time(json, r, "tc_s", "tc_date", f->time);
     write_interval(json, "interval50_s", f->low50, f->high50);
     write_interval(json, "interval90_s", f->low90, f->high90);
+    if (fit->posterior) {
+        cli_json_open(json, "posterior_s", '[');
+        for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
+            cli_json_number(json, NULL, f->issue_time + exp(fit->quantile[q]));
+        }
+        cli_json_close(json, ']');
+    } else {
+        cli_json_null(json, "posterior_s");
+    }
     cli_json_boolean(json, "issued", f->issued);
     cli_json_text(json, "reason", f->issued ? NULL : fit->reason);
     cli_json_number(json, "rms", fit->rms);

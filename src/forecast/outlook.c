@@ -72,9 +72,10 @@ static void judge(const lac_forecast_kind *kind, lac_forecast *f)
     }
 }
 
-static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_forecast *f,
-                      lac_error *err)
+static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const lac_window *w,
+                      lac_forecast *f, lac_error *err)
 {
+    const lac_forecast_kind *kind = f->kind;
     const size_t points = w->n < w->velocities ? w->n : w->velocities;
     f->issue_time = w->now;
     f->window_start = w->start;
@@ -86,7 +87,9 @@ static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_fo
         return lac_finding_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
                                   w->n, (int)INTEGRABLE);
     }
-    lac_status status = kind->fit(w, &f->fit, err);
+    lac_status status = kind->fit != NULL
+                            ? kind->fit(w, &f->fit, err)
+                            : def->model->fit(def->model->context, m, w->now, &f->fit, err);
     if (status == LAC_OK) {
         f->time = w->now + f->fit.remaining;
         judge(kind, f);
@@ -106,7 +109,7 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
     }
     for (size_t k = 0; k < o->count; k++) {
         lac_forecast *f = &o->forecast[k];
-        *f = (lac_forecast){.kind = lac_forecast_kind_at(k),
+        *f = (lac_forecast){.kind = lac_forecast_kind_of(def, k),
                             .issue_time = o->issue_time,
                             .window_start = NAN,
                             .time = NAN,
@@ -117,7 +120,7 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
                             .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
         memcpy(f->fit.reason, reason, sizeof reason);
         if (o->accelerating) {
-            LAC_TRY(ask(f->kind, w, f, err));
+            LAC_TRY(ask(def, o->motion, w, f, err));
         }
     }
 out:
@@ -134,9 +137,7 @@ lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *r
     LAC_TRY(check(def, readings, err));
     o = calloc(1, sizeof *o);
     LAC_TRY(o != NULL ? LAC_OK : lac_fail_memory(err));
-    while (lac_forecast_kind_at(o->count) != NULL) {
-        o->count++;
-    }
+    o->count = lac_forecast_count(def);
     o->forecast = calloc(o->count, sizeof *o->forecast);
     LAC_TRY(o->forecast != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_motion_create(&def->motion, readings, &o->motion, err));
