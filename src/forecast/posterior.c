@@ -4,102 +4,137 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double pi = 3.14159265358979323846;
-static const double widest = 5.0; // of a proposal, in e-folds
+static const double pace = 0.25;  // of both rules
+static const double widest = 3.0; // standard deviation of a rule, in e-folds
 static const double narrowest = 1e-9;
-static const double wider = 1.3;      // proposal over the spread that it stands for
-static const double exactest = 1e-10; // residuals over the range below which all are 0
+static const double negligible = 25.0; // ln of a density over the highest
+static const double exactest = 1e-10;  // residuals over the range below which all are 0
 
-// A t distribution of 4 degrees of freedom: centre and lower triangle.
-typedef struct proposal {
-    double centre[2], l00, l10, l11;
-} proposal;
+// Nodes of the inner and the outer rule on each side, places between two of these, steps at most.
+enum { REACH = 6, SIDE = 16, NODES = 2 * SIDE + 1, BETWEEN = 8, CLIMB = 8 };
 
-static void spread(double c00, double c01, double c11, proposal *q)
+// What is integrated, and where its ridge was seen last.
+typedef struct ridge {
+    lac_projection *law;
+    double effective, least;
+    double x, y, slope, width; // a place on it, dy/dx, standard deviation of y there
+} ridge;
+
+static double log_density(const ridge *r, double x, double y)
 {
-    q->l00 = fmin(widest, fmax(narrowest, wider * sqrt(fmax(0.0, c00))));
-    q->l10 = fmin(widest, fmax(-widest, wider * wider * c01 / q->l00));
-    const double left = wider * wider * c11 - q->l10 * q->l10;
-    q->l11 = fmin(widest, fmax(narrowest, sqrt(fmax(0.0, left))));
-}
-
-static double fraction(double x) { return x - floor(x); }
-
-// The i-th point (its radius by inversion) and ln of the proposal's density there.
-static double point(const proposal *q, size_t i, double *p)
-{
-    const double u = fraction(0.5 + 0.7548776662466927 * (double)(i + 1));
-    const double angle = 2.0 * pi * fraction(0.5 + 0.5698402909980532 * (double)(i + 1));
-    const double square = 4.0 * (1.0 / sqrt(fmax(u, 1e-12)) - 1.0);
-    const double r = sqrt(square);
-    p[0] = q->centre[0] + q->l00 * r * cos(angle);
-    p[1] = q->centre[1] + q->l10 * r * cos(angle) + q->l11 * r * sin(angle);
-    return -3.0 * log1p(square / 4.0) - log(q->l00 * q->l11);
-}
-
-static double log_posterior(lac_projection *law, const double *p, double effective, double least)
-{
+    lac_projection *law = r->law;
     const lac_window *w = law->window;
+    const double p[LAC_SHAPES_MAX] = {x, y};
     const double range = w->displacement[w->n - 1] - w->displacement[0];
     const double floor = (double)w->n * exactest * exactest * range * range;
-    if (p[0] > log(-lac_projection_farthest() * w->time[0])) {
-        return -INFINITY;
-    }
     const double sum = lac_projection_at(law, p);
     if (!isfinite(sum) || !(law->c[1] > 0.0)) {
         return -INFINITY;
     }
-    const double off = (p[1] - law->centre[1]) / law->width[1];
-    return -0.5 * fmax(1.0, effective - 2.0) * log((sum + floor) / (least + floor)) -
+    const double off = (y - law->centre[1]) / law->width[1];
+    return -0.5 * fmax(1.0, r->effective - 2.0) * log((sum + floor) / (r->least + floor)) -
            0.5 * off * off;
 }
 
-// Moves the proposal to mean and covariance of what was drawn from it.
-static void move(size_t n, const double (*p)[2], const lac_draw *draw, proposal *q)
+static double within(double low, double high, double x) { return fmin(high, fmax(low, x)); }
+
+// Goes up to the ridge at x by parabolas. @return ln of the density on it
+static double climb(ridge *r, double x)
 {
-    double highest = -INFINITY;
-    double all = 0.0;
-    double mean[2] = {0.0, 0.0};
-    double c[3] = {0.0, 0.0, 0.0};
-    for (size_t i = 0; i < n; i++) {
-        highest = fmax(highest, draw[i].weight);
+    double y = r->y + r->slope * (x - r->x);
+    double width = r->width;
+    double here = log_density(r, x, y);
+    double step = width;
+    for (int i = 0; i < CLIMB && fabs(step) > 0.2 * width; i++) {
+        const double below = log_density(r, x, y - width);
+        const double above = log_density(r, x, y + width);
+        const double bend = (2.0 * here - below - above) / (width * width);
+        const double flattest = 1.0 / (widest * widest);
+        step = bend > flattest ? 0.5 * (above - below) / (width * bend)
+                               : copysign(4.0 * width, above - below);
+        step = within(-8.0 * width, 8.0 * width, isfinite(step) ? step : 0.0);
+        double there = log_density(r, x, y + step);
+        while (there < here && fabs(step) > 0.1 * width) {
+            step *= 0.25;
+            there = log_density(r, x, y + step);
+        }
+        y = there >= here ? y + step : y;
+        here = fmax(here, there);
+        width = within(narrowest, widest, bend > flattest ? 1.0 / sqrt(bend) : 2.0 * width);
     }
-    for (size_t i = 0; isfinite(highest) && i < n; i++) {
-        const double weight = exp(draw[i].weight - highest);
-        const double x = p[i][0] - q->centre[0];
-        const double y = p[i][1] - q->centre[1];
-        all += weight;
-        mean[0] += weight * x;
-        mean[1] += weight * y;
-        c[0] += weight * x * x;
-        c[1] += weight * x * y;
-        c[2] += weight * y * y;
+    r->slope = x != r->x ? (y - r->y) / (x - r->x) : r->slope;
+    r->x = x;
+    r->y = y;
+    r->width = width;
+    return here;
+}
+
+// ln of the integral over y at x: the trapezoidal rule in t, y = ridge + width sinh(2 t), which
+// reaches far into slow tails.
+static double integral(ridge *r, double x)
+{
+    const double top = climb(r, x);
+    double sum = 0.0;
+    if (!(top > -negligible)) {
+        return -INFINITY;
     }
-    if (all > 0.0) {
-        mean[0] /= all;
-        mean[1] /= all;
-        spread(c[0] / all - mean[0] * mean[0], c[1] / all - mean[0] * mean[1],
-               c[2] / all - mean[1] * mean[1], q);
-        q->centre[0] += mean[0];
-        q->centre[1] += mean[1];
+    for (int i = -REACH; i <= REACH; i++) {
+        const double t = 2.0 * pace * (double)i;
+        const double value = i == 0 ? top : log_density(r, x, r->y + r->width * sinh(t));
+        sum += cosh(t) * exp(value - top);
     }
+    return top + log(2.0 * pace * r->width * sum);
+}
+
+// ln of the density k/BETWEEN nodes from the first: a cubic through the four about it.
+static double between(const double value[NODES], int k)
+{
+    const int i = k / BETWEEN;
+    const double u = (double)(k % BETWEEN) / BETWEEN;
+    if (u == 0.0) {
+        return value[i];
+    }
+    const double a = value[i];
+    const double b = value[i + 1];
+    if (!isfinite(a) || !isfinite(b)) {
+        return -INFINITY;
+    }
+    const double before = i > 0 && isfinite(value[i - 1]) ? value[i - 1] : 2.0 * a - b;
+    const double after = i + 2 < NODES && isfinite(value[i + 2]) ? value[i + 2] : 2.0 * b - a;
+    const double rise = 0.5 * (b - before);
+    const double last = 0.5 * (after - a);
+    return a + u * rise +
+           u * u * (3.0 * (b - a) - 2.0 * rise - last + u * (rise + last - 2.0 * (b - a)));
 }
 
 void lac_posterior_draw(lac_projection *law, const double *p, double effective, double least,
                         lac_draw *draw)
 {
-    double at[LAC_POSTERIOR_DRAWS][2];
-    proposal q = {.centre = {p[0], p[1]}};
-    spread(law->covariance[0][0], law->covariance[0][1], law->covariance[1][1], &q);
-    for (int round = 0; round < 2; round++) {
-        for (size_t i = 0; i < LAC_POSTERIOR_DRAWS; i++) {
-            const double log_proposal = point(&q, i, at[i]);
-            draw[i].x = at[i][0];
-            draw[i].weight = log_posterior(law, at[i], effective, least) - log_proposal;
+    const double width = within(narrowest, widest, sqrt(law->covariance[0][0]));
+    const double left =
+        law->covariance[1][1] - law->covariance[0][1] * law->covariance[0][1] / (width * width);
+    const double farthest = log(-lac_projection_farthest() * law->window->time[0]);
+    const ridge start = {.law = law,
+                         .effective = effective,
+                         .least = least,
+                         .x = p[0],
+                         .y = p[1],
+                         .slope = law->covariance[0][1] / (width * width),
+                         .width = within(narrowest, widest, sqrt(fmax(0.0, left)))};
+    double value[NODES];
+    for (int way = -1; way <= 1; way += 2) {
+        ridge r = start;
+        double last = 0.0;
+        for (int i = way > 0 ? 0 : 1; i <= SIDE; i++) {
+            const double x = p[0] + width * sinh(pace * (double)i * (double)way);
+            last = x < farthest && isfinite(last) ? integral(&r, x) : -INFINITY;
+            value[SIDE + i * way] = last;
         }
-        if (round == 0) {
-            move(LAC_POSTERIOR_DRAWS, at, draw, &q);
-        }
+    }
+    for (int k = 0; k < LAC_POSTERIOR_DRAWS; k++) {
+        const double t = pace * ((double)k / BETWEEN - SIDE);
+        draw[k].x = p[0] + width * sinh(t);
+        draw[k].weight = between(value, k) + log(width * cosh(t));
     }
 }
 
