@@ -161,6 +161,10 @@ static void a_block_is_found(void **state)
         assert_true(fabs(off(o, "block")) < 3e-5);
         assert_true(fit->value[0].value == 2.0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
+        // exact readings leave nothing open
+        assert_true(fit->posterior);
+        assert_true(fabs(fit->quantile[2] - log(fit->remaining)) < 1e-4);
+        assert_true(fit->quantile[4] - fit->quantile[0] < 1e-2);
         const double x = block_state((tc - times[N - 1]) / states[k]);
         assert_true(fabs(fit->value[3].value / (2.0 / 0.02 * (1.0 - x)) - 1.0) < 0.01);
         lac_outlook_free(o);
