@@ -233,6 +233,26 @@ def late(program):
     print()
 
 
+def exact(program):
+    """What displacements alone do to each method where v = B/(tc - t) exactly."""
+    print("### Bias where v = B/(tc - t), from exact displacements alone, a tenth of the life left\n")
+    columns = []
+    for n in (15, 30, 60, 120):
+        times = numpy.linspace(0, 0.9e6, n + 1)
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as out:
+            out.write("t,d\n" + "".join(f"{t:.17g},{-numpy.log1p(-t / 1e6):.17g}\n" for t in times))
+            out.flush()
+            done = subprocess.run([program, "precursors", out.name, "--displacement", "d:m", "--json", "--since",
+                                   "0 s"], capture_output=True, text=True, check=True)
+        columns.append({f["method"]: (f["tc_s"] - 1e6) / 1e5 for f in json.loads(done.stdout)["forecasts"]
+                        if f["tc_s"] is not None and f["method"] != "persistence"})
+    print("| readings | " + " | ".join(columns[0]) + " |\n|" + " --- |" * (len(columns[0]) + 1))
+    for n, column in zip((15, 30, 60, 120), columns):
+        print(f"| {n} | " + " | ".join(f"{100 * column[name]:+.2g} %" if abs(column[name]) > 1e-6 else "0"
+                                       for name in columns[0]) + " |")
+    print()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--runs", type=int, default=500)
@@ -249,6 +269,7 @@ def main():
     table(f"{arguments.runs} failures, {len(answers)} stretches", answers)
     table("Joints alone", [answer for answer in answers if answer[3]])
     late(arguments.program)
+    exact(arguments.program)
     return 0
 
 
