@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How good forecasts are on simulated failures, of which the time is known.
 
-    forecast_coverage.py [--runs 500] [--trees 100] [--seed 1] [--calibrate] [--program build/lacuna]
+    forecast_coverage.py [--runs 500] [--trees 100] [--cases 50] [--seed 1] [--calibrate] [--program build/lacuna]
 
 Simulates failures, cuts each at a random time, adds noise and gaps, and has `lacuna precursors`
 forecast from what is left: blocks of rate-and-state friction in closed form (docs/theory/creep.md), and
-joints of many cells run by `lacuna run`, one stretch of each also forecast by the joint's own case (its
+joints of many cells run by `lacuna run`, one stretch of some also forecast by the joint's own case (its
 dc, first slip rate and first state unknown). Prints tables, in Markdown, of coverage and errors, and of
 how late inverse velocity is. With --calibrate it prints the intervals' quantiles instead, as they
 stand in src/forecast and src/fit/foresee.c; the tables must then be made with another seed. The same
@@ -116,7 +116,7 @@ def observe(rng, left, slip, scaled):
 
 def ask(job):
     """What the program forecasts of one simulated series."""
-    program, folder, index, seed, trees = job
+    program, folder, index, seed, trees, case = job
     rng = numpy.random.default_rng([seed, index])
     motion = tree(rng, program, folder, index) if trees else block(rng)
     if motion is None or len(motion[0]) < 30:
@@ -124,7 +124,7 @@ def ask(job):
     answers = []
     for stretch in range(3 if trees else 1):
         times, displacement, failure = observe(rng, *motion[:2], not trees)
-        model = ["--case", motion[2]] if trees and stretch == 0 else []
+        model = ["--case", motion[2]] if case and stretch == 0 else []
         path = os.path.join(folder, f"series-{index}.csv")
         with open(path, "w", encoding="utf-8") as out:
             out.write("t,d\n" + "".join(f"{t:.6f},{d:.12g}\n" for t, d in zip(times, displacement)))
@@ -136,10 +136,11 @@ def ask(job):
 
 def simulate(arguments):
     with tempfile.TemporaryDirectory(prefix="lacuna-coverage-") as folder:
-        jobs = [(arguments.program, folder, i, arguments.seed, i < arguments.trees)
+        # chunks of one: a joint takes far longer than a block
+        jobs = [(arguments.program, folder, i, arguments.seed, i < arguments.trees, i < arguments.cases)
                 for i in range(arguments.runs)]
         with concurrent.futures.ProcessPoolExecutor(arguments.threads) as pool:
-            return [answer for answers in pool.map(ask, jobs, chunksize=4) for answer in answers]
+            return [answer for answers in pool.map(ask, jobs) for answer in answers]
 
 
 def gather(answers):
@@ -257,11 +258,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--runs", type=int, default=500)
     parser.add_argument("--trees", type=int, default=100, help="of the runs: joints of many cells")
+    parser.add_argument("--cases", type=int, default=50, help="of the trees: also forecast by their own case")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--calibrate", action="store_true")
     parser.add_argument("--program", default="build/lacuna")
     arguments = parser.parse_args()
+    arguments.cases = min(arguments.cases, arguments.trees)
     answers = simulate(arguments)
     if arguments.calibrate:
         calibrate(answers)

@@ -53,13 +53,13 @@ static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast
     }
 }
 
-static void judge(const lac_forecast_kind *kind, lac_forecast *f)
+static void judge(const lac_forecast_kind *kind, double nearest, lac_forecast *f)
 {
     lac_finding *fit = &f->fit;
     if (fit->reason[0] != '\0') {
         return;
     }
-    if (!isfinite(fit->remaining) || !(fit->remaining > 0.0)) {
+    if (!isfinite(fit->remaining) || !(fit->remaining > nearest)) {
         (void)lac_finding_refuse(fit, "points to a time that is over");
     } else if (!(fit->misfit <= kind->worst)) {
         (void)lac_finding_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
@@ -92,7 +92,9 @@ static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const la
                             : def->model->fit(def->model->context, m, w->now, &f->fit, err);
     if (status == LAC_OK) {
         f->time = w->now + f->fit.remaining;
-        judge(kind, f);
+        // what is a thousandth of the last interval away, the last reading only just does not
+        // forbid
+        judge(kind, w->n > 1 ? -1e-3 * w->time[w->n - 2] : 0.0, f);
     }
     return status;
 }
