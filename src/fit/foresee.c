@@ -160,5 +160,6 @@ const lac_forecast_kind lac_forecast_case = {
                  "0), run on to failure",
     .least = 5,
     .worst = 0.04,
-    .calibration = {0.02, -1.645, -0.674, 0.674, 1.645},
+    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+                    1.6448536269514722},
 };

@@ -195,6 +195,7 @@ const lac_forecast_kind lac_forecast_block = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.15, -0.824, -0.193, 0.513, 1.174},
+    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+                    1.6448536269514722},
     .fit = fit_block,
 };

@@ -84,7 +84,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {1.2, -0.608, -0.321, -0.062, 0.150},
+    .calibration = {0.8, -0.902, -0.498, -0.113, 0.203},
     .fit = fit_eight,
 };
 
@@ -97,6 +97,6 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {1.2, -1.617, -0.953, -0.282, 0.006},
+    .calibration = {1.2, -1.670, -1.034, -0.286, -0.010},
     .fit = fit_all,
 };

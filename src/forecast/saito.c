@@ -108,6 +108,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -3.693, -2.232, -0.590, 0.064},
+    .calibration = {0.8, -1.652, -0.975, -0.298, 0.018},
     .fit = fit_three,
 };

@@ -83,6 +83,6 @@ const lac_forecast_kind lac_forecast_voight = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.8, -0.363, 0.102, 0.670, 1.451},
+    .calibration = {0.4, -0.614, 0.269, 1.357, 2.623},
     .fit = fit_voight,
 };
