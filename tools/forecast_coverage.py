@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How good forecasts are on simulated failures, of which the time is known.
 
-    forecast_coverage.py [--runs 500] [--trees 100] [--cases 50] [--seed 1] [--calibrate] [--program build/lacuna]
+    forecast_coverage.py [--runs 500] [--trees 100] [--cases 40] [--seed 1] [--calibrate] [--program build/lacuna]
 
 Simulates failures, cuts each at a random time, adds noise and gaps, and has `lacuna precursors`
 forecast from what is left: blocks of rate-and-state friction in closed form (docs/theory/creep.md), and
@@ -258,7 +258,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--runs", type=int, default=500)
     parser.add_argument("--trees", type=int, default=100, help="of the runs: joints of many cells")
-    parser.add_argument("--cases", type=int, default=50, help="of the trees: also forecast by their own case")
+    parser.add_argument("--cases", type=int, default=40, help="of the trees: also forecast by their own case")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--calibrate", action="store_true")

@@ -84,7 +84,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {0.8, -0.902, -0.498, -0.113, 0.203},
+    .calibration = {0.8, -0.901, -0.496, -0.120, 0.222},
     .fit = fit_eight,
 };
 
@@ -97,6 +97,6 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {1.2, -1.670, -1.034, -0.286, -0.010},
+    .calibration = {1.2, -1.631, -1.031, -0.344, -0.016},
     .fit = fit_all,
 };

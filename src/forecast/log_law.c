@@ -40,6 +40,6 @@ const lac_forecast_kind lac_forecast_log = {
     .least = 6,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.4, -3.325, -1.995, -0.553, -0.004},
+    .calibration = {1.2, -1.153, -0.676, -0.211, 0.016},
     .fit = fit_log,
 };

@@ -73,6 +73,6 @@ const lac_forecast_kind lac_forecast_lppls = {
     .least = 15,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.6, -0.315, 0.177, 1.036, 2.064},
+    .calibration = {0.6, -0.392, 0.186, 0.988, 1.993},
     .fit = fit_lppls,
 };

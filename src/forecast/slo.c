@@ -51,6 +51,6 @@ const lac_forecast_kind lac_forecast_slo = {
                  "slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.2, -5.450, -3.552, -0.911, 0.268},
+    .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},
     .fit = fit_slope,
 };

@@ -83,6 +83,6 @@ const lac_forecast_kind lac_forecast_voight = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.4, -0.614, 0.269, 1.357, 2.623},
+    .calibration = {0.8, -0.384, 0.134, 0.736, 1.448},
     .fit = fit_voight,
 };
