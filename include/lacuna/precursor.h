@@ -40,7 +40,7 @@ typedef enum lac_needs { LAC_NEEDS_MOTION = 0, LAC_NEEDS_EVENTS, LAC_NEEDS_CELLS
 /// What an indicator says now.
 typedef struct lac_precursor {
     const struct lac_precursor_kind *kind;
-    lac_fit found; ///< value[0 ... count - 1], points; reason: why there is none
+    lac_finding found; ///< value[0 ... count - 1], points; reason: why there is none
 } lac_precursor;
 
 /// A number that an indicator can give.
@@ -60,7 +60,7 @@ typedef struct lac_precursor_kind {
     size_t headline;                  ///< which of them a table shows
     /// Looks at what there is; needs are met.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*look)(const lac_observed *seen, lac_fit *found, lac_error *err);
+    lac_status (*look)(const lac_observed *seen, lac_finding *found, lac_error *err);
 } lac_precursor_kind;
 
 /// The index-th indicator in the registry, NULL past the end.

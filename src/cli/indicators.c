@@ -126,7 +126,7 @@ void cli_indicators_print(size_t count, const lac_precursor *indicator)
 {
     printf("\n  indicator\n");
     for (size_t k = 0; k < count; k++) {
-        const lac_fit *found = &indicator[k].found;
+        const lac_finding *found = &indicator[k].found;
         printf("  %-19s", indicator[k].kind->about.name);
         for (size_t i = 0; i < found->count; i++) {
             printf(" %s %.4g", found->value[i].key, found->value[i].value);

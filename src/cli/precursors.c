@@ -16,6 +16,7 @@
 typedef struct precursors_job {
     const cli_request *request;
     lac_units *units;
+    cli_foreseer foreseer;
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
@@ -84,10 +85,18 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     precursors_job job = {.request = request};
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
-    LAC_TRY(cli_watched_read(request, job.units, &job.watched, err));
+    LAC_TRY(cli_foreseer_read(request, &job.foreseer, err));
+    LAC_TRY(cli_watched_read(&job.foreseer.named, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
+    }
+    if (job.foreseer.source != NULL) {
+        job.foreseer.how.dated = job.watched.dated;
+        job.plan.def.model = &job.foreseer.model;
+        cli_signals_hold();
+        cli_say(request, "fitting %s to %zu readings", job.foreseer.source->path,
+                job.watched.readings.n);
     }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
     LAC_TRY(cli_cells_read(&job.watched, &job.cells, err));
@@ -120,6 +129,7 @@ out:
     cli_cells_clear(&job.cells);
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
+    cli_foreseer_clear(&job.foreseer);
     lac_units_free(job.units);
     return status;
 }

@@ -4,6 +4,7 @@
 
 #include "cli/json.h"
 #include "cli/series.h"
+#include "lacuna/foresee.h"
 #include "lacuna/hindcast.h"
 #include "lacuna/precursor.h"
 
@@ -24,6 +25,24 @@ typedef struct cli_watched {
 lac_status cli_watched_read(const cli_request *request, const lac_units *units, cli_watched *out,
                             lac_error *err);
 void cli_watched_clear(cli_watched *watched);
+
+/// Whether the file is a run's, and no column is asked of it.
+bool cli_watched_is_run(const cli_request *request);
+
+/// The case that forecasts; all NULL: none was given.
+typedef struct cli_foreseer {
+    lac_case *source; ///< owned
+    lac_fit_watch watch;
+    lac_foresight how;
+    lac_forecast_model model;
+    cli_request named; ///< the request, columns that it does not name being the case's
+    char *words[3];    ///< owned, of those
+} cli_foreseer;
+
+/// Reads --case, checks it, and names the series' columns where the options do not.
+/// @return LAC_OK, also without --case; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+lac_status cli_foreseer_read(const cli_request *request, cli_foreseer *out, lac_error *err);
+void cli_foreseer_clear(cli_foreseer *foreseer);
 
 /// The rest of what the options say.
 typedef struct cli_forecast_plan {

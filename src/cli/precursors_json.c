@@ -28,12 +28,21 @@ static void write_interval(cli_json *json, const char *key, double low, double h
 
 static void write_forecast(cli_json *json, const cli_precursors_result *r, const lac_forecast *f)
 {
-    const lac_fit *fit = &f->fit;
+    const lac_finding *fit = &f->fit;
     cli_json_open(json, NULL, '{');
     cli_json_text(json, "method", f->kind->about.name);
     write_time(json, r, "tc_s", "tc_date", f->time);
     write_interval(json, "interval50_s", f->low50, f->high50);
     write_interval(json, "interval90_s", f->low90, f->high90);
+    if (fit->posterior) {
+        cli_json_open(json, "posterior_s", '[');
+        for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
+            cli_json_number(json, NULL, f->issue_time + exp(fit->quantile[q]));
+        }
+        cli_json_close(json, ']');
+    } else {
+        cli_json_null(json, "posterior_s");
+    }
     cli_json_boolean(json, "issued", f->issued);
     cli_json_text(json, "reason", f->issued ? NULL : fit->reason);
     cli_json_number(json, "rms", fit->rms);

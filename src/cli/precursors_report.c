@@ -119,7 +119,7 @@ static void print_lives(const cli_precursors_result *r)
     char text[40];
     printf("\n  life expectancy (days) %s", isfinite(r->watched->failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
-        printf(" %11s", lac_forecast_kind_at(k)->about.name);
+        printf(" %11s", roll->forecast[k].kind->about.name);
     }
     printf("\n");
     for (size_t i = 0; i < roll->issues; i++) {

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forecast/kinds.h"
 #include "lacuna/hindcast.h"
 
 // Readings that issue k of `issues` <= n may see; the last sees all.
@@ -41,9 +42,7 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
     LAC_TRY(status);
     r->start = readings->time[0];
     r->issues = readings->n < most ? readings->n : most;
-    while (lac_forecast_kind_at(r->methods) != NULL) {
-        r->methods++;
-    }
+    r->methods = lac_forecast_count(def);
     r->issue_time = malloc(r->issues * sizeof *r->issue_time);
     r->forecast = malloc(r->issues * r->methods * sizeof *r->forecast);
     if (r->issue_time == NULL || r->forecast == NULL) {

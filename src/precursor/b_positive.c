@@ -27,7 +27,7 @@ static size_t keep_complete(size_t n, double *magnitude)
     return kept;
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double *magnitude = NULL;
     double error = NAN;
@@ -39,13 +39,13 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
     n = n > 0 ? keep_complete(n, magnitude) : 0;
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_fit_refuse(found,
-                             "too few events larger by %.1f than the one before: %zu, "
-                             "at least %d",
-                             least_step, found->points, (int)FEW);
+        (void)lac_finding_refuse(found,
+                                 "too few events larger by %.1f than the one before: %zu, "
+                                 "at least %d",
+                                 least_step, found->points, (int)FEW);
     } else {
-        lac_fit_add(found, "b", b);
-        lac_fit_add(found, "error", error);
+        lac_finding_add(found, "b", b);
+        lac_finding_add(found, "error", error);
     }
     free(magnitude);
     return LAC_OK;

@@ -62,7 +62,7 @@ double lac_precursor_complete_from(size_t n, const double *magnitude)
 }
 
 // b of the later half of the magnitudes from mc on, against the earlier half's.
-static void add_change(size_t n, double *magnitude, double mc, lac_fit *found)
+static void add_change(size_t n, double *magnitude, double mc, lac_finding *found)
 {
     double error[2];
     size_t used[2];
@@ -77,28 +77,28 @@ static void add_change(size_t n, double *magnitude, double mc, lac_fit *found)
     const double late = lac_b_value(kept - half, magnitude + half, mc, 0.0, &error[1], &used[1]);
     const double both = hypot(error[0], error[1]);
     if (half >= FEW && both > 0.0) {
-        lac_fit_add(found, "change", late - early);
-        lac_fit_add(found, "fall_p", 0.5 * erfc((early - late) / (both * sqrt(2.0))));
+        lac_finding_add(found, "change", late - early);
+        lac_finding_add(found, "fall_p", 0.5 * erfc((early - late) / (both * sqrt(2.0))));
     }
 }
 
-static void measure(size_t n, double *magnitude, lac_fit *found)
+static void measure(size_t n, double *magnitude, lac_finding *found)
 {
     double error = NAN;
     const double mc = lac_precursor_complete_from(n, magnitude);
     const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_fit_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
-                             found->points, (int)FEW);
+        (void)lac_finding_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
+                                 found->points, (int)FEW);
         return;
     }
-    lac_fit_add(found, "b", b);
-    lac_fit_add(found, "error", error);
-    lac_fit_add(found, "complete_from", mc);
+    lac_finding_add(found, "b", b);
+    lac_finding_add(found, "error", error);
+    lac_finding_add(found, "complete_from", mc);
     add_change(n, magnitude, mc, found);
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double *magnitude = NULL;
     size_t n = 0;
@@ -107,7 +107,8 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
         return status;
     }
     if (n < FEW) {
-        (void)lac_fit_refuse(found, "too few events with a moment: %zu, at least %d", n, (int)FEW);
+        (void)lac_finding_refuse(found, "too few events with a moment: %zu, at least %d", n,
+                                 (int)FEW);
     } else {
         measure(n, magnitude, found);
     }

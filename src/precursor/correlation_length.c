@@ -42,24 +42,24 @@ static size_t fit_growth(const lac_slip_history *s, double tc, double *nu, doubl
     return (size_t)n;
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_slip_history *s = seen->slip;
     double nu = NAN;
     double error = NAN;
     (void)err;
     if (s->n == 0) {
-        return lac_fit_refuse(found, "no record holds slipping blocks");
+        return lac_finding_refuse(found, "no record holds slipping blocks");
     }
-    lac_fit_add(found, "length_m", s->length[s->n - 1]);
+    lac_finding_add(found, "length_m", s->length[s->n - 1]);
     const double p = lac_rise_p(s->n, s->time, s->length);
     if (isfinite(p)) {
-        lac_fit_add(found, "rise_p", p);
+        lac_finding_add(found, "rise_p", p);
     }
     found->points = fit_growth(s, seen->tc, &nu, &error);
     if (found->points >= FEW && isfinite(nu)) {
-        lac_fit_add(found, "growth_exponent", nu);
-        lac_fit_add(found, "growth_error", error);
+        lac_finding_add(found, "growth_exponent", nu);
+        lac_finding_add(found, "growth_error", error);
     }
     return LAC_OK;
 }

@@ -51,7 +51,7 @@ static double find_p(double mean, double length, double count, double *error)
 }
 
 // The Omori-type rise from the first event to now.
-static void add_exponent(const lac_event_list *e, double tc, double now, lac_fit *found)
+static void add_exponent(const lac_event_list *e, double tc, double now, lac_finding *found)
 {
     const double nearest = log(tc - now);
     const double length = log(tc - e->time[0]) - nearest;
@@ -61,12 +61,12 @@ static void add_exponent(const lac_event_list *e, double tc, double now, lac_fit
         mean += (log(tc - e->time[i]) - nearest) / (double)e->n;
     }
     if (length > 0.0) {
-        lac_fit_add(found, "exponent", find_p(mean, length, (double)e->n, &error));
-        lac_fit_add(found, "exponent_error", error);
+        lac_finding_add(found, "exponent", find_p(mean, length, (double)e->n, &error));
+        lac_finding_add(found, "exponent_error", error);
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_event_list *e = seen->events;
     const lac_motion *m = seen->motion;
@@ -76,17 +76,17 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
     (void)err;
     found->points = e->n;
     if (e->n < FEW) {
-        return lac_fit_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
+        return lac_finding_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
     }
     if (!(now > first)) {
-        return lac_fit_refuse(found, "there is one reading only");
+        return lac_finding_refuse(found, "there is one reading only");
     }
     for (size_t i = 0; i < e->n; i++) {
         late += e->time[i] > 0.5 * (first + now) ? 1 : 0;
     }
-    lac_fit_add(found, "rate_1_s", (double)e->n / (now - first));
-    lac_fit_add(found, "share_of_the_last_half", (double)late / (double)e->n);
-    lac_fit_add(found, "rise_p", lac_half_p(e->n, late));
+    lac_finding_add(found, "rate_1_s", (double)e->n / (now - first));
+    lac_finding_add(found, "share_of_the_last_half", (double)late / (double)e->n);
+    lac_finding_add(found, "rise_p", lac_half_p(e->n, late));
     if (seen->tc > now && e->n >= FEW_TO_FIT) {
         add_exponent(e, seen->tc, now, found);
     }

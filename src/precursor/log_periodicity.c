@@ -138,11 +138,11 @@ static void gather(lomb *l, const lac_observed *seen)
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double omega = NAN;
     if (!isfinite(seen->tc)) {
-        return lac_fit_refuse(found, "the log law has no time of failure to count from");
+        return lac_finding_refuse(found, "the log law has no time of failure to count from");
     }
     lomb *l = calloc(1, sizeof *l);
     if (l == NULL) {
@@ -153,18 +153,18 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;
     l->low = 2.0 * pi * turns / span;
     if (l->n < LEAST || !(l->low < highest)) {
-        (void)lac_fit_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few", l->n,
-                             span);
+        (void)lac_finding_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few",
+                                 l->n, span);
     } else {
         make_waves(l);
         for (size_t i = 0; i < l->n; i++) {
             l->r[i] = l->d[i];
         }
         const double power = peak(l, l->r, &omega);
-        lac_fit_add(found, "omega", omega);
-        lac_fit_add(found, "lambda", exp(2.0 * pi / omega));
-        lac_fit_add(found, "power", power);
-        lac_fit_add(found, "p", significance(l, seen, power));
+        lac_finding_add(found, "omega", omega);
+        lac_finding_add(found, "lambda", exp(2.0 * pi / omega));
+        lac_finding_add(found, "power", power);
+        lac_finding_add(found, "p", significance(l, seen, power));
     }
     free(l);
     return LAC_OK;

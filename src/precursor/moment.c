@@ -40,7 +40,7 @@ static double significance(const lac_observed *seen, double late)
     return (double)(1 + above) / (double)(1 + seen->surrogates);
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_event_list *e = seen->events;
     const lac_motion *m = seen->motion;
@@ -58,16 +58,16 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
         }
     }
     if (e->n == 0) {
-        return lac_fit_refuse(found, "no event has ended");
+        return lac_finding_refuse(found, "no event has ended");
     }
     if (found->points == 0) {
-        return lac_fit_refuse(found, "no event has a moment: the case needs "
-                                     "material.shear_modulus");
+        return lac_finding_refuse(found, "no event has a moment: the case needs "
+                                         "material.shear_modulus");
     }
-    lac_fit_add(found, "moment_N_m", sum);
-    lac_fit_add(found, "largest_N_m", largest);
-    lac_fit_add(found, "share_of_the_last_half", late / sum);
-    lac_fit_add(found, "rise_p", significance(seen, late));
+    lac_finding_add(found, "moment_N_m", sum);
+    lac_finding_add(found, "largest_N_m", largest);
+    lac_finding_add(found, "share_of_the_last_half", late / sum);
+    lac_finding_add(found, "rise_p", significance(seen, late));
     return LAC_OK;
 }
 

@@ -42,11 +42,11 @@ lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, siz
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
         if (kind->needs == LAC_NEEDS_EVENTS && seen->events == NULL) {
-            (void)lac_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
-                                            "with analysis: {events: ...}");
+            (void)lac_finding_refuse(&p->found, "needs a catalogue of events: a run of a case "
+                                                "with analysis: {events: ...}");
         } else if (kind->needs == LAC_NEEDS_CELLS && seen->slip == NULL) {
-            (void)lac_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
-                                            "{rg: ...}");
+            (void)lac_finding_refuse(&p->found, "needs cells: a run of a case with analysis: "
+                                                "{rg: ...}");
         } else {
             LAC_TRY(kind->look(seen, &p->found, err));
         }

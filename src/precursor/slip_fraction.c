@@ -33,7 +33,7 @@ static const lac_precursor_value numbers[] = {
 static const size_t named = sizeof numbers / sizeof *numbers - BEFORE_LEVELS;
 
 // Of the slipping cells, record by record.
-static lac_status add_rise(const lac_slip_history *s, lac_fit *found, lac_error *err)
+static lac_status add_rise(const lac_slip_history *s, lac_finding *found, lac_error *err)
 {
     double *cells = malloc(s->n * sizeof *cells);
     if (cells == NULL) {
@@ -44,29 +44,29 @@ static lac_status add_rise(const lac_slip_history *s, lac_fit *found, lac_error 
     }
     const double p = lac_rise_p(s->n, s->time, cells);
     if (isfinite(p)) {
-        lac_fit_add(found, "rise_p", p);
+        lac_finding_add(found, "rise_p", p);
     }
     free(cells);
     return LAC_OK;
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_slip_history *s = seen->slip;
     if (s->n == 0) {
-        return lac_fit_refuse(found, "no record holds slipping blocks");
+        return lac_finding_refuse(found, "no record holds slipping blocks");
     }
     const double *now = s->n_slip + (s->n - 1) * s->levels;
     const double cells = now[0] / s->n_tot[0];
     found->points = s->n;
-    lac_fit_add(found, "slip_fraction", cells);
+    lac_finding_add(found, "slip_fraction", cells);
     if (isfinite(s->critical_fraction)) {
-        lac_fit_add(found, "critical_fraction", s->critical_fraction);
-        lac_fit_add(found, "distance", s->critical_fraction - cells);
+        lac_finding_add(found, "critical_fraction", s->critical_fraction);
+        lac_finding_add(found, "distance", s->critical_fraction - cells);
     }
     lac_status status = add_rise(s, found, err);
     for (size_t level = 0; level < s->levels && level < named; level++) {
-        lac_fit_add(found, numbers[BEFORE_LEVELS + level].key, now[level] / s->n_tot[level]);
+        lac_finding_add(found, numbers[BEFORE_LEVELS + level].key, now[level] / s->n_tot[level]);
     }
     return status;
 }

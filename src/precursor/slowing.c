@@ -235,28 +235,28 @@ static void resample(const lac_motion *m, size_t n, double *even)
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_motion *m = seen->motion;
     double even[MOST];
     lac_slowing slowing;
     if (m->velocities < LEAST) {
-        return lac_fit_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
-                              (int)LEAST);
+        return lac_finding_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
+                                  (int)LEAST);
     }
     found->points = m->velocities < MOST ? m->velocities : MOST;
     resample(m, found->points, even);
     lac_status status =
         lac_slowing_measure(found->points, even, seen->seed, seen->surrogates, &slowing, err);
     if (status == LAC_OK) {
-        lac_fit_add(found, "variance_m2_s2", slowing.variance);
-        lac_fit_add(found, "variance_tau", slowing.variance_tau);
-        lac_fit_add(found, "variance_p", slowing.variance_p);
-        lac_fit_add(found, "variance_phase_p", slowing.variance_phase_p);
-        lac_fit_add(found, "autocorrelation", slowing.autocorrelation);
-        lac_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
-        lac_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
-        lac_fit_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
+        lac_finding_add(found, "variance_m2_s2", slowing.variance);
+        lac_finding_add(found, "variance_tau", slowing.variance_tau);
+        lac_finding_add(found, "variance_p", slowing.variance_p);
+        lac_finding_add(found, "variance_phase_p", slowing.variance_phase_p);
+        lac_finding_add(found, "autocorrelation", slowing.autocorrelation);
+        lac_finding_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
+        lac_finding_add(found, "autocorrelation_p", slowing.autocorrelation_p);
+        lac_finding_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
     }
     return status;
 }

@@ -217,7 +217,7 @@ static lac_status put_methods(const writer *w, lac_error *err)
         const size_t used = strlen(meanings);
         values[k] = (int)k;
         (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", k > 0 ? " " : "",
-                       lac_forecast_kind_at(k)->about.name);
+                       forecast(w, k)->kind->about.name);
     }
     LAC_TRY(lac_nc_define(w->file, &var, 1, &w->dim[METHOD], NULL, 0, &id, err));
     LAC_TRY(lac_nc_check(

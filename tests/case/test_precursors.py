@@ -111,6 +111,65 @@ class Precursors(unittest.TestCase):
             self.assertIn(says, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
+    def block(self, *words):
+        """The made-up block of cases/fit and its readings."""
+        return (os.path.join(SOURCE, "cases/data/creep.csv"), "--case",
+                os.path.join(SOURCE, "cases/fit/block.yaml"), "--onset", "5,20", *words)
+
+    def fitted(self, *words, case=None):
+        done = subprocess.run([PROGRAM, "fit", case or os.path.join(SOURCE, "cases/fit/block.yaml"),
+                               os.path.join(SOURCE, "cases/data/creep.csv"), "-o", "fit.nc", "--force",
+                               "--json", *words], text=True, capture_output=True, cwd=self.folder, check=True)
+        return json.loads(done.stdout)
+
+    def test_a_case_forecasts(self):
+        answer = self.ask(*self.block("--set", "fit.steps=0", "-o", "case.nc"))
+        self.assertEqual([f["method"] for f in answer["forecasts"]],
+                         METHODS[:-1] + ["case", "persistence"])
+        found, fit = self.of(answer, "case"), self.fitted("--set", "fit.steps=0")
+        start = seconds("2020-05-01T09:00")
+        self.assertTrue(found["issued"], found["reason"])
+        self.assertAlmostEqual(found["tc_s"], start + fit["best_failure_time_s"], delta=1.0)
+        self.assertAlmostEqual(found["relative_error"] * (found["tc_s"] - answer["issue_time_s"]),
+                               fit["best_failure_error_s"], delta=1.0)
+        low, high = found["interval90_s"]
+        self.assertTrue(low < seconds("2020-08-12") < high)  # when it did fail
+        self.assertEqual(found["points"], answer["series"]["readings"])
+        with netCDF4.Dataset(os.path.join(self.folder, "case.nc")) as data:
+            self.assertIn("case", data["method"].flag_meanings.split())
+
+    def test_a_case_forecasts_by_its_draws(self):
+        with open(os.path.join(SOURCE, "cases/fit/block.yaml"), encoding="utf-8") as case:
+            lines = [line for line in case.read().split("\n")
+                     if "range: [0.3" not in line and "../data" not in line and "compare" not in line]
+        self.write("two.yaml", "\n".join(lines))
+        words = ("--set", "fit.steps=200", "--set", "fit.burn=100", "--set", "initial.state.ratio_to_steady=0.6")
+        data, _, _, *rest = self.block(*words)
+        found = self.of(self.ask(data, "--case", "two.yaml", *rest), "case")
+        fit = self.fitted(*words, case="two.yaml")
+        self.assertIsNotNone(found["posterior_s"], found["reason"])
+        start = seconds("2020-05-01T09:00")
+        told = fit["interval90_s"] + fit["interval50_s"] + [fit["tc_s"]]
+        for drawn, of_fit in zip(found["posterior_s"], sorted(told)):
+            self.assertAlmostEqual(drawn, start + of_fit, delta=1.0)
+        self.assertTrue(found["interval90_s"][0] < seconds("2020-08-12") < found["interval90_s"][1])
+
+    def test_a_case_that_cannot_forecast_says_why(self):
+        for words, says in (
+                (["--set", "time.end=60 day"], "the best fit does not fail by time.end"),
+                (["--set", "time.start=2020-06-17"], "too few readings between time.start and time.end")):
+            data, *rest = self.block("--set", "fit.steps=0", *words)
+            forecasts = self.ask(data, *rest)["forecasts"]
+            self.assertIn(says, next(f for f in forecasts if f["method"] == "case")["reason"])
+        data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
+        case = os.path.join(SOURCE, "cases/fit/block.yaml")
+        for words, says in (
+                (data + ["--set", "fit.steps=0"], "--set: overrides a case: --case names one"),
+                (data + ["--case", os.path.join(SOURCE, "cases/block.yaml")], "fit"),
+                (data + ["--case", case, "--set", "fit.walkers=1"], "fit.walkers"),
+                (list(self.block("--set", "time.start=0")), "so time.start of")):
+            self.assertIn(says, self.call(*words, status=2).stderr)
+
     def test_a_log_law(self):
         answer = self.ask("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
                           "--failed-at", "40 day", "-o", "log.nc")
