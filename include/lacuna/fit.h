@@ -11,6 +11,9 @@ enum {
     LAC_FIT_QUANTILES = 5,                  ///< 5, 25, 50, 75 and 95 %
 };
 
+/// R-hat from which on a chain counts as not converged.
+#define LAC_FIT_RHAT 1.05
+
 /// A case being fitted to a series.
 typedef struct lac_fit lac_fit;
 
@@ -64,6 +67,8 @@ typedef struct lac_fit_result {
     int64_t runs;          ///< integrations made
     size_t tried, alive;   ///< places tried before the least squares, those with a likelihood
     bool sampled;
+    size_t dropped;                                       ///< steps of each walker before the draws
+    bool converged;                                       ///< R-hat of all below LAC_FIT_RHAT
     double acceptance;                                    ///< of the sampler [1]
     double correlation[LAC_MOST_FITTED][LAC_MOST_FITTED]; ///< of the coordinates
     lac_fit_combination axis[LAC_MOST_FITTED];            ///< [parameters] the loosest first

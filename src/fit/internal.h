@@ -56,6 +56,13 @@ typedef struct lac_fit_misfit {
     double offset; // best zero of the displacements [m]
 } lac_fit_misfit;
 
+// Which unknowns the sampler straightens, and what it needs of the law for it (line.c).
+typedef struct lac_fit_straight {
+    bool used;
+    int dc, x, a, b;       // index among the unknowns; -1: held
+    double held_a, held_b; // where held
+} lac_fit_straight;
+
 struct lac_fit {
     const lac_case *source;
     const lac_fit_def *def;
@@ -71,6 +78,7 @@ struct lac_fit {
     double covariance[LAC_MOST_FITTED][LAC_MOST_FITTED];      // of the least squares
     int by[LAC_MOST_FITTED];
     int64_t runs;
+    lac_fit_straight straight;
     lac_chain *chain;
     double *kept; // arrays of the result
     double *draws;
@@ -136,6 +144,14 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
 // identify.c: correlations, principal axes and the shape of one block.
 lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err);
+
+// line.c: the coordinates that walkers live in, z, all of them over the whole line.
+// Whether the case is a block under the aging law whose rate and ratio at the start are given.
+bool lac_fit_is_one_block(const lac_case *c);
+lac_fit_straight lac_fit_straighten(const lac_fit *fit);
+// @return ln of |du/dz|
+double lac_fit_from_line(const lac_fit *fit, const double *z, double *u);
+void lac_fit_to_line(const lac_fit *fit, const double *u, double *z);
 
 // posterior.c: the sampler, its quantiles and what follows from the draws.
 lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
