@@ -106,6 +106,7 @@ typedef struct lac_fit_def {
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
     char *time;                   ///< column
+    char *time_format;            ///< as lac_series_def has it; NULL
     char *displacement, *displacement_unit;
     char *velocity, *velocity_unit;
     char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none

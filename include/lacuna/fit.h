@@ -58,10 +58,11 @@ typedef struct lac_fit_result {
     double displacement_rms;                   ///< of the best fit [m]; NaN
     double log_rate_rms;                       ///< of the best fit, of ln v [1]; NaN
     double offset;                             ///< zero of the displacements [m]
-    double autocorrelation; ///< of the displacements' successive residuals, white if small [1]
+    double autocorrelation; ///< of successive residuals of displacements, whitened if ar1 [1]
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
-    bool poor; ///< residuals hang together, or exceed that scatter, as white errors do in 1 of 100
+    bool poor; ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
     double log_likelihood; ///< of the best fit, offset integrated out
+    double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
     double failure_error;  ///< its standard error from the least squares [s]
     int64_t runs;          ///< integrations made

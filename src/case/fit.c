@@ -19,6 +19,10 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
      .doc = "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated",
      TEXT},
     {.key = "time", .doc = "column of times", .offset = FIELD(time), TEXT},
+    {.key = "time_format",
+     .doc = "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ...",
+     .offset = FIELD(time_format),
+     TEXT},
     {.key = "displacement", .doc = "column of displacements, as \"column:unit\"", TEXT},
     {.key = "velocity", .doc = "column of velocities, as \"column:unit\"", TEXT},
     {.key = "sigma",
@@ -113,8 +117,8 @@ void lac_fit_clear(lac_fit_def *fit)
     for (size_t i = 0; i < fit->count; i++) {
         free(fit->parameter[i].key);
     }
-    char *texts[] = {fit->time,          fit->displacement, fit->displacement_unit, fit->velocity,
-                     fit->velocity_unit, fit->sigma,        fit->sigma_unit};
+    char *texts[] = {fit->time,     fit->time_format,   fit->displacement, fit->displacement_unit,
+                     fit->velocity, fit->velocity_unit, fit->sigma,        fit->sigma_unit};
     for (size_t i = 0; i < COUNT(texts); i++) {
         free(texts[i]);
     }

@@ -53,6 +53,7 @@ typedef struct lac_fit_seen {
 // What the readings' errors come to.
 typedef struct lac_fit_misfit {
     double log_likelihood;
+    double peak;   // ln of the likelihood with the best offset, not integrated over it
     double offset; // best zero of the displacements [m]
 } lac_fit_misfit;
 
@@ -127,6 +128,14 @@ lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *e
 
 // Errors at the unknowns x.
 lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x);
+
+// errors.c: sets the unknown errors among the coordinates x to those for which residuals are
+// likeliest.
+// @param r            [n] of displacements, before the offset
+// @param by_log_rate  [n] of ln v; NaN where not given
+// @param scratch      [2 n]
+void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double *by_log_rate,
+                              double *scratch, double *x);
 
 // ln of the prior, up to a constant; -INFINITY outside the ranges.
 double lac_fit_log_prior(const lac_fit *fit, const double *x);

@@ -158,9 +158,6 @@ static lac_status sum_up(const lac_fit *fit, lac_fit_result *result, lac_error *
             x[i] = lac_fit_value(of->log, chain->x[i * chain->dimension + k]);
         }
         lac_fit_quantiles(n, x, of->quantile);
-        if (!isfinite(of->best) || k >= fit->def->count) {
-            of->best = of->quantile[2];
-        }
     }
     result->acceptance = gsl_stats_mean(chain->acceptance, 1, chain->walkers);
     result->chain = chain;

@@ -22,7 +22,8 @@ PROGRAM, SOURCE = "", ""
 CASE, SERIES = "cases/fit/block.yaml", "cases/data/creep.csv"
 CENTURY, PRISM = "cases/fit/century.yaml", "cases/data/century_prism_31-2008.csv"
 CHAMBON = "/work/shared/data/monitoring/chambon_2015_C15.csv"  # may not be shipped
-SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30"]
+SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30",
+         "--set", "fit.walkers=16", "--set", "fit.rounds=0"]
 BEST = ["--set", "fit.steps=0", "--set", "fit.starts=8"]
 
 
@@ -74,8 +75,8 @@ class Fit(unittest.TestCase):
 
     def test_truth(self):
         """Rate, errors and time of failure of the made-up readings are within the intervals."""
-        said = self.fit(CASE, SERIES, "--set", "fit.steps=600", "--set", "fit.burn=300",
-                        "--set", "fit.starts=8")
+        said = self.fit(CASE, SERIES, "--set", "fit.walkers=32", "--set", "fit.steps=300", "--set",
+                        "fit.burn=150", "--set", "fit.starts=8", "--set", "fit.rounds=0")
         by = {p["key"]: p for p in said["parameters"]}
         low, high = by["initial.slip_rate"]["interval90"]
         self.assertTrue(low < 3e-3 / 86400 < high)
@@ -170,7 +171,7 @@ class Fit(unittest.TestCase):
     def test_interrupt(self):
         """SIGINT: what was drawn is written whole, exit 4."""
         with subprocess.Popen([PROGRAM, "fit", CASE, SERIES, "-o", self.out, "--set", "fit.starts=4",
-                               "--set", "fit.burn=0", "--set", "fit.steps=1000000"], cwd=SOURCE,
+                               "--set", "fit.burn=0", "--set", "fit.steps=100000"], cwd=SOURCE,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
             time.sleep(4)
             program.send_signal(signal.SIGINT)
