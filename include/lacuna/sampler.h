@@ -40,9 +40,10 @@ typedef struct lac_chain {
 /// doi 10.2140/camcos.2010.5.65; a = 2) and, for the share of moves that is left, differential
 /// evolution (ter Braak 2006, doi 10.1007/s11222-006-8769-1; Nelson et al. 2014), which goes faster
 /// along curved valleys, and draws from a density of the walkers themselves (kernels as wide as the
-/// places about each; at most 128 of them), which forget where they came from. Half of the ensemble moves after the other, and looks only at it, so that
-/// the walkers of a half move at the same time. Random numbers are functions of (seed, step,
-/// walker): the chain is the same to the bit for any number of threads.
+/// places about each; at most 128 of them), which forget where they came from. Half of the ensemble
+/// moves after the other, and looks only at it, so that the walkers of a half move at the same
+/// time. Random numbers are functions of (seed, step, walker): the chain is the same to the bit for
+/// any number of threads.
 /// @param start  [walkers][dimension] where they begin; not all in a plane
 /// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density); LAC_EINTERRUPT (the
 ///         chain holds the steps up to there); LAC_ENOMEM

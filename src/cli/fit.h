@@ -27,8 +27,8 @@ typedef struct cli_fit_columns {
 lac_status cli_fit_columns_create(const cli_request *request, cli_fit_columns *out, lac_error *err);
 void cli_fit_columns_clear(cli_fit_columns *columns);
 
-/// Says on stderr, unless -q is given, that the draws cannot be relied on, which unknown was sampled
-/// worst and what it trades off with.
+/// Says on stderr, unless -q is given, that the draws cannot be relied on, which unknown was
+/// sampled worst and what it trades off with.
 void cli_fit_warn(const cli_request *request, const lac_fit_result *result);
 
 /// Prints it on stdout.

@@ -179,8 +179,8 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     if (!r->sampled) {
         return;
     }
-    cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f",
-            r->chain->walkers, r->chain->steps, r->dropped, r->acceptance);
+    cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f", r->chain->walkers,
+            r->chain->steps, r->dropped, r->acceptance);
     if (!r->converged) {
         cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
                 LAC_FIT_RHAT);

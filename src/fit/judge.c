@@ -78,8 +78,7 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
         lac_fit_likelihood(fit, &errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
     double free = (double)fit->unknowns + (fit->def->offset && data->displacements > 0 ? 1.0 : 0.0);
     result->log_likelihood = misfit.log_likelihood;
-    result->bic =
-        free * log((double)(data->displacements + data->velocities)) - 2.0 * misfit.peak;
+    result->bic = free * log((double)(data->displacements + data->velocities)) - 2.0 * misfit.peak;
     result->offset = misfit.offset;
     for (size_t i = 0; i < data->n; i++) {
         double by = data->log_rate[i] - log_rate[i];

@@ -21,7 +21,7 @@ typedef struct search {
     lac_fit *fit;
     lac_fit_errors_at errors;
     lac_fit_seen seen;
-    double *room; // what seen points into
+    double *room;                 // what seen points into
     double *r, *by, *white, *one; // white and one lie side by side
     size_t rows;
     const lac_fit_watch *watch;

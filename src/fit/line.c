@@ -8,8 +8,8 @@
 // start)
 //     dv/dt = (S/q) v^2 [1 - (1 - q) (v/v_i)^(-(m-1)/m)],  S = (m/dc) q,  q = 1 - x^(m-1).
 // Readings tell S, then q/k with k = (m-1)/m (the bracket is near q + k ln(v/v_i)), and m hardly;
-// in dc, x and b their posterior is a thin bent sheet. So where dc and x are both sought and m > 1 >
-// x, ln S and ln(q/(1-q)) - ln k stand for them.
+// in dc, x and b their posterior is a thin bent sheet. So where dc and x are both sought and m > 1
+// > x, ln S and ln(q/(1-q)) - ln k stand for them.
 #include <math.h>
 #include <string.h>
 

@@ -88,6 +88,42 @@ class Fit(unittest.TestCase):
         self.assertFalse(said["fits_badly"])
         self.assertEqual(by["friction.aging.dc"]["derivatives"], "sensitivities")
 
+    def test_columns(self):
+        """Options name the columns in place of the case, which is written so; times have a format."""
+        other = os.path.join(self.folder, "other.csv")
+        with open(os.path.join(SOURCE, SERIES), encoding="utf-8") as file:
+            rows = [line.strip().split(",") for line in file if line[0] not in "#d"]
+        with open(other, "w", encoding="utf-8") as file:
+            file.write("d'x [cm],when\n")
+            for date, reading in rows:
+                day = date[8:10] + "/" + date[5:7] + "/" + date[:4] + date[10:].replace("T", " ")
+                file.write(f"{0.1 * float(reading):.9g},{day}\n")
+        told = ["--time", "when", "--displacement", "d'x [cm]:cm", "--time-format", "%d/%m/%Y %H:%M"]
+        same = self.fit(CASE, SERIES, *BEST)
+        said = self.fit(CASE, other, *BEST, *told)
+        self.assertAlmostEqual(said["rms_m"] / same["rms_m"], 1.0, places=6)
+        again = self.fit(said["case_output"], other, "--set", "fit.starts=1", "-o",
+                         os.path.join(self.folder, "again.nc"))
+        self.assertAlmostEqual(again["rms_m"] / same["rms_m"], 1.0, places=4)
+        self.assertIn("fit.displacement", self.fit(CASE, SERIES, "--displacement", "disp_mm:s",
+                                                   status=2))
+
+    def test_convergence(self):
+        """A chain that has not converged says so; with rounds it goes on until it has."""
+        args = ["--set", "fit.starts=8", "--set", "fit.walkers=20", "--set", "fit.burn=0", "--set",
+                "fit.steps=20"]
+        done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
+                                "--set", "fit.rounds=0")
+        self.assertIn("warning: the sampler has not converged", done.stderr)
+        self.assertFalse(json.loads(done.stdout)["sampler"]["converged"])
+        done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
+                                "--set", "fit.rounds=8")
+        said = json.loads(done.stdout)
+        self.assertEqual(done.stderr.count("converged"), 0)
+        self.assertTrue(said["sampler"]["converged"])
+        self.assertEqual(said["sampler"]["burn"], said["sampler"]["steps"] - 20)
+        self.assertLess(max(p["rhat"] for p in said["parameters"]), 1.05)
+
     def test_threads(self):
         """The same numbers for any number of threads."""
         one, two = (self.fit(CASE, SERIES, *SHORT, "--threads", n) for n in ("1", "3"))

@@ -117,7 +117,8 @@ static void there_and_back(void **state)
           ", prior: {uniform: {}}}, friction.aging.b: {range: [0.011, 0.03]}",
           "", true);
     check("friction.aging.a: {range: [0.005, 0.012], prior: {uniform: {}}}, " DC X "}", "", true);
-    check("friction.aging.dc: {prior: {lognormal: {median: \"0.1 m\", sigma: 1}}}, " X "}", "", true);
+    check("friction.aging.dc: {prior: {lognormal: {median: \"0.1 m\", sigma: 1}}}, " X "}", "",
+          true);
 }
 
 // Where m - 1 or 1 - x may change its sign, S would.
