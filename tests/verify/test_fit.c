@@ -296,7 +296,7 @@ static void the_combination_is_known(void **state)
     run_fit("fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
             "initial.state.ratio_to_steady: {range: [0.3, 0.99]}, "
             "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
-            "displacement: d, starts: 8, steps: 500, burn: 300, walkers: 16}\n",
+            "displacement: d, starts: 8, steps: 300, burn: 150, rounds: 0, walkers: 20}\n",
             &r, &result);
     assert_true(result.one_block && result.sampled);
     double true_shape = 2.0 / 0.2 * (1.0 - 0.8);
