@@ -32,11 +32,12 @@ static const cli_command commands[] = {
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
-     "The case's section fit says what is estimated, from which columns. Writes the draws, the "
+     "The case's section fit says what is estimated, from which columns unless options name them. "
+     "Writes the draws, the "
      "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
      "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
-     CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
