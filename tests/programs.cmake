@@ -157,3 +157,14 @@ set_tests_properties(case.fit.block.fit case.fit.block.cf PROPERTIES LABELS case
                      ENVIRONMENT ${case_environment})
 set_tests_properties(case.fit.block.fit PROPERTIES FIXTURES_SETUP block_fit)
 set_tests_properties(case.fit.block.cf PROPERTIES FIXTURES_REQUIRED block_fit)
+
+# What shells complete.
+lacuna_python_test(test_completion)
+
+# What is installed, its .deb, and the Python module, which are of the shared library.
+if(TARGET lacuna_shared)
+  set(test_install_files ${CMAKE_BINARY_DIR})
+  lacuna_python_test(test_install)
+  set(test_python_files $<TARGET_FILE:lacuna_shared>)
+  lacuna_python_test(test_python)
+endif()

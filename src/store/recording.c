@@ -217,7 +217,7 @@ out:
     return status;
 }
 
-// A column's value in a row or an event, as a real.
+// A column's value in a row or an event, as a real; NaN where a file has it missing.
 static double value_of(const lac_column *column, const void *row)
 {
     const char *at = (const char *)row + column->offset;
@@ -228,7 +228,7 @@ static double value_of(const lac_column *column, const void *row)
         return real;
     }
     memcpy(&integer, at, sizeof integer);
-    return (double)integer;
+    return integer == 0 && column->var.fill ? NAN : (double)integer;
 }
 
 static lac_status put_extras(lac_recording *r, const double *values, lac_error *err)
