@@ -169,6 +169,9 @@ if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
   lacuna_python_test(test_howto_law)
 endif()
 
+# The site of the documentation.
+lacuna_python_test(test_site)
+
 # What shells complete.
 lacuna_python_test(test_completion)
 

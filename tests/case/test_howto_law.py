@@ -40,7 +40,7 @@ class Law(unittest.TestCase):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-law-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.edit()
-        cls.compile("prz.c")
+        cls.compile("my_prz.c")
         cls.compile("registry.c")
 
     @classmethod
@@ -52,7 +52,8 @@ class Law(unittest.TestCase):
             "    lac_friction_composite;\n", blocks["law.h"])
         registry = read("src", "friction", "registry.c").replace(
             "    &lac_friction_composite,\n", blocks["registry.c"])
-        for name, text in (("prz.c", blocks["prz.c"]), ("registry.c", registry), ("law.h", header)):
+        cls.changed = {"my_prz.c": blocks["my_prz.c"], "registry.c": registry, "law.h": header}
+        for name, text in cls.changed.items():
             path = os.path.join(cls.folder, "friction", name)
             os.makedirs(os.path.dirname(path), exist_ok=True)
             with open(path, "w", encoding="utf-8") as file:
@@ -77,7 +78,7 @@ class Law(unittest.TestCase):
         flags = call("pkg-config", "--static", "--libs", "lacuna", env=dict(
             os.environ, PKG_CONFIG_PATH=BUILD)).split()
         flags = [flag for flag in flags if flag != "-llacuna" and "liblacuna" not in flag]
-        own = [os.path.join(self.folder, "prz.c.o"), os.path.join(self.folder, "registry.c.o")]
+        own = [os.path.join(self.folder, "my_prz.c.o"), os.path.join(self.folder, "registry.c.o")]
         call("cc", *objects, *own, support, LIBRARY, *flags, "-lcmocka", "-o", program)
         return program
 
@@ -85,7 +86,7 @@ class Law(unittest.TestCase):
         call(self.link("tests/CMakeFiles/conform_test_friction.dir"))
 
     def test_kit_sees_a_wrong_derivative(self):
-        path = os.path.join(self.folder, "friction", "prz.c")
+        path = os.path.join(self.folder, "friction", "my_prz.c")
         with open(path, encoding="utf-8") as file:
             text = file.read()
         self.addCleanup(self.replace, path, text)
@@ -96,10 +97,11 @@ class Law(unittest.TestCase):
     def replace(self, path, text):
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        self.compile("prz.c")
+        self.compile("my_prz.c")
 
     def test_the_program_knows_it(self):
         program = self.link("CMakeFiles/lacuna_program.dir")
+        self.assertIn("lac_friction_prz", self.changed["law.h"])
         self.assertIn("renewed with the square of slip", call(program, "describe", "friction", "prz"))
         law = "friction={prz: {f0: 0.6, a: 0.010, b: 0.015, dc: 2 cm, v0: 1 um/s}}"
         case = os.path.join(self.folder, "block.yaml")

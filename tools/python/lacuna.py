@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Lacuna from Python: runs a case through the shared library, gives the run as an xarray.Dataset.
 
     import lacuna
