@@ -76,4 +76,7 @@ if(TARGET lacuna_program)
   install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.fish
           DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 endif()
+# The documentation as static pages, where mkdocs is there to make them.
+add_custom_target(site COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/docs_site.py
+                  --output ${CMAKE_BINARY_DIR}/site VERBATIM)
 include(cmake/package.cmake)

@@ -18,7 +18,3 @@ set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-xarray, netcdf-bin")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)
-
-# The documentation as static pages, where mkdocs is there to make them.
-add_custom_target(site COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/docs_site.py
-                  --output ${CMAKE_BINARY_DIR}/site VERBATIM)
