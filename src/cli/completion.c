@@ -249,7 +249,10 @@ static void print_zsh(void)
         put_zsh_arguments(command);
         printf(" ;;\n");
     }
-    printf("        esac ;;\n    esac\n}\n\ncompdef _lacuna lacuna\n");
+    // As a file that zsh loads by itself this is the body of _lacuna; else it is only sourced.
+    printf("        esac ;;\n    esac\n}\n\n"
+           "if [[ $funcstack[1] == _lacuna ]]; then _lacuna \"$@\"; else compdef _lacuna lacuna; "
+           "fi\n");
 }
 
 // An option in fish: for the commands that take it.
