@@ -30,6 +30,7 @@ typedef struct lac_store_def {
     const lac_domain *domain;
     const lac_hierarchy *hierarchy;
     unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
+    bool single;         ///< records and fields but times are written as floats
     int64_t compression; ///< deflate level of the snapshots, 0 to 9
     int64_t sync_every;  ///< records between syncs
     size_t extras;

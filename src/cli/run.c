@@ -131,6 +131,7 @@ static lac_status open_store(run_job *job, lac_error *err)
         .hierarchy = job->scene->hierarchy,
         .fields = c->fields,
         .compression = c->compression,
+        .single = c->single != 0,
         .sync_every = RECORDS_BETWEEN_SYNCS,
         .events = lac_analysis_has_events(job->analysis),
         .inputs = job->inputs,
