@@ -4,6 +4,7 @@
 
 #include "cli/compare.h"
 #include "cli/history.h"
+#include "lacuna/accuracy.h"
 #include "lacuna/analysis.h"
 #include "lacuna/scene.h"
 
@@ -18,6 +19,7 @@ typedef struct cli_outcome {
     const char *status;            ///< as in the file: complete, failed, interrupted
     const lac_checkpoint *resumed; ///< what the run went on from; NULL: from the start
     const char *path;              ///< of the file
+    const lac_accuracy_pick *accuracy; ///< what pilot runs picked; NULL: nothing
     double wall_time;              ///< [s]
 } cli_outcome;
 

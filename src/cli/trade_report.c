@@ -27,6 +27,33 @@ static const char *end_word(lac_trade_end end)
     return end == LAC_TRADE_DONE ? "done" : end == LAC_TRADE_GIVEN_UP ? "given up" : "broken";
 }
 
+// The rows in the order of a table: what is turned against a rung of the ladder stays together.
+static bool stands_before(const cli_trade_job *job, size_t a, size_t b)
+{
+    const lac_trade_plan *plan = &job->plan;
+    for (size_t d = 0; d < plan->dials; d++) {
+        const int order = strcmp(job->settings[a].label[d], job->settings[b].label[d]);
+        if (d != plan->ladder && order != 0) {
+            return order < 0;
+        }
+    }
+    return plan->ladder != SIZE_MAX && plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
+}
+
+// The row after `last` in that order, SIZE_MAX: the first; SIZE_MAX after the last one.
+static size_t next_row(const cli_trade_job *job, size_t last)
+{
+    size_t next = SIZE_MAX;
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        const bool after = last == SIZE_MAX || stands_before(job, last, i) ||
+                           (!stands_before(job, i, last) && i > last);
+        if (is_row(job, i) && after && (next == SIZE_MAX || stands_before(job, i, next))) {
+            next = i;
+        }
+    }
+    return next;
+}
+
 // "solver.rtol=1e-05 solver.method=bdf": all dials, as the run has them in the end.
 static const char *settings_text(const cli_trade_job *job, size_t run, char *text, size_t size)
 {
@@ -170,10 +197,8 @@ void cli_trade_print(const cli_trade_job *job)
 {
     char text[SENTENCE];
     print_head(job);
-    for (size_t i = 0; i < job->plan.runs; i++) {
-        if (is_row(job, i)) {
-            print_row(job, i);
-        }
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX; i = next_row(job, i)) {
+        print_row(job, i);
     }
     print_left_out(job);
     puts("");
@@ -244,10 +269,8 @@ void cli_trade_json(const cli_trade_job *job)
     cli_json_text(&json, "unit", about->unit);
     write_run(&json, "reference", job, v->reference);
     cli_json_open(&json, "runs", '[');
-    for (size_t i = 0; i < job->plan.runs; i++) {
-        if (is_row(job, i)) {
-            write_run(&json, NULL, job, i);
-        }
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX; i = next_row(job, i)) {
+        write_run(&json, NULL, job, i);
     }
     cli_json_close(&json, ']');
     write_refused(&json, job);
@@ -291,11 +314,9 @@ static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_r
         return lac_fail_memory(err);
     }
     size_t n = 0;
-    for (size_t i = 0; i < job->plan.runs; i++) {
-        if (is_row(job, i) && n < rows) {
-            fill_row(job, i, settings[n], &row[n]);
-            n++;
-        }
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX && n < rows; i = next_row(job, i)) {
+        fill_row(job, i, settings[n], &row[n]);
+        n++;
     }
     const bool any = v->recommended != SIZE_MAX;
     const lac_trade_view view = {

@@ -57,6 +57,7 @@ HEADERS = {
     "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",
+    "accuracy": "trade",
     "store_trade": "store",
     "sampler": "fit",
     "sensitivity": "run",
