@@ -94,6 +94,12 @@ target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Ws
 set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
+# Trades, stopped and killed ones among them, and runs that keep an accuracy.
+add_library(stop_at_kept_run MODULE stop/stop_at_kept_run.c)
+target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
+lacuna_python_test(test_trade)
+
 # Histories of load, and the commands of the tutorials with what they print.
 lacuna_python_test(test_history)
 file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)

@@ -99,7 +99,7 @@ static lac_status no_quantity(int quantity, lac_error *err)
                                          "end; slip or rate can be asked for");
     case LAC_QUANTITY_EVENTS:
         return lac_fail(err, LAC_EINPUT, "--quantity events: the case keeps no catalogue; name it, "
-                                         "analysis: [{events: {...}}]");
+                                         "analysis: {events: {...}}");
     default:
         return lac_fail(err, LAC_EINPUT, "--quantity %s: the reference has none",
                         lac_quantity_about_of(quantity)->name);
