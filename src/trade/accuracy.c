@@ -7,7 +7,8 @@
 
 enum { RUNGS = 10, EXPLICIT_RUNGS = 3 };
 
-static const double loosest = 1e-3; // rtol of the first rung; each is a tenth of the one before
+static const double rtols[RUNGS] = {1e-3, 1e-4, 1e-5,  1e-6,  1e-7,
+                                    1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 
 // One pilot run; value NaN: it could not be computed.
 typedef struct rung {
@@ -31,8 +32,6 @@ const char *lac_accuracy_of_name(lac_accuracy_of of)
                                         [LAC_ACCURACY_SLIP] = "mean slip"};
     return names[of];
 }
-
-static double rtol_of(size_t k) { return loosest * pow(10.0, -(double)k); }
 
 // A Newton solve in evaluations of the right-hand side: docs/speed.md; with elastic rock it
 // iterates.
@@ -103,7 +102,7 @@ static lac_status climb(search *s, lac_error *err)
     const double asked = s->pick->asked;
     lac_status status = LAC_OK;
     while (s->count < RUNGS && status == LAC_OK) {
-        status = pilot(s, rtol_of(s->count), INT64_MAX, &s->at[s->count], err);
+        status = pilot(s, rtols[s->count], INT64_MAX, &s->at[s->count], err);
         s->count += status == LAC_OK ? 1 : 0;
         if (status == LAC_OK && last_error(s) <= 0.5 * asked) {
             return LAC_OK;
@@ -118,7 +117,7 @@ static lac_status climb(search *s, lac_error *err)
     return lac_fail(err, LAC_ENUMERIC,
                     "solver.accuracy: no rtol down to %g keeps %g: the last decade changed the %s "
                     "by %.2g",
-                    rtol_of(RUNGS - 1), asked, lac_accuracy_of_name(s->at[RUNGS - 1].of),
+                    rtols[RUNGS - 1], asked, lac_accuracy_of_name(s->at[RUNGS - 1].of),
                     last_error(s));
 }
 
@@ -153,12 +152,12 @@ static lac_status try_explicit(search *s, double least, lac_error *err)
     lac_status status = turn(s, LAC_ERK, formulation, err);
     for (size_t k = 0; k < EXPLICIT_RUNGS && status == LAC_OK; k++) {
         rung found;
-        status = pilot(s, rtol_of(k), (int64_t)(least / evaluations) + 1, &found, err);
+        status = pilot(s, rtols[k], (int64_t)(least / evaluations) + 1, &found, err);
         if (status == LAC_OK && isnan(found.value)) {
             break; // too many steps, and a tighter one takes more
         }
         if (status == LAC_OK && found.work < least && keeps(s, &found)) {
-            s->pick->rtol = rtol_of(k);
+            s->pick->rtol = rtols[k];
             return LAC_OK;
         }
     }
@@ -178,7 +177,7 @@ lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def 
     while (!keeps(&s, &s.at[k])) {
         k++; // the last one does: its error is at most half of what is asked
     }
-    out->rtol = rtol_of(k);
+    out->rtol = rtols[k];
     const bool open = !c->method_given && !c->formulation_given &&
                       c->run.fidelity == LAC_FIDELITY_ODE && !(lac_inertia_mass(c) > 0.0);
     if (open) {

@@ -111,6 +111,16 @@ class Trade(Program):
             self.assertEqual(list(file["settings"][:]), ["solver.rtol=0.001", "solver.rtol=0.0001"])
             self.assertEqual(file.recommendation, said["recommendation"])
 
+    def test_picture(self):
+        """tools/plot_trade.py draws the file."""
+        self.trade(BLOCK, *DIALS)
+        done = subprocess.run(
+            [sys.executable, os.path.join(SOURCE, "tools/plot_trade.py"), self.out],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.out[:-3] + ".png", "rb") as picture:
+            self.assertEqual(picture.read(8), b"\x89PNG\r\n\x1a\n")
+
     def test_quantities(self):
         """Slip, rate and peak rate at a time are those of a run that ends there."""
         run = json.loads(self.call("run", BLOCK, "-o", os.path.join(self.folder, "run.nc"), "--json",
@@ -269,6 +279,15 @@ class Accuracy(Program):
                                      f"solver.method={pick['method']}")
             self.assertEqual(plain["failure_time_s"], said["failure_time_s"])
             self.assertIsNone(plain["accuracy"])
+
+    def test_scenes(self):
+        """The tool that shows asked against achieved error on scenes of all kinds, on three."""
+        done = subprocess.run(
+            [sys.executable, os.path.join(SOURCE, "tools/accuracy.py"), "--lacuna", PROGRAM,
+             "--asked", "0.01", "--", "friction/tails.yaml", "load/ramp.yaml", "domain/file.yaml"],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(len(done.stdout.splitlines()), 5)
 
     def test_percent_and_case(self):
         said, _ = self.run_case("--accuracy", "1%")
