@@ -32,7 +32,7 @@ const char *lac_accuracy_of_name(lac_accuracy_of of);
 /// @param c      gets the settings; its accuracy is then NaN
 /// @param how    interrupted, progress and context are passed to the runs; NULL: none
 /// @return LAC_OK; LAC_ENUMERIC where no tolerance does; LAC_EINTERRUPT; as lac_scene_renew
-/// @cost   some three times the run picked
+/// @cost   some four times the run picked
 lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def *how,
                                lac_accuracy_pick *out, lac_error *err);
 

@@ -147,10 +147,10 @@ typedef struct lac_trade_measure {
 
 /// What is asked for.
 typedef struct lac_trade_ask {
-    int quantity; ///< lac_quantity; -1: time of failure, else slip; of a cascade Q_crit/Q_nom
+    int quantity;  ///< lac_quantity; -1: time of failure, else slip; of a cascade Q_crit/Q_nom
     double reach;  ///< relative error to reach [1]; NaN
     double within; ///< the same in the quantity's unit; NaN
-    double spend; ///< time that a run may take [s]; NaN
+    double spend;  ///< time that a run may take [s]; NaN
 } lac_trade_ask;
 
 /// What a trade came to. Errors are relative to the reference's value.

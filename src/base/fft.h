@@ -18,7 +18,7 @@ typedef struct lac_fft {
     bool measure; ///< plans of the filter are the quickest of those tried: their last bits differ
                   ///< from run to run; to be set before lac_fft_plan_filter
     size_t rows;  ///< of real that lac_fft_filter reads and writes
-    size_t lead; ///< from column to column in block
+    size_t lead;  ///< from column to column in block
     double _Complex *block;
     void *rows_forward, *rows_inverse, *block_forward, *block_inverse;
 } lac_fft;

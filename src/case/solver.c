@@ -140,6 +140,9 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
     lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
+    if (!isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT) {
+        lac_blame_key(reader, "solver.accuracy", "is picked for by lacuna run; here rtol counts");
+    }
     if (c->run.fidelity == LAC_FIDELITY_EVENTS) {
         check_events(reader, c);
         return;

@@ -19,7 +19,7 @@ typedef struct option {
 static const option table[] = {
     {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the netCDF file"},
     {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
-    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from the file's last checkpoint"},
+    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from what was kept when it was stopped"},
     {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
     {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
     {CLI_OPT_BOXES, '\0', "boxes", "S:S", "sides of boxes that D_box is fitted to: 2:32"},

@@ -292,10 +292,10 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
             cli_clock() - job.started);
     if (!isnan(job.source->accuracy)) {
-        LAC_TRY(cli_blame(job.source,
-                          cli_accuracy_pick(&job.progress, request, job.scene, job.source,
-                                            &job.accuracy, err),
-                          err));
+        LAC_TRY(cli_blame(
+            job.source,
+            cli_accuracy_pick(&job.progress, request, job.scene, job.source, &job.accuracy, err),
+            err));
         LAC_TRY(settle(&job, err));
     }
     if (job.source->analysis.count > 0) {

@@ -9,7 +9,8 @@
 
 static const char *method_name(lac_method method)
 {
-    static const char *const names[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
+    static const char *const names[] = {
+        [LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
     return names[method];
 }
 

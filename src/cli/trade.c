@@ -73,9 +73,9 @@ static lac_status read_amounts(const cli_trade_words *words, lac_trade_ask *ask,
     if (words->reach != NULL) {
         LAC_TRY(read_reach(units, words->reach, ask, err));
     }
-    if (words->spend != NULL && (lac_units_parse(units, words->spend, "s", &ask->spend, NULL) !=
-                                     LAC_OK ||
-                                 !(ask->spend > 0.0))) {
+    if (words->spend != NULL &&
+        (lac_units_parse(units, words->spend, "s", &ask->spend, NULL) != LAC_OK ||
+         !(ask->spend > 0.0))) {
         LAC_TRY(wrong("spend", words->spend, "a time > 0 such as \"10 min\"", err));
     }
 out:
@@ -179,8 +179,7 @@ static lac_status measure(cli_trade_job *job, lac_error *err)
 
 static lac_status put_out(cli_trade_job *job, lac_error *err)
 {
-    lac_status status =
-        lac_trade_judge(&job->plan, job->measure, &job->ask, &job->verdict, err);
+    lac_status status = lac_trade_judge(&job->plan, job->measure, &job->ask, &job->verdict, err);
     if (status != LAC_OK) {
         return cli_blame(job->source, status, err);
     }

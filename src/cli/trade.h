@@ -10,7 +10,7 @@
 
 /// Settings of a run, as its case has them in the end.
 typedef struct cli_trade_settings {
-    uint64_t key;                         ///< of the whole resolved case and its files
+    uint64_t key;                          ///< of the whole resolved case and its files
     char label[LAC_DIALS][LAC_DIAL_LABEL]; ///< of every dial
 } cli_trade_settings;
 

@@ -120,9 +120,8 @@ void cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
     }
     lac_status status = cli_trade_case(job, run, &s.source, &err);
     if (status == LAC_OK) {
-        status = lac_trade_is_cascade(&job->plan, run)
-                     ? follow(s.source, measure, &err)
-                     : integrate(job, &s, file, measure, &err);
+        status = lac_trade_is_cascade(&job->plan, run) ? follow(s.source, measure, &err)
+                                                       : integrate(job, &s, file, measure, &err);
     }
     run_clear(&s);
     measure->output = stat(file, &about) == 0 ? (int64_t)about.st_size : 0;

@@ -51,8 +51,9 @@ static bool read_line(const char *line, uint64_t *key, lac_trade_measure *m)
 {
     int end = 0, at = 0;
     *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
-    bool good = sscanf(line, "%16" SCNx64 " %d %lf %lf %" SCNd64 " %" SCNd64 " %" SCNd64
-                             " %" SCNd64 " %" SCNd64 "%n",
+    bool good = sscanf(line,
+                       "%16" SCNx64 " %d %lf %lf %" SCNd64 " %" SCNd64 " %" SCNd64 " %" SCNd64
+                       " %" SCNd64 "%n",
                        key, &end, &m->wall_time, &m->cpu_time, &m->memory, &m->output, &m->steps,
                        &m->evaluations, &m->cells, &at) == 9;
     for (int q = 0; good && q < LAC_QUANTITIES; q++) {
@@ -105,8 +106,9 @@ static lac_status read_kept(cli_trade_job *job, const char *path, lac_error *err
     if (whole == 0) {
         return lac_fail(err, LAC_EINPUT, "--resume: %s: holds no runs of a trade", path);
     }
-    return ftruncate(job->kept, whole) == 0 ? LAC_OK
-                                            : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    return ftruncate(job->kept, whole) == 0
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
 }
 
 static lac_status put(cli_trade_job *job, const char *text, lac_error *err)

@@ -220,8 +220,8 @@ static void show(pool *p)
 {
     char what[64] = "runs";
     if (p->made > 0) {
-        const double left = (double)(p->total - p->done) * p->computed / (double)p->made /
-                            (double)p->job->jobs;
+        const double left =
+            (double)(p->total - p->done) * p->computed / (double)p->made / (double)p->job->jobs;
         (void)snprintf(what, sizeof what, "runs, some %.0f %s left", left < 90 ? left : left / 60,
                        left < 90 ? "s" : "min");
     }
@@ -293,10 +293,10 @@ lac_status cli_trade_run(cli_trade_job *job, lac_error *err)
     for (size_t i = 0; i < job->plan.runs; i++) {
         const lac_trade_measure *m = &job->measure[i];
         p.total += m->end != LAC_TRADE_REFUSED && m->end != LAC_TRADE_TWIN ? 1 : 0;
-        p.done += m->end == LAC_TRADE_DONE || m->end == LAC_TRADE_BROKEN ||
-                          m->end == LAC_TRADE_GIVEN_UP
-                      ? 1
-                      : 0;
+        p.done +=
+            m->end == LAC_TRADE_DONE || m->end == LAC_TRADE_BROKEN || m->end == LAC_TRADE_GIVEN_UP
+                ? 1
+                : 0;
         p.memory = m->memory > p.memory ? m->memory : p.memory;
     }
     lac_status status = run_all(&p, err);

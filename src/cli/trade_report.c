@@ -37,7 +37,8 @@ static bool stands_before(const cli_trade_job *job, size_t a, size_t b)
             return order < 0;
         }
     }
-    return plan->ladder != SIZE_MAX && plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
+    return plan->ladder != SIZE_MAX &&
+           plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
 }
 
 // The row after `last` in that order, SIZE_MAX: the first; SIZE_MAX after the last one.
@@ -331,10 +332,10 @@ static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_r
         .sentence = cli_trade_sentence(job, sentence, sizeof sentence),
         .runs = n,
         .row = row};
-    const lac_provenance provenance = cli_provenance(job->request, job->source, text,
-                                                     cli_libraries(libraries, sizeof libraries));
-    lac_status status = lac_store_trade(job->path, cli_given(job->request, CLI_OPT_FORCE),
-                                        &provenance, &view, err);
+    const lac_provenance provenance =
+        cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
+    lac_status status =
+        lac_store_trade(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance, &view, err);
     free(text);
     return status;
 }
@@ -347,9 +348,8 @@ lac_status cli_trade_store(const cli_trade_job *job, lac_error *err)
     }
     lac_trade_row *row = calloc(rows + 1, sizeof *row);
     char(*settings)[SETTINGS] = calloc(rows + 1, sizeof *settings);
-    lac_status status = row != NULL && settings != NULL
-                            ? write_store(job, rows, row, settings, err)
-                            : lac_fail_memory(err);
+    lac_status status = row != NULL && settings != NULL ? write_store(job, rows, row, settings, err)
+                                                        : lac_fail_memory(err);
     free(row);
     free(settings);
     return status;

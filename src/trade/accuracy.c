@@ -7,8 +7,7 @@
 
 enum { RUNGS = 10, EXPLICIT_RUNGS = 3 };
 
-static const double rtols[RUNGS] = {1e-3, 1e-4, 1e-5,  1e-6,  1e-7,
-                                    1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+static const double rtols[RUNGS] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 
 // One pilot run; value NaN: it could not be computed.
 typedef struct rung {

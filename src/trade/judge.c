@@ -34,7 +34,7 @@ void lac_pareto_front(size_t n, const double *cost, const double *error, double 
 static double value_of(const lac_trade_measure *measure, size_t run, int quantity)
 {
     return run != SIZE_MAX && measure[run].end == LAC_TRADE_DONE ? measure[run].value[quantity]
-                                                                  : NAN;
+                                                                 : NAN;
 }
 
 // The reference, or where that could not be run, what is one or two rungs coarser.
@@ -95,11 +95,13 @@ static lac_status no_quantity(int quantity, lac_error *err)
 {
     switch (quantity) {
     case LAC_QUANTITY_FAILURE:
-        return lac_fail(err, LAC_EINPUT, "--quantity failure: the reference does not fail by its "
-                                         "end; slip or rate can be asked for");
+        return lac_fail(err, LAC_EINPUT,
+                        "--quantity failure: the reference does not fail by its "
+                        "end; slip or rate can be asked for");
     case LAC_QUANTITY_EVENTS:
-        return lac_fail(err, LAC_EINPUT, "--quantity events: the case keeps no catalogue; name it, "
-                                         "analysis: {events: {...}}");
+        return lac_fail(err, LAC_EINPUT,
+                        "--quantity events: the case keeps no catalogue; name it, "
+                        "analysis: {events: {...}}");
     default:
         return lac_fail(err, LAC_EINPUT, "--quantity %s: the reference has none",
                         lac_quantity_about_of(quantity)->name);
@@ -152,9 +154,9 @@ static void recommend(const lac_trade_plan *plan, const lac_trade_measure *measu
             better = cost < measure[best].cpu_time;
         }
         v->recommended = quick && good && better ? i : best;
-        const bool nearer = v->closest == SIZE_MAX ||
-                            (by_time_only ? cost < measure[v->closest].cpu_time
-                                                          : error < bound(v, v->closest));
+        const bool nearer =
+            v->closest == SIZE_MAX ||
+            (by_time_only ? cost < measure[v->closest].cpu_time : error < bound(v, v->closest));
         v->closest = nearer ? i : v->closest;
     }
 }

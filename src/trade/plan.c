@@ -84,7 +84,8 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     lac_trade_dial *added = &plan->dial[plan->dials];
     *added = (lac_trade_dial){.dial = dial};
     if (equals != NULL) {
-        lac_status status = read_values(equals + 1, length - name - 1, c, plan->cascade, added, err);
+        lac_status status =
+            read_values(equals + 1, length - name - 1, c, plan->cascade, added, err);
         if (status != LAC_OK) {
             return status;
         }
@@ -92,7 +93,8 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
         added->count = added->shown = dial->values(c, plan->cascade, added->value);
     }
     if (added->count == 0) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case", dial->name);
+        return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
+                        dial->name);
     }
     plan->dials++;
     return LAC_OK;
@@ -346,5 +348,6 @@ bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b)
             return false;
         }
     }
-    return plan->ladder != SIZE_MAX && plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
+    return plan->ladder != SIZE_MAX &&
+           plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
 }

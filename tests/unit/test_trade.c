@@ -34,16 +34,15 @@ static const char block[] = "lacuna: 1\n"
                             "initial: {slip_rate: 1 mm/week, state: {ratio_to_steady: 0.5}}\n"
                             "time: {end: 1 year}\n";
 
-static const char joint[] =
-    "lacuna: 1\n"
-    "interface: {size: 1 m, levels: 4, domain: {full: {}}}\n"
-    "material: {shear_modulus: 20 GPa}\n"
-    "load: {normal: {pressure: 5 MPa}}\n"
-    "friction: {aging: {f0: 0.6, a: 0.01, b: 0.0135, dc: 1 mm}}\n"
-    "initial: {slip_rate: 1 mm/week, state: {ratio_to_steady: 0.5}}\n"
-    "transfer: {hierarchy: {stiffness: elastic}}\n"
-    "time: {end: 1 year}\n"
-    "rg: {field: uniform, shifts: 4}\n";
+static const char joint[] = "lacuna: 1\n"
+                            "interface: {size: 1 m, levels: 4, domain: {full: {}}}\n"
+                            "material: {shear_modulus: 20 GPa}\n"
+                            "load: {normal: {pressure: 5 MPa}}\n"
+                            "friction: {aging: {f0: 0.6, a: 0.01, b: 0.0135, dc: 1 mm}}\n"
+                            "initial: {slip_rate: 1 mm/week, state: {ratio_to_steady: 0.5}}\n"
+                            "transfer: {hierarchy: {stiffness: elastic}}\n"
+                            "time: {end: 1 year}\n"
+                            "rg: {field: uniform, shifts: 4}\n";
 
 // A sequence x + c r^-k: what is left after three of its members is known.
 static void richardson(void **state)
@@ -86,8 +85,8 @@ static void front_of_many(void **state)
         }
         for (int i = 0; i < N; i++) {
             if (cost[i] == c) {
-                assert_int_equal(on[i], best < least && fmax(error[i], floor) == best &&
-                                            !isnan(error[i]));
+                assert_int_equal(on[i],
+                                 best < least && fmax(error[i], floor) == best && !isnan(error[i]));
             }
         }
         least = fmin(least, best);
@@ -156,13 +155,15 @@ static void own_tolerance(void **state)
     lac_case_free(c);
 }
 
-// What changes the scene is at its last position in the reference; the cascade has dials of its own.
+// What changes the scene is at its last position in the reference; the cascade has dials of its
+// own.
 static void plan_of_a_scene(void **state)
 {
     (void)state;
     lac_trade_plan plan;
     lac_case *c = read_text(joint, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "levels,transfer", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, false, "levels,transfer", false, &plan, NULL),
+                     LAC_OK);
     const lac_trade_run *reference = &plan.run[plan.reference];
     assert_int_equal(plan.dials, 3); // and rtol, for the reference
     assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
@@ -186,9 +187,10 @@ static void plan_of_a_scene(void **state)
 static void wrong_dials(void **state)
 {
     (void)state;
-    static const char *const words[] = {"speed", "rtol,rtol", "levels", "rtol=", "rtol=1e-3::1e-4",
-                                        "", "rtol,", "transfer",
-                                        "rtol=1:2:3:4:5:6:7:8:9:10:11:12:13:14:15:16:17"};
+    static const char *const words[] = {
+        "speed", "rtol,rtol",       "levels",
+        "rtol=", "rtol=1e-3::1e-4", "",
+        "rtol,", "transfer",        "rtol=1:2:3:4:5:6:7:8:9:10:11:12:13:14:15:16:17"};
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         lac_trade_plan plan;
@@ -317,9 +319,11 @@ static void probe(void **state)
     }
     assert_int_equal(sink.event(sink.context, &(lac_event){.cells = 1}, NULL), LAC_OK);
     assert_int_equal(sink.snapshot(sink.context, &(lac_snapshot){.time = 1.0}, NULL), LAC_OK);
-    const lac_run_result result = {
-        .failed = true, .failure_origin = 4.0, .failure_local = 0.5, .mean_slip = 7.0,
-        .max_slip_rate = 9.0};
+    const lac_run_result result = {.failed = true,
+                                   .failure_origin = 4.0,
+                                   .failure_local = 0.5,
+                                   .mean_slip = 7.0,
+                                   .max_slip_rate = 9.0};
     lac_trade_probe_values(&p, &result, true, value);
     assert_int_equal(records, 3);
     assert_near(value[LAC_QUANTITY_FAILURE], 4.5, 0.0);

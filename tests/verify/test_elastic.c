@@ -56,7 +56,8 @@ static scene scene_of(lac_grid grid, rock_def rock, choice how)
                                    .newton_tolerance = how.tolerance};
     slot.params = &params;
     // Antiplane must not look at Poisson's ratio.
-    lac_transfer_scene from = {s.domain, s.h, rock.g, rock.nu == 0 ? 0.4 : rock.nu, rock.line, false};
+    lac_transfer_scene from = {s.domain,  s.h,  rock.g, rock.nu == 0 ? 0.4 : rock.nu,
+                               rock.line, false};
     if (lac_transfer_create(&slot, &from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
