@@ -28,14 +28,14 @@ time: {end: "1 year"}
 output: {every: {per_decade: 4}}
 """
 PLANE = BLOCK + 'material: {shear_modulus: "20 GPa"}\n'
-FULL = PLANE + 'interface: {size: "64 m", levels: 6, domain: {full: {}}}\n'
+FULL = PLANE + 'interface: {size: "16 m", levels: 4, domain: {full: {}}}\n'
 HIERARCHY = "transfer: {hierarchy: {k0: 1 GPa/m, ratio: 0.5}}\n"
-SURFACE = ('interface: {size: "64 m", levels: 6, surface: {self-affine: {hurst: 0.8, '
-           'rms_height: "2 cm", rolloff: "16 m", shortest: "2 m", seed: 1}}}\n')
+SURFACE = ('interface: {size: "16 m", levels: 4, surface: {self-affine: {hurst: 0.8, '
+           'rms_height: "2 cm", rolloff: "8 m", shortest: "2 m", seed: 1}}}\n')
 SCENES = [
     ("a block", BLOCK),
     ("and events", BLOCK + "analysis: {events: {slip_rate: 1 mm/s}}\n"),
-    ("4 096 cells that do not feel each other", FULL),
+    ("256 cells that do not feel each other", FULL),
     ("and the hierarchy", FULL + HIERARCHY),
     ("and its stiffness from the rock", FULL + "transfer: {hierarchy: {stiffness: elastic}}\n"),
     ("and snapshots of them", FULL.replace("per_decade: 4}", "per_decade: 4}, fields: [slip_rate]")

@@ -145,7 +145,7 @@ static lac_status try_explicit(search *s, double least, lac_error *err)
     const int evaluations = 6; // of a step
     const lac_friction_params *friction = s->c->friction.params;
     const lac_formulation formulation =
-        lac_formulation_choose(LAC_FORMULATION_AUTO, LAC_ERK, friction->form);
+        lac_formulation_choose(LAC_FORMULATION_AUTO, LAC_ERK, (lac_friction_form)friction->form);
     const lac_method method = s->c->run.method;
     const lac_formulation before = (lac_formulation)s->c->formulation;
     lac_status status = turn(s, LAC_ERK, formulation, err);
