@@ -37,6 +37,13 @@ def block_failure():
     return h / 3 * (y[0] + y[-1] + 4 * y[1:-1:2].sum() + 2 * y[2:-1:2].sum())
 
 
+def stopped(count, number):
+    """Environment in which a trade gets a signal once it has kept so many runs."""
+    options = os.environ.get("ASAN_OPTIONS", "")
+    return {"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"{count}:{int(number)}",
+            "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
+
+
 class Program(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -180,7 +187,7 @@ class Trade(Program):
         for number, status in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 4),
                                (signal.SIGTERM, 4)):
             self.trade(BLOCK, *DIALS, "--jobs", "1", status=status,
-                       environment={"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"3:{int(number)}"})
+                       environment=stopped(3, number))
             with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
                 kept = done.read().splitlines()
             self.assertEqual(len(kept), 4)
@@ -207,7 +214,7 @@ class Trade(Program):
     def test_another_case(self):
         """Runs of another case are not taken over."""
         self.trade(BLOCK, *DIALS, "--jobs", "1", status=4,
-                   environment={"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"3:{int(signal.SIGINT)}"})
+                   environment=stopped(3, signal.SIGINT))
         other = self.trade(BLOCK, *DIALS, "--set", "friction.aging.dc=2 mm", "--resume")
         plain = self.trade(BLOCK, *DIALS, "--set", "friction.aging.dc=2 mm")
         self.assertEqual([r["value"] for r in other["runs"]], [r["value"] for r in plain["runs"]])
