@@ -43,6 +43,7 @@ const lac_dial *lac_dial_at(size_t index);
 /// What a user wants to know of a scene.
 typedef enum lac_quantity {
     LAC_QUANTITY_FAILURE = 0, ///< time of failure since the start [s]
+    LAC_QUANTITY_LIMIT,       ///< time at which a limit of time.stop_when is reached [s]
     LAC_QUANTITY_SLIP,        ///< mean slip at the end [m]
     LAC_QUANTITY_RATE,        ///< mean slip rate at the end [m/s]
     LAC_QUANTITY_PEAK,        ///< largest slip rate of a cell at any record [m/s]
@@ -90,8 +91,8 @@ enum { LAC_TRADE_TRIED = 1, LAC_TRADE_REFERENCE = 2, LAC_TRADE_CHECK = 4 };
 
 /// A combination of positions.
 typedef struct lac_trade_run {
-    signed char at[LAC_DIALS]; ///< [dials] position; -1: as the case has it
-    int why;                   ///< LAC_TRADE_*
+    short at[LAC_DIALS]; ///< [dials] position; -1: as the case has it
+    int why;             ///< LAC_TRADE_*
 } lac_trade_run;
 
 /// The runs of a trade. The reference has the finest position of every ladder and, of dials that
@@ -147,8 +148,9 @@ typedef struct lac_trade_measure {
 
 /// What is asked for.
 typedef struct lac_trade_ask {
-    int quantity;  ///< lac_quantity; -1: time of failure, else slip; of a cascade Q_crit/Q_nom
-    double reach;  ///< relative error to reach [1]; NaN
+    int quantity; ///< lac_quantity; -1: time of failure, else of the limit, else slip; of a cascade
+                  ///< Q_crit/Q_nom
+    double reach; ///< relative error to reach [1]; NaN
     double within; ///< the same in the quantity's unit; NaN
     double spend;  ///< time that a run may take [s]; NaN
 } lac_trade_ask;

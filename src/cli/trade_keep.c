@@ -46,30 +46,45 @@ static void sweep(const char *folder, bool done_too)
     }
 }
 
-// One line: the key, how the run ended, its numbers, its message.
-static bool read_line(const char *line, uint64_t *key, lac_trade_measure *m)
+// The next number of a line; false where there is none.
+static bool next_number(char **at, double *value)
 {
-    int end = 0, at = 0;
-    *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
-    bool good = sscanf(line,
-                       "%16" SCNx64 " %d %lf %lf %" SCNd64 " %" SCNd64 " %" SCNd64 " %" SCNd64
-                       " %" SCNd64 "%n",
-                       key, &end, &m->wall_time, &m->cpu_time, &m->memory, &m->output, &m->steps,
-                       &m->evaluations, &m->cells, &at) == 9;
-    for (int q = 0; good && q < LAC_QUANTITIES; q++) {
-        char *next;
-        m->value[q] = strtod(line + at, &next);
-        good = next != line + at;
-        at = (int)(next - line);
-    }
-    if (good && line[at] == ' ') {
-        (void)snprintf(m->message, sizeof m->message, "%s", line + at + 1);
-    }
-    m->end = (lac_trade_end)end;
-    return good && (end == LAC_TRADE_DONE || end == LAC_TRADE_BROKEN || end == LAC_TRADE_GIVEN_UP);
+    char *end;
+    *value = strtod(*at, &end);
+    const bool good = end != *at;
+    *at = end;
+    return good;
 }
 
-static void take_over(cli_trade_job *job, const char *line)
+// One line: the key, how the run ended, its numbers, its message.
+static bool read_line(char *line, uint64_t *key, lac_trade_measure *m)
+{
+    double number[8];
+    char *at;
+    *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
+    *key = strtoull(line, &at, 16);
+    bool good = at == line + 16;
+    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++) {
+        good = next_number(&at, &number[i]);
+    }
+    for (int q = 0; good && q < LAC_QUANTITIES; q++) {
+        good = next_number(&at, &m->value[q]);
+    }
+    if (!good || !(number[0] >= LAC_TRADE_DONE && number[0] <= LAC_TRADE_GIVEN_UP)) {
+        return false;
+    }
+    (void)snprintf(m->message, sizeof m->message, "%s", *at == ' ' ? at + 1 : at);
+    m->end = (lac_trade_end)(int)number[0];
+    m->wall_time = number[1];
+    m->cpu_time = number[2];
+    int64_t *const counts[] = {&m->memory, &m->output, &m->steps, &m->evaluations, &m->cells};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        *counts[i] = (int64_t)number[3 + i];
+    }
+    return true;
+}
+
+static void take_over(cli_trade_job *job, char *line)
 {
     uint64_t key;
     lac_trade_measure m;

@@ -139,7 +139,9 @@ static int64_t free_memory(void)
     int64_t kilobytes = INT64_MAX / 1024;
     FILE *about = fopen("/proc/meminfo", "r");
     while (about != NULL && fgets(line, sizeof line, about) != NULL) {
-        (void)sscanf(line, "MemAvailable: %" SCNd64, &kilobytes);
+        if (strncmp(line, "MemAvailable:", 13) == 0) {
+            kilobytes = strtoll(line + 13, NULL, 10);
+        }
     }
     if (about != NULL) {
         (void)fclose(about);

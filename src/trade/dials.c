@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "lacuna/trade.h"
@@ -54,9 +55,7 @@ static size_t rtol_values(const lac_case *c, bool cascade, lac_dial_value *out)
 
 static void rtol_tighter(const lac_dial_value *last, lac_dial_value *out)
 {
-    double value = 1e-7;
-    (void)sscanf(last->yaml, "%lf", &value);
-    put_number(out, fmax(value / 10.0, 1e-13));
+    put_number(out, fmax(strtod(last->yaml, NULL) / 10.0, 1e-13));
 }
 
 static void rtol_current(const lac_case *c, char label[LAC_DIAL_LABEL])
@@ -204,9 +203,7 @@ static size_t contacts_values(const lac_case *c, bool cascade, lac_dial_value *o
 
 static void contacts_tighter(const lac_dial_value *last, lac_dial_value *out)
 {
-    double value = 0.0;
-    (void)sscanf(last->yaml, "%lf", &value);
-    put_number(out, fmin(2.0 * value, LAC_RG_MOST_LOADS));
+    put_number(out, fmin(2.0 * strtod(last->yaml, NULL), LAC_RG_MOST_LOADS));
 }
 
 static void contacts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
@@ -222,9 +219,7 @@ static size_t shifts_values(const lac_case *c, bool cascade, lac_dial_value *out
 
 static void shifts_tighter(const lac_dial_value *last, lac_dial_value *out)
 {
-    double value = 0.0;
-    (void)sscanf(last->yaml, "%lf", &value);
-    put_number(out, fmin(4.0 * value, 10000.0));
+    put_number(out, fmin(4.0 * strtod(last->yaml, NULL), 10000.0));
 }
 
 static void shifts_current(const lac_case *c, char label[LAC_DIAL_LABEL])

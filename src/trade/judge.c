@@ -88,7 +88,10 @@ static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,
     if (plan->cascade) {
         return LAC_QUANTITY_CRITICAL;
     }
-    return isnan(value[LAC_QUANTITY_FAILURE]) ? LAC_QUANTITY_SLIP : LAC_QUANTITY_FAILURE;
+    if (!isnan(value[LAC_QUANTITY_FAILURE])) {
+        return LAC_QUANTITY_FAILURE;
+    }
+    return isnan(value[LAC_QUANTITY_LIMIT]) ? LAC_QUANTITY_SLIP : LAC_QUANTITY_LIMIT;
 }
 
 static lac_status no_quantity(int quantity, lac_error *err)
@@ -167,8 +170,8 @@ static lac_status mark(const lac_trade_plan *plan, const lac_trade_measure *meas
     const size_t n = plan->runs;
     const double scale = v->value != 0.0 ? fabs(v->value) : 1.0;
     double *cost = malloc(n * sizeof *cost);
-    v->error = malloc(n * sizeof *v->error);
-    v->on_front = malloc(n * sizeof *v->on_front);
+    v->error = calloc(n, sizeof *v->error);
+    v->on_front = calloc(n, sizeof *v->on_front);
     if (cost == NULL || v->error == NULL || v->on_front == NULL) {
         free(cost);
         return lac_fail_memory(err);

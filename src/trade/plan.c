@@ -173,13 +173,13 @@ static void add_tighter(lac_trade_plan *plan)
     }
 }
 
-static bool same(const lac_trade_run *a, const signed char *at, size_t dials)
+static bool same(const lac_trade_run *a, const short *at, size_t dials)
 {
-    return memcmp(a->at, at, dials) == 0;
+    return memcmp(a->at, at, dials * sizeof *at) == 0;
 }
 
 // Adds a combination, or the reason to one that is there.
-static lac_status add_run(lac_trade_plan *plan, const signed char *at, int why, size_t *index,
+static lac_status add_run(lac_trade_plan *plan, const short *at, int why, size_t *index,
                           lac_error *err)
 {
     size_t i = 0;
@@ -193,7 +193,7 @@ static lac_status add_run(lac_trade_plan *plan, const signed char *at, int why, 
         }
         plan->run = grown;
         plan->run[i] = (lac_trade_run){.why = 0};
-        memcpy(plan->run[i].at, at, plan->dials);
+        memcpy(plan->run[i].at, at, plan->dials * sizeof *at);
         plan->runs++;
     }
     plan->run[i].why |= why;
@@ -204,24 +204,24 @@ static lac_status add_run(lac_trade_plan *plan, const signed char *at, int why, 
 // The reference and what tells how good it is; they are run first.
 static lac_status add_reference(lac_trade_plan *plan, lac_error *err)
 {
-    signed char at[LAC_DIALS];
+    short at[LAC_DIALS];
     const bool runs = reference_runs(plan);
     for (size_t d = 0; d < plan->dials; d++) {
         const lac_trade_dial *dial = &plan->dial[d];
         const bool applies = is_of(dial->dial, !runs);
         const bool finest = applies && (dial->dial->ratio > 0.0 || dial->dial->scene);
-        at[d] = (signed char)(finest ? (int)dial->count - 1 : -1);
+        at[d] = (short)(finest ? (int)dial->count - 1 : -1);
     }
     lac_status status = add_run(plan, at, LAC_TRADE_REFERENCE, &plan->reference, err);
     for (size_t d = 0; status == LAC_OK && d < plan->dials; d++) {
-        const signed char finest = at[d];
+        const short finest = at[d];
         plan->coarser[d] = plan->coarsest[d] = SIZE_MAX;
         if (plan->dial[d].dial->ratio > 0.0 && finest >= 1) {
-            at[d] = (signed char)(finest - 1);
+            at[d] = (short)(finest - 1);
             status = add_run(plan, at, LAC_TRADE_CHECK, &plan->coarser[d], err);
         }
         if (status == LAC_OK && plan->dial[d].dial->ratio > 0.0 && finest >= 2) {
-            at[d] = (signed char)(finest - 2);
+            at[d] = (short)(finest - 2);
             status = add_run(plan, at, LAC_TRADE_CHECK, &plan->coarsest[d], err);
         }
         at[d] = finest;
@@ -237,15 +237,15 @@ static lac_status add_star(lac_trade_plan *plan, lac_error *err)
     lac_status status = LAC_OK;
     size_t index;
     for (size_t rung = 0; rung < rungs; rung++) {
-        signed char at[LAC_DIALS];
+        short at[LAC_DIALS];
         memset(at, -1, sizeof at);
         if (ladder != SIZE_MAX) {
-            at[ladder] = (signed char)rung;
+            at[ladder] = (short)rung;
         }
         LAC_TRY(add_run(plan, at, LAC_TRADE_TRIED, &index, err));
         for (size_t d = 0; d < plan->dials; d++) {
             for (size_t k = 0; d != ladder && k < plan->dial[d].shown; k++) {
-                at[d] = (signed char)k;
+                at[d] = (short)k;
                 LAC_TRY(add_run(plan, at, LAC_TRADE_TRIED, &index, err));
                 at[d] = -1;
             }
@@ -256,7 +256,7 @@ out:
 }
 
 // The next combination, the first dial turning fastest; false after the last.
-static bool next(const lac_trade_plan *plan, signed char *at)
+static bool next(const lac_trade_plan *plan, short *at)
 {
     for (size_t d = 0; d < plan->dials; d++) {
         const size_t shown = plan->dial[d].shown;
@@ -272,7 +272,7 @@ static bool next(const lac_trade_plan *plan, signed char *at)
 static lac_status add_all(lac_trade_plan *plan, lac_error *err)
 {
     enum { MOST = 10000 };
-    signed char at[LAC_DIALS];
+    short at[LAC_DIALS];
     size_t index, count = 1;
     for (size_t d = 0; d < plan->dials; d++) {
         at[d] = plan->dial[d].shown > 0 ? 0 : -1;

@@ -7,6 +7,7 @@
 
 static const lac_quantity_about quantities[] = {
     [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure"},
+    [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit"},
     [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end"},
     [LAC_QUANTITY_RATE] = {"rate", "m/s", "mean slip rate at the end"},
     [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell"},
@@ -73,6 +74,7 @@ void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *
 {
     value[LAC_QUANTITY_FAILURE] =
         result->failed ? result->failure_origin + result->failure_local : NAN;
+    value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;
     value[LAC_QUANTITY_SLIP] = result->mean_slip;
     value[LAC_QUANTITY_RATE] = probe->rate;
     value[LAC_QUANTITY_PEAK] = result->max_slip_rate;

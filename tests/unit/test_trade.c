@@ -227,7 +227,7 @@ static void verdict(void **state)
     fill(&plan, m);
     lac_trade_ask ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .spend = NAN};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
-    assert_int_equal(v.quantity, LAC_QUANTITY_SLIP); // nothing fails
+    assert_int_equal(v.quantity, LAC_QUANTITY_SLIP); // nothing fails, no limit is reached
     assert_int_equal(v.reference, plan.reference);
     assert_near(v.uncertainty, 1e-8, 1e-10); // the reference's own 1e-8 is what is left
     assert_int_equal(plan.run[v.recommended].at[0], 2);
@@ -327,11 +327,16 @@ static void probe(void **state)
     lac_trade_probe_values(&p, &result, true, value);
     assert_int_equal(records, 3);
     assert_near(value[LAC_QUANTITY_FAILURE], 4.5, 0.0);
+    assert_true(isnan(value[LAC_QUANTITY_LIMIT]));
     assert_near(value[LAC_QUANTITY_SLIP], 7.0, 0.0);
     assert_near(value[LAC_QUANTITY_RATE], 1.0, 0.0);
     assert_near(value[LAC_QUANTITY_PEAK], 9.0, 0.0);
     assert_near(value[LAC_QUANTITY_CRITICAL], 3.0 / (0.6 * 10.0), 1e-15);
     assert_near(value[LAC_QUANTITY_EVENTS], 1.0, 0.0);
+    const lac_run_result stopped = {.end = LAC_END_STOP, .time = 5.0};
+    lac_trade_probe_values(&p, &stopped, false, value);
+    assert_near(value[LAC_QUANTITY_LIMIT], 5.0, 0.0);
+    assert_true(isnan(value[LAC_QUANTITY_FAILURE]) && isnan(value[LAC_QUANTITY_EVENTS]));
     lac_case_free(c);
 }
 
