@@ -5,7 +5,7 @@
 #include "lacuna/motion.h"
 #include "lacuna/param.h"
 
-enum { LAC_FORECAST_TEXT = 160, LAC_FORECAST_VALUES = 16 };
+enum { LAC_FORECAST_TEXT = 160, LAC_FORECAST_VALUES = 20 };
 
 /// What a method is given: the motion since the window's start, nothing after `now`. Times are
 /// seconds before now, so <= 0.

@@ -19,8 +19,11 @@ typedef struct precursors_job {
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
-    cli_indicators indicators;
+    cli_cells cells;
+    size_t indicators;
+    lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_rolling *rolling;
+    lac_precursor_course *course;
     lac_skill *skill;
 } precursors_job;
 
@@ -33,8 +36,11 @@ static bool go_on(void *context, size_t done, size_t all)
 static lac_status roll(precursors_job *job, lac_error *err)
 {
     const cli_watched *w = &job->watched;
-    const lac_rolling_watch watch = {NULL, go_on};
+    const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
     lac_status status;
+    LAC_TRY(lac_precursor_course_create(&job->cells.evidence, most, &job->course, err));
+    const lac_rolling_watch watch = {
+        .go_on = go_on, .seer = job->course, .see = lac_precursor_course_see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
     LAC_TRY(lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
@@ -66,6 +72,8 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .failed_at = job->watched.failed_at,
         .outlook = job->outlook,
         .rolling = job->rolling,
+        .indicators = job->course != NULL ? job->course->kinds : job->indicators,
+        .indicator = job->course != NULL ? job->course->found : job->indicator,
     };
     return lac_store_forecast(job->request->output, cli_given(job->request, CLI_OPT_FORCE),
                               &provenance, &file, err);
@@ -82,7 +90,9 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         job.plan.def.motion.raw = true;
     }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
-    LAC_TRY(cli_indicators_look(&job.watched, job.outlook, &job.indicators, err));
+    LAC_TRY(cli_cells_read(&job.watched, &job.cells, err));
+    LAC_TRY(
+        lac_precursors_at(&job.cells.evidence, job.outlook, job.indicator, &job.indicators, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
@@ -92,8 +102,10 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     const cli_precursors_result result = {.watched = &job.watched,
                                           .plan = &job.plan,
                                           .outlook = job.outlook,
-                                          .indicators = &job.indicators,
+                                          .indicators = job.indicators,
+                                          .indicator = job.indicator,
                                           .rolling = job.rolling,
+                                          .course = job.course,
                                           .skill = job.skill,
                                           .output = request->output};
     if (cli_given(request, CLI_OPT_JSON)) {
@@ -104,6 +116,8 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
 out:
     free(job.skill);
     lac_rolling_free(job.rolling);
+    lac_precursor_course_free(job.course);
+    cli_cells_clear(&job.cells);
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
     lac_units_free(job.units);

@@ -125,6 +125,7 @@ static void write_rolling(cli_json *json, const cli_precursors_result *r)
         write_time(json, r, "issue_time_s", "issue_date", roll->issue_time[i]);
         write_time(json, r, "window_start_s", "window_start_date", f->window_start);
         write_forecasts(json, r, roll->methods, f);
+        cli_indicators_json(json, r->course->kinds, &r->course->found[i * r->course->kinds]);
         cli_json_close(json, '}');
     }
     cli_json_close(json, ']');
@@ -151,7 +152,7 @@ void cli_precursors_json(const cli_precursors_result *r)
                o->accelerating ? o->window_start : NAN);
     cli_json_boolean(&json, "accelerating", o->accelerating);
     write_forecasts(&json, r, o->count, o->forecast);
-    cli_indicators_json(&json, r->indicators);
+    cli_indicators_json(&json, r->indicators, r->indicator);
     if (r->rolling != NULL) {
         write_rolling(&json, r);
     }

@@ -11,7 +11,7 @@ static size_t seen(size_t n, size_t issues, size_t k)
 }
 
 static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_readings *readings,
-                        size_t k, lac_error *err)
+                        size_t k, const lac_rolling_watch *watch, lac_error *err)
 {
     lac_readings past = *readings;
     lac_outlook *outlook = NULL;
@@ -20,6 +20,9 @@ static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_r
     if (status == LAC_OK) {
         r->issue_time[k] = outlook->issue_time;
         memcpy(&r->forecast[k * r->methods], outlook->forecast, r->methods * sizeof *r->forecast);
+        if (watch != NULL && watch->see != NULL) {
+            status = watch->see(watch->seer, outlook, err);
+        }
     }
     lac_outlook_free(outlook);
     return status;
@@ -51,7 +54,7 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
             LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu issue times", k,
                              r->issues));
         }
-        LAC_TRY(issue(r, def, readings, k, err));
+        LAC_TRY(issue(r, def, readings, k, watch, err));
     }
     *out = r;
     r = NULL;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "precursor/kinds.h"
 
@@ -13,6 +14,23 @@ static const lac_precursor_kind *const kinds[] = {
 const lac_precursor_kind *lac_precursor_kind_at(size_t index)
 {
     return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
+}
+
+const char *lac_needs_name(lac_needs needs)
+{
+    static const char *const names[] = {
+        [LAC_NEEDS_MOTION] = "series", [LAC_NEEDS_EVENTS] = "events", [LAC_NEEDS_CELLS] = "cells"};
+    return names[needs];
+}
+
+double lac_precursor_find(const lac_precursor *found, const char *key)
+{
+    for (size_t i = 0; i < found->found.count; i++) {
+        if (strcmp(found->found.value[i].key, key) == 0) {
+            return found->found.value[i].value;
+        }
+    }
+    return NAN;
 }
 
 lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
