@@ -94,6 +94,23 @@ target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Ws
 set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
+# Trades, stopped and killed ones among them, and runs that keep an accuracy.
+add_library(stop_at_kept_run MODULE stop/stop_at_kept_run.c)
+target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
+lacuna_python_test(test_trade)
+
+# What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
+# would not let in.
+if(NOT LACUNA_SANITIZE)
+  add_library(count_bytes MODULE memory/count_bytes.c)
+  target_compile_options(count_bytes PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+  target_link_libraries(count_bytes PRIVATE ${CMAKE_DL_LIBS})
+  add_test(NAME case.costs COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --check
+           --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
+  set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+endif()
+
 # Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
 file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md

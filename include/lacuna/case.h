@@ -185,10 +185,14 @@ typedef struct lac_case {
     double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;   ///< `end` is NaN where a static case names none
     int formulation;   ///< lac_formulation, never AUTO once read
-    int fft_planning;  ///< 0: estimate, reproducible to the bit
+    double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
+                       ///< picked [1]; NaN: as given
+    bool method_given, formulation_given;
+    int fft_planning;  ///< 0: estimate, reproducible to the bit; 1: measure
     char *output_file; ///< NULL: named after the case
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
+    int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
     lac_fit_def fit;
     lac_slot_list analysis; ///< indicators to follow

@@ -30,6 +30,8 @@ enum {
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
+    CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
+    CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
@@ -59,6 +61,10 @@ typedef struct cli_forecast_words {
     const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file;
 } cli_forecast_words;
 
+typedef struct cli_trade_words {
+    const char *quantity, *reach, *spend, *dials, *crossed, *jobs;
+} cli_trade_words;
+
 /// What the command line asks for. Texts are borrowed from argv unless said.
 typedef struct cli_request {
     const cli_command *command; ///< NULL: only --help or --version
@@ -70,9 +76,10 @@ typedef struct cli_request {
     const char *snapshot;                              ///< which one of a file
     cli_series_words series;
     cli_forecast_words forecast;
+    cli_trade_words trade;
     int threads;             ///< 0: not given
     size_t set_count;        ///< --set, in order
-    lac_override *overrides; ///< [set_count]; keys owned, values point into them
+    lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     char *command_line;      ///< owned
 } cli_request;
 

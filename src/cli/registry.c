@@ -11,7 +11,7 @@ static const cli_command commands[] = {
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
      "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET, cli_run},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY, cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
@@ -38,6 +38,13 @@ static const cli_command commands[] = {
      "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
+    {"trade", "CASE", "error against cost, and the settings to choose",
+     "Runs the case at other settings, each in a process of its own, and lays error against CPU "
+     "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
+     "precision; of the cascade (--quantity q-crit) contacts, shifts, field. Writes to -o FILE, "
+     "else CASE-trade.nc here; tools/plot_trade.py draws it.\n",
+     "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -34,7 +34,8 @@ USES = {
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
-    "cli": ["fit"],
+    "trade": ["scene"],
+    "cli": ["fit", "trade"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -58,6 +59,8 @@ HEADERS = {
     "store_rg": "store",
     "recording": "store",
     "scene_record": "scene",
+    "accuracy": "trade",
+    "store_trade": "store",
     "sampler": "fit",
     "foresee": "fit",
     "sensitivity": "run",
@@ -87,7 +90,7 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    dirent.h fcntl.h getopt.h pthread.h strings.h sys/file.h sys/ioctl.h sys/resource.h sys/stat.h
+    dirent.h fcntl.h getopt.h pthread.h strings.h poll.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/stat.h
     sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 
