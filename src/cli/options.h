@@ -30,6 +30,7 @@ enum {
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
+    CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
@@ -55,6 +56,7 @@ typedef struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
+    const char *compare;                               ///< a series laid beside a run
     cli_series_words series;
     cli_forecast_words forecast;
     int threads;             ///< 0: not given

@@ -37,6 +37,11 @@ static const cli_command commands[] = {
      "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
      CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
+    {"report", "RUN.nc", "a run as one HTML page to look at",
+     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings beside "
+     "the run; --displacement and --velocity name their columns, unless the run's case does.\n",
+     "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 #include <stdint.h>
+#include <stddef.h>
 #include <stdlib.h>
 
+#include "base/netcdf.h"
 #include "lacuna/store_events.h"
 #include "store/input.h"
 
@@ -32,8 +34,30 @@ static lac_status measure(const lac_input *in, int id, const char *name, lac_sto
     return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
 }
 
-static lac_status read_all(const lac_input *in, const char *name, lac_stored_values *out,
-                           lac_error *err)
+// What is read of a variable: all of it, or one row.
+enum { ALL_ROWS = -1 };
+
+static int get(const lac_input *in, int id, ptrdiff_t row, double *values)
+{
+    size_t start[NC_MAX_VAR_DIMS] = {0};
+    size_t count[NC_MAX_VAR_DIMS];
+    int dims[NC_MAX_VAR_DIMS];
+    int rank = 0;
+    if (row == ALL_ROWS) {
+        return nc_get_var_double(in->id, id, values);
+    }
+    int code = nc_inq_varndims(in->id, id, &rank);
+    code = code == NC_NOERR ? nc_inq_vardimid(in->id, id, dims) : code;
+    for (int i = 0; code == NC_NOERR && i < rank; i++) {
+        code = nc_inq_dimlen(in->id, dims[i], &count[i]);
+    }
+    start[0] = (size_t)row;
+    count[0] = 1;
+    return code == NC_NOERR ? nc_get_vara_double(in->id, id, start, count, values) : code;
+}
+
+static lac_status read_part(const lac_input *in, const char *name, ptrdiff_t row,
+                            lac_stored_values *out, lac_error *err)
 {
     int id = 0;
     nc_type type = NC_NAT;
@@ -44,6 +68,13 @@ static lac_status read_all(const lac_input *in, const char *name, lac_stored_val
     if (status != LAC_OK) {
         return status;
     }
+    if (row != ALL_ROWS) {
+        if ((size_t)row >= out->n) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
+                            out->n);
+        }
+        out->n = 1;
+    }
     const size_t count = out->n * out->width;
     out->value = malloc((count > 0 ? count : 1) * sizeof *out->value);
     if (out->value == NULL) {
@@ -51,7 +82,7 @@ static lac_status read_all(const lac_input *in, const char *name, lac_stored_val
     }
     int code = nc_inq_vartype(in->id, id, &type);
     if (code == NC_NOERR && count > 0) {
-        code = nc_get_var_double(in->id, id, out->value);
+        code = get(in, id, row, out->value);
     }
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
@@ -63,20 +94,46 @@ static lac_status read_all(const lac_input *in, const char *name, lac_stored_val
     return LAC_OK;
 }
 
-lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
-                                 lac_error *err)
+static lac_status read_from(const char *path, const char *variable, ptrdiff_t row,
+                            lac_stored_values *out, lac_error *err)
 {
     lac_input in;
     *out = (lac_stored_values){0};
     lac_status status = lac_input_open(&in, path, err);
     if (status == LAC_OK) {
-        status = read_all(&in, variable, out, err);
+        status = read_part(&in, variable, row, out, err);
     }
     lac_input_close(&in);
     if (status != LAC_OK) {
         lac_stored_values_clear(out);
     }
     return status;
+}
+
+lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
+                                 lac_error *err)
+{
+    return read_from(path, variable, ALL_ROWS, out, err);
+}
+
+lac_status lac_store_read_row(const char *path, const char *variable, size_t row,
+                              lac_stored_values *out, lac_error *err)
+{
+    *out = (lac_stored_values){0};
+    return row <= PTRDIFF_MAX ? read_from(path, variable, (ptrdiff_t)row, out, err)
+                              : lac_fail(err, LAC_EINPUT, "%s: has no row %zu", path, row);
+}
+
+void lac_store_read_comment(const char *path, const char *variable, char *text, size_t size)
+{
+    lac_input in;
+    int id = 0;
+    text[0] = '\0';
+    if (lac_input_open(&in, path, NULL) == LAC_OK &&
+        nc_inq_varid(in.id, variable, &id) == NC_NOERR) {
+        lac_netcdf_text(in.id, id, "comment", text, size);
+    }
+    lac_input_close(&in);
 }
 
 void lac_stored_values_clear(lac_stored_values *values)

@@ -34,7 +34,8 @@ USES = {
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
-    "cli": ["fit"],
+    "report": ["store"],
+    "cli": ["fit", "report"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
