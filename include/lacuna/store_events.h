@@ -18,17 +18,6 @@ typedef struct lac_stored_values {
 lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
                                  lac_error *err);
 
-/// The same of one place along the first dimension: the cells of a snapshot.
-/// @param row  from 0
-/// @param out  n is 1; cleared by the caller
-/// @return as lac_store_read_values; LAC_EINPUT (no such row)
-lac_status lac_store_read_row(const char *path, const char *variable, size_t row,
-                              lac_stored_values *out, lac_error *err);
-
-/// The comment of a variable, which says how it is defined; "" where there is none, or where it is
-/// longer than the room for it.
-void lac_store_read_comment(const char *path, const char *variable, char *text, size_t size);
-
 /// Frees the values; nothing read is fine.
 void lac_stored_values_clear(lac_stored_values *values);
 

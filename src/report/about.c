@@ -12,7 +12,7 @@ static void write_texts(const lac_page *page, const char *const *names, size_t c
 {
     char value[LONGEST_TEXT];
     for (size_t i = 0; i < count; i++) {
-        if (lac_page_attribute_text(page->run->path, names[i], value, sizeof value)) {
+        if (lac_page_attribute_text(page->run->file, names[i], value, sizeof value)) {
             lac_page_string(page->text, names[i], value);
         }
     }
@@ -21,7 +21,7 @@ static void write_texts(const lac_page *page, const char *const *names, size_t c
 static void write_numbers(const lac_page *page, const char *const *names, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        const double value = lac_page_attribute(page->run->path, names[i]);
+        const double value = lac_page_attribute(page->run->file, names[i]);
         if (value == value) {
             lac_page_number(page->text, names[i], value, 12);
         }
@@ -34,7 +34,7 @@ static lac_status write_case(const lac_page *page, lac_error *err)
     if (text == NULL) {
         return lac_fail_memory(err);
     }
-    if (lac_page_attribute_text(page->run->path, "case", text, LONGEST_CASE)) {
+    if (lac_page_attribute_text(page->run->file, "case", text, LONGEST_CASE)) {
         lac_page_string(page->text, "case", text);
     }
     free(text);

@@ -71,7 +71,7 @@ static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err
     lac_stored_values time = {0};
     uint8_t *keep = NULL;
     double *before = NULL;
-    lac_status status = lac_store_read_values(run->path, "snapshot_time", &time, err);
+    lac_status status = lac_stored_file_values(run->file, "snapshot_time", &time, err);
     LAC_TRY(status);
     size_t n = time.value != NULL ? time.n : 0;
     while (n > 0 && isnan(time.value[n - 1])) { // torn
@@ -148,7 +148,7 @@ static lac_status read_field(const lac_page *page, const lac_page_raster *r, con
     for (size_t k = 0; k < s->count && *there; k++) {
         lac_stored_values row = {0};
         double *out = to->value + k * r->squares;
-        LAC_TRY(lac_store_read_row(page->run->path, f->variable, s->index[k], &row, err));
+        LAC_TRY(lac_stored_file_row(page->run->file, f->variable, s->index[k], &row, err));
         *there = row.value != NULL && row.width == r->cells;
         if (*there) {
             lac_page_raster_summarise(r, f->how, row.value, 0.0, out);
@@ -230,7 +230,7 @@ static lac_status write_pressure(const lac_page *page, const lac_page_raster *r,
                                  lac_error *err)
 {
     lac_stored_values pressure = {0};
-    lac_status status = lac_store_read_values(page->run->path, "pressure", &pressure, err);
+    lac_status status = lac_stored_file_values(page->run->file, "pressure", &pressure, err);
     if (status == LAC_OK && pressure.value != NULL && pressure.n == r->cells) {
         double low = NAN, high = NAN;
         lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, to->value);
@@ -267,7 +267,7 @@ lac_status lac_page_cells(const lac_page *page, lac_error *err)
     shots s = {0};
     room to = {0};
     lac_status status;
-    LAC_TRY(lac_page_raster_create(page->run->path, MOST_SQUARES, &raster, err));
+    LAC_TRY(lac_page_raster_create(page->run->file, MOST_SQUARES, &raster, err));
     if (raster.cells < 2) {
         goto out; // a block
     }

@@ -18,7 +18,7 @@ typedef struct lac_page_raster {
 
 /// Lays the cells out, on squares of so many cells that at most `most` of them hold one.
 /// @return LAC_OK, with cells 0 where the file has no cells; LAC_EIO; LAC_ENOMEM
-lac_status lac_page_raster_create(const char *path, size_t most, lac_page_raster *out,
+lac_status lac_page_raster_create(const lac_stored_file *file, size_t most, lac_page_raster *out,
                                   lac_error *err);
 void lac_page_raster_clear(lac_page_raster *raster);
 

@@ -126,7 +126,7 @@ lac_status lac_page_events(const lac_page *page, lac_error *err)
     lac_status status = LAC_OK;
     size_t n = SIZE_MAX;
     for (size_t v = 0; v < VARIABLES; v++) {
-        LAC_TRY(lac_store_read_values(page->run->path, names[v], &values[v], err));
+        LAC_TRY(lac_stored_file_values(page->run->file, names[v], &values[v], err));
         n = values[v].value == NULL ? 0 : values[v].n < n ? values[v].n : n;
     }
     if (n > 0) {

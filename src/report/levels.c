@@ -7,11 +7,11 @@
 
 enum { BUCKETS = 300, COMMENT = 600 };
 
-static double read_scalar(const char *path, const char *name)
+static double read_scalar(const lac_stored_file *file, const char *name)
 {
     lac_stored_values value = {0};
     double found = NAN;
-    if (lac_store_read_values(path, name, &value, NULL) == LAC_OK && value.value != NULL &&
+    if (lac_stored_file_values(file, name, &value, NULL) == LAC_OK && value.value != NULL &&
         value.n == 1) {
         found = value.value[0];
     }
@@ -27,11 +27,11 @@ static void write_fixed_points(const lac_page *page)
         "run_lambda",            "run_lambda_low",             "run_lambda_high"};
     char comment[COMMENT];
     for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
-        lac_page_number(page->text, scalars[i], read_scalar(page->run->path, scalars[i]), 6);
+        lac_page_number(page->text, scalars[i], read_scalar(page->run->file, scalars[i]), 6);
     }
-    lac_store_read_comment(page->run->path, "critical_fraction", comment, sizeof comment);
+    lac_stored_file_comment(page->run->file, "critical_fraction", comment, sizeof comment);
     lac_page_string(page->text, "source", comment);
-    lac_store_read_comment(page->run->path, "n_slip", comment, sizeof comment);
+    lac_stored_file_comment(page->run->file, "n_slip", comment, sizeof comment);
     lac_page_string(page->text, "definition", comment);
 }
 
@@ -80,9 +80,9 @@ lac_status lac_page_levels(const lac_page *page, lac_error *err)
     lac_stored_values n_slip = {0}, size = {0}, total = {0};
     uint8_t *keep = NULL;
     lac_status status;
-    LAC_TRY(lac_store_read_values(run->path, "n_slip", &n_slip, err));
-    LAC_TRY(lac_store_read_values(run->path, "block_size", &size, err));
-    LAC_TRY(lac_store_read_values(run->path, "n_tot", &total, err));
+    LAC_TRY(lac_stored_file_values(run->file, "n_slip", &n_slip, err));
+    LAC_TRY(lac_stored_file_values(run->file, "block_size", &size, err));
+    LAC_TRY(lac_stored_file_values(run->file, "n_tot", &total, err));
     if (n_slip.value == NULL || n_slip.n < run->n || n_slip.width < 2 || columns[0] == NULL ||
         columns[1] == NULL || size.n != n_slip.width || total.n != n_slip.width) {
         goto out; // the case did not ask for it, or it is a block

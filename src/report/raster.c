@@ -14,22 +14,22 @@ typedef struct grid {
     lac_stored_values x, y;
 } grid;
 
-static bool read_count(const char *path, const char *name, size_t *out)
+static bool read_count(const lac_stored_file *file, const char *name, size_t *out)
 {
-    const double value = lac_page_attribute(path, name);
+    const double value = lac_page_attribute(file, name);
     const bool sound = value >= 1.0 && value <= 1e9;
     *out = sound ? (size_t)value : 0;
     return sound;
 }
 
-static lac_status read_grid(const char *path, grid *g, lac_error *err)
+static lac_status read_grid(const lac_stored_file *file, grid *g, lac_error *err)
 {
     lac_status status;
-    LAC_TRY(lac_store_read_values(path, "x", &g->x, err));
-    LAC_TRY(lac_store_read_values(path, "y", &g->y, err));
-    g->dx = lac_page_attribute(path, "grid_dx_m");
-    g->dy = lac_page_attribute(path, "grid_dy_m");
-    if (!read_count(path, "grid_nx", &g->nx) || !read_count(path, "grid_ny", &g->ny) ||
+    LAC_TRY(lac_stored_file_values(file, "x", &g->x, err));
+    LAC_TRY(lac_stored_file_values(file, "y", &g->y, err));
+    g->dx = lac_page_attribute(file, "grid_dx_m");
+    g->dy = lac_page_attribute(file, "grid_dy_m");
+    if (!read_count(file, "grid_nx", &g->nx) || !read_count(file, "grid_ny", &g->ny) ||
         !(g->dx > 0.0) || !(g->dy > 0.0) || g->x.value == NULL || g->y.value == NULL ||
         g->x.n != g->y.n || g->x.n / g->nx > g->ny) {
         g->x.n = 0; // nothing that a map could be drawn of
@@ -102,12 +102,12 @@ static lac_status lay_out(const grid *g, size_t most, lac_page_raster *r, lac_er
     return LAC_OK;
 }
 
-lac_status lac_page_raster_create(const char *path, size_t most, lac_page_raster *out,
+lac_status lac_page_raster_create(const lac_stored_file *file, size_t most, lac_page_raster *out,
                                   lac_error *err)
 {
     grid g = {0};
     *out = (lac_page_raster){0};
-    lac_status status = read_grid(path, &g, err);
+    lac_status status = read_grid(file, &g, err);
     if (status == LAC_OK && g.x.n > 0) {
         out->cells = g.x.n;
         status = lay_out(&g, most, out, err);

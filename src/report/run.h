@@ -3,7 +3,7 @@
 #define LACUNA_REPORT_RUN_H
 
 #include "lacuna/report.h"
-#include "lacuna/store_events.h"
+#include "lacuna/store_file.h"
 #include "report/text.h"
 
 /// Columns over time that a page may show.
@@ -28,6 +28,7 @@ enum lac_page_columns {
 /// What is read of a run's file before anything is written.
 typedef struct lac_page_run {
     const char *path;
+    lac_stored_file *file; ///< owned
     size_t n;                                  ///< records that are whole
     double *time;                              ///< [n] since the start [s]
     double *before;                            ///< [n] to the last record, exact where time is not
@@ -55,8 +56,9 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
                      size_t columns, const double *const *column, uint8_t *keep);
 
 /// A number or text of the file's attributes; NaN, or false, where it has none.
-double lac_page_attribute(const char *path, const char *name);
-bool lac_page_attribute_text(const char *path, const char *name, char *text, size_t size);
+double lac_page_attribute(const lac_stored_file *file, const char *name);
+bool lac_page_attribute_text(const lac_stored_file *file, const char *name, char *text,
+                             size_t size);
 
 /// What each section needs.
 typedef struct lac_page {

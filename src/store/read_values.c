@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <stdint.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 
-#include "base/netcdf.h"
 #include "lacuna/store_events.h"
 #include "store/input.h"
 
@@ -34,16 +33,13 @@ static lac_status measure(const lac_input *in, int id, const char *name, lac_sto
     return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
 }
 
-// What is read of a variable: all of it, or one row.
-enum { ALL_ROWS = -1 };
-
 static int get(const lac_input *in, int id, ptrdiff_t row, double *values)
 {
     size_t start[NC_MAX_VAR_DIMS] = {0};
     size_t count[NC_MAX_VAR_DIMS];
     int dims[NC_MAX_VAR_DIMS];
     int rank = 0;
-    if (row == ALL_ROWS) {
+    if (row == LAC_INPUT_ALL) {
         return nc_get_var_double(in->id, id, values);
     }
     int code = nc_inq_varndims(in->id, id, &rank);
@@ -56,7 +52,7 @@ static int get(const lac_input *in, int id, ptrdiff_t row, double *values)
     return code == NC_NOERR ? nc_get_vara_double(in->id, id, start, count, values) : code;
 }
 
-static lac_status read_part(const lac_input *in, const char *name, ptrdiff_t row,
+lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
                             lac_stored_values *out, lac_error *err)
 {
     int id = 0;
@@ -68,7 +64,7 @@ static lac_status read_part(const lac_input *in, const char *name, ptrdiff_t row
     if (status != LAC_OK) {
         return status;
     }
-    if (row != ALL_ROWS) {
+    if (row != LAC_INPUT_ALL) {
         if ((size_t)row >= out->n) {
             return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
                             out->n);
@@ -94,46 +90,20 @@ static lac_status read_part(const lac_input *in, const char *name, ptrdiff_t row
     return LAC_OK;
 }
 
-static lac_status read_from(const char *path, const char *variable, ptrdiff_t row,
-                            lac_stored_values *out, lac_error *err)
+lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
+                                 lac_error *err)
 {
     lac_input in;
     *out = (lac_stored_values){0};
     lac_status status = lac_input_open(&in, path, err);
     if (status == LAC_OK) {
-        status = read_part(&in, variable, row, out, err);
+        status = lac_input_values(&in, variable, LAC_INPUT_ALL, out, err);
     }
     lac_input_close(&in);
     if (status != LAC_OK) {
         lac_stored_values_clear(out);
     }
     return status;
-}
-
-lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
-                                 lac_error *err)
-{
-    return read_from(path, variable, ALL_ROWS, out, err);
-}
-
-lac_status lac_store_read_row(const char *path, const char *variable, size_t row,
-                              lac_stored_values *out, lac_error *err)
-{
-    *out = (lac_stored_values){0};
-    return row <= PTRDIFF_MAX ? read_from(path, variable, (ptrdiff_t)row, out, err)
-                              : lac_fail(err, LAC_EINPUT, "%s: has no row %zu", path, row);
-}
-
-void lac_store_read_comment(const char *path, const char *variable, char *text, size_t size)
-{
-    lac_input in;
-    int id = 0;
-    text[0] = '\0';
-    if (lac_input_open(&in, path, NULL) == LAC_OK &&
-        nc_inq_varid(in.id, variable, &id) == NC_NOERR) {
-        lac_netcdf_text(in.id, id, "comment", text, size);
-    }
-    lac_input_close(&in);
 }
 
 void lac_stored_values_clear(lac_stored_values *values)

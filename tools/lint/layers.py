@@ -54,6 +54,7 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_file": "store",
     "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",

@@ -21,17 +21,20 @@ function element(name, attributes = {}, ...children) {
   return node;
 }
 
+// A clock axis is turned as the page's are, or stays as it is.
+const turned = (spec) => (spec.x.axis || page.axis) === "before";
+
 // A line's places on a clock axis: times, or times before the end.
-function clockValues(line) {
-  if (page.axis === "time") return line.time;
+function clockValues(spec, line) {
+  if (!turned(spec)) return line.time;
   return line.before || line.time.map((t) => (t === null ? null : page.clock.last - t));
 }
 
-const xValues = (spec, line) => (spec.x.clock ? clockValues(line) : line.x);
+const xValues = (spec, line) => (spec.x.clock ? clockValues(spec, line) : line.x);
 
 function clockScale(spec, width) {
-  const lists = spec.lines.filter((l) => !l.follows).map(clockValues);
-  if (page.axis === "before") return remaining(spec.x.before || extentPositive(lists), width / 74);
+  const lists = spec.lines.filter((l) => !l.follows).map((l) => clockValues(spec, l));
+  if (turned(spec)) return remaining(spec.x.before || extentPositive(lists), width / 74);
   const ends = spec.x.range || extent(lists);
   return page.clock.dated ? calendar(ends, width / 84, page.clock.start) : elapsed(ends, width / 84);
 }
@@ -48,9 +51,9 @@ function makeScale(axis, lists, most) {
   return linear(axis.range || extent(lists), most, axis.tick, axis.scale);
 }
 
-function clockLabel(scale) {
-  if (page.axis === "before") return `time before ${page.clock.end}`;
-  if (page.clock.dated) return `date (UTC), ${date(page.clock.start + scale.low, "day").slice(0, 4)}`;
+function clockLabel(spec, scale) {
+  if (turned(spec)) return `time before ${page.clock.end}`;
+  if (page.clock.dated) return `date (UTC), ${date(page.clock.start + scale.low, "day")} to ${date(page.clock.start + scale.high, "day")}`;
   return `time since the start (${scale.unit})`;
 }
 
@@ -86,7 +89,7 @@ function drawAxes(spec, plot, group) {
   }
   group.append(svg("line", { class: "axis-line", x1: box.left, x2: box.right, y1: box.bottom, y2: box.bottom }));
   group.append(svg("text", { class: "name", x: 0, y: 12 }, spec.y.label));
-  const label = spec.x.clock ? clockLabel(x) : spec.x.label;
+  const label = spec.x.clock ? clockLabel(spec, x) : spec.x.label;
   group.append(svg("text", { x: box.right, y: box.bottom + 35, "text-anchor": "end" }, label));
 }
 
@@ -136,7 +139,7 @@ function drawLines(spec, plot, group) {
 }
 
 function bandPlaces(spec, plot, band) {
-  const clock = spec.x.clock && page.axis === "before";
+  const clock = spec.x.clock && turned(spec);
   const place = (v) => plot.px(clock ? Math.max(0, page.clock.last - v) : v);
   const clip = (v) => Math.min(plot.box.right, Math.max(plot.box.left, v));
   return [clip(place(band.from)), clip(place(band.to ?? Infinity) || plot.box.right)];
@@ -153,7 +156,7 @@ function drawBands(spec, plot, group) {
 }
 
 function markPlace(spec, plot, mark) {
-  return plot.px(spec.x.clock && page.axis === "before" ? page.clock.last - mark.x : mark.x);
+  return plot.px(spec.x.clock && turned(spec) ? page.clock.last - mark.x : mark.x);
 }
 
 function drawMarks(spec, plot, group) {

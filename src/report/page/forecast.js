@@ -34,18 +34,18 @@ function showWindow(f) {
 }
 
 function leftWords(f, one, key) {
-  if (one[key] === null) return "–";
-  return page.clock.dated ? moment(page.clock, f.issue[forecastState.issue] + one[key]) : span(one[key]);
+  if (one[key] === null) return "never";
+  return page.clock.dated ? date(page.clock.start + f.issue[forecastState.issue] + one[key]) : span(one[key], 3);
 }
 
 function methodRows(f) {
   const rows = f.forecast[forecastState.issue];
-  const head = page.clock.dated ? "" : ", after issue";
-  const table = bareTable(`Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}`, rows.length, [
-    ["Method", (m) => f.methods[m].name], [`Failure${head}`, (m) => (rows[m][ISSUED] ? leftWords(f, rows[m], LEFT) : "–")],
-    ["50 % from", (m) => (rows[m][ISSUED] ? leftWords(f, rows[m], LOW50) : "–")], ["to", (m) => (rows[m][ISSUED] ? leftWords(f, rows[m], HIGH50) : "–")],
-    ["90 % from", (m) => (rows[m][ISSUED] ? leftWords(f, rows[m], LOW90) : "–")], ["to", (m) => (rows[m][ISSUED] ? leftWords(f, rows[m], HIGH90) : "–")],
-    ["Why none, or what it is", (m) => (rows[m][ISSUED] ? f.methods[m].summary : rows[m][REASON]), "text"]]);
+  const cell = (words) => (m) => (rows[m][ISSUED] ? words(rows[m]) : "–");
+  const between = (low, high) => cell((one) => (one[low] === null ? "–" : `${leftWords(f, one, low)} to ${leftWords(f, one, high)}`));
+  const words = `Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}${page.clock.dated ? "; dates in UTC" : "; times after issue"}`;
+  const table = bareTable(words, rows.length, [["Method", (m) => f.methods[m].name],
+    ["Failure", cell((one) => leftWords(f, one, LEFT))], ["50 % interval", between(LOW50, HIGH50)], ["90 % interval", between(LOW90, HIGH90)],
+    ["What it is, or why it issues none", (m) => (rows[m][ISSUED] ? f.methods[m].summary : rows[m][REASON]), "text"]]);
   table.querySelectorAll("tbody tr").forEach((row, m) => row.classList.toggle("refused", !rows[m][ISSUED]));
   return table;
 }
@@ -77,7 +77,7 @@ function lifeSpec(f, method) {
   }
   const high = extentPositive([truth.y])[1], low = extentPositive([truth.y])[0];
   return {
-    title: "Time left, as forecast and as it was", x: { clock: true },
+    title: "Time left, as forecast and as it was", x: { clock: true, axis: "before" },
     y: { kind: "spans", label: "Time left", range: [low / 5, high * 30] }, read: 0,
     lines: [dots, { ...truth, name: "what was left", kind: "line", colour: "run" }],
     caption: "A forecast on the line is right; above it is late. Bars: 90 % intervals, of one method.",
@@ -124,8 +124,9 @@ function methodChoice(f, change) {
 
 function forecastSection(data) {
   const f = data.forecasts;
+  const none = data.series && !f.measured ? ` No method issues a forecast from ${data.series.name}.` : "";
   const what = f.measured ? `of ${data.series.name}` : "of the run itself, as if it were being watched";
-  const section = openSection("forecasts", "Forecasts", `Times of failure forecast from readings ${what}, each from nothing later than its time of issue. The window of the chosen time is shaded in the creep curve and the inverse rate above.`);
+  const section = openSection("forecasts", "Forecasts", `Times of failure forecast from readings ${what}, each from nothing later than its time of issue.${none} The window of the chosen time is shaded in the creep curve and the inverse rate above.`);
   const truthful = !f.measured && data.about.failed;
   const make = () => figure(truthful ? lifeSpec(f, forecastState.method) : windowSpec(f, forecastState.method));
   let chart = make();

@@ -71,6 +71,12 @@ function start() {
     if (document.body.clientWidth !== width) drawAll();
     width = document.body.clientWidth;
   }).observe(document.body);
+  for (const [event, on] of [["beforeprint", true], ["afterprint", false]]) {
+    window.addEventListener(event, () => {
+      document.documentElement.classList.toggle("paper", on);
+      drawAll();
+    });
+  }
   document.documentElement.dataset.ready = "yes";
 }
 
