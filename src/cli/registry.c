@@ -38,7 +38,8 @@ static const cli_command commands[] = {
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
      CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
     {"report", "RUN.nc", "a run as one HTML page to look at",
-     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings beside "
+     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
+     "beside "
      "the run; --displacement and --velocity name their columns, unless the run's case does.\n",
      "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},

@@ -81,8 +81,7 @@ static lac_status read_known(const lac_compare_def *known, const char *path, con
 
 static lac_status read_series(const cli_request *request, lac_series **out, lac_error *err)
 {
-    const bool named =
-        request->series.displacement != NULL || request->series.velocity != NULL;
+    const bool named = request->series.displacement != NULL || request->series.velocity != NULL;
     lac_case *c = named ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare);
     lac_units *units = NULL;
@@ -123,8 +122,7 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     }
     const lac_report_def def = {.run = request->argument[0],
                                 .series = series,
-                                .series_name =
-                                    series != NULL ? base_name(request->compare) : NULL,
+                                .series_name = series != NULL ? base_name(request->compare) : NULL,
                                 .made_by = "lacuna " LACUNA_VERSION,
                                 .now = (double)time(NULL)};
     LAC_TRY(lac_report_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));

@@ -44,14 +44,28 @@ static lac_status write_case(const lac_page *page, lac_error *err)
 lac_status lac_page_about(const lac_page *page, lac_error *err)
 {
     static const char *const texts[] = {
-        "title",    "institution",  "references",    "source",       "history", "status",
-        "libraries", "date_created", "date_modified", "failure_date", "ended_by", "boundary",
-        "fidelity", "resumed"};
-    static const char *const numbers[] = {
-        "seed",      "grid_nx",           "grid_ny",        "grid_dx_m",        "grid_dy_m",
-        "failed",    "failure_time_s",    "time_reached_s", "mean_slip_m",      "max_slip_rate_m_s",
-        "steps",     "rhs_evaluations",   "restarts",       "newton_iterations", "linear_solves",
-        "error_test_fails", "nonlinear_fails", "balance_residual_max", "wall_time_s"};
+        "title",    "institution", "references",   "source",        "history",
+        "status",   "libraries",   "date_created", "date_modified", "failure_date",
+        "ended_by", "boundary",    "fidelity",     "resumed"};
+    static const char *const numbers[] = {"seed",
+                                          "grid_nx",
+                                          "grid_ny",
+                                          "grid_dx_m",
+                                          "grid_dy_m",
+                                          "failed",
+                                          "failure_time_s",
+                                          "time_reached_s",
+                                          "mean_slip_m",
+                                          "max_slip_rate_m_s",
+                                          "steps",
+                                          "rhs_evaluations",
+                                          "restarts",
+                                          "newton_iterations",
+                                          "linear_solves",
+                                          "error_test_fails",
+                                          "nonlinear_fails",
+                                          "balance_residual_max",
+                                          "wall_time_s"};
     const char *slash = strrchr(page->run->path, '/');
     lac_page_text *text = page->text;
     char date[32];

@@ -60,8 +60,8 @@ static void choose(size_t n, const double *time, const double *before, uint8_t *
 {
     size_t buckets = SNAPSHOTS / 2;
     memset(keep, 1, n);
-    while (n > SNAPSHOTS &&
-           lac_page_thin(n, time, before, buckets, 0, NULL, keep) > SNAPSHOTS && buckets > 1) {
+    while (n > SNAPSHOTS && lac_page_thin(n, time, before, buckets, 0, NULL, keep) > SNAPSHOTS &&
+           buckets > 1) {
         buckets--;
     }
 }
@@ -252,8 +252,7 @@ static void write_raster(const lac_page *page, const lac_page_raster *r)
     lac_page_number(text, "dx", r->dx, 8);
     lac_page_number(text, "dy", r->dy, 8);
     lac_page_number(text, "block", (double)r->block, 17);
-    lac_page_number(text, "slipping_rate",
-                    slipping_rate(page->run), 6);
+    lac_page_number(text, "slipping_rate", slipping_rate(page->run), 6);
     lac_page_open(text, "place", '[');
     for (size_t k = 0; k < r->squares; k++) {
         lac_page_number(text, NULL, r->place[k], 17);

@@ -11,9 +11,9 @@ enum { MOST_EVENTS = 3000, STEPS = 160 };
 
 enum { TIME, DURATION, CELLS, POTENCY, MOMENT, SIZE, RATE, CUT, VARIABLES };
 
-static const char *const names[VARIABLES] = {
-    "event_time",   "event_duration", "event_cells",         "event_potency",
-    "event_moment", "event_size",     "event_max_slip_rate", "event_cut"};
+static const char *const names[VARIABLES] = {"event_time",          "event_duration", "event_cells",
+                                             "event_potency",       "event_moment",   "event_size",
+                                             "event_max_slip_rate", "event_cut"};
 static const char *const keys[VARIABLES] = {"time",   "duration", "cells",    "potency",
                                             "moment", "size",     "max_rate", "cut"};
 

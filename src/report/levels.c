@@ -21,10 +21,15 @@ static double read_scalar(const lac_stored_file *file, const char *name)
 
 static void write_fixed_points(const lac_page *page)
 {
-    static const char *const scalars[] = {
-        "critical_fraction",     "critical_fraction_low",      "critical_fraction_high",
-        "run_critical_fraction", "run_critical_fraction_low",  "run_critical_fraction_high",
-        "run_lambda",            "run_lambda_low",             "run_lambda_high"};
+    static const char *const scalars[] = {"critical_fraction",
+                                          "critical_fraction_low",
+                                          "critical_fraction_high",
+                                          "run_critical_fraction",
+                                          "run_critical_fraction_low",
+                                          "run_critical_fraction_high",
+                                          "run_lambda",
+                                          "run_lambda_low",
+                                          "run_lambda_high"};
     char comment[COMMENT];
     for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
         lac_page_number(page->text, scalars[i], read_scalar(page->run->file, scalars[i]), 6);

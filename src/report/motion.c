@@ -44,9 +44,8 @@ static lac_status write_section(const lac_page *page, const char *key, size_t co
 
 lac_status lac_page_motion(const lac_page *page, lac_error *err)
 {
-    static const shown motion[] = {{"slip", LAC_PAGE_SLIP},
-                                   {"rate", LAC_PAGE_RATE},
-                                   {"max_rate", LAC_PAGE_MAX_RATE}};
+    static const shown motion[] = {
+        {"slip", LAC_PAGE_SLIP}, {"rate", LAC_PAGE_RATE}, {"max_rate", LAC_PAGE_MAX_RATE}};
     return write_section(page, "motion", sizeof motion / sizeof *motion, motion, err);
 }
 

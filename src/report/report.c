@@ -110,8 +110,9 @@ static lac_status take_name(const char *part, const char *path, bool force, lac_
     if (failed == 0) {
         return LAC_OK;
     }
-    return why == EEXIST ? lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path)
-                         : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(why));
+    return why == EEXIST
+               ? lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path)
+               : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(why));
 }
 
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force, lac_error *err)

@@ -24,8 +24,7 @@ static const char *const names[LAC_PAGE_COLUMNS] = {
     [LAC_PAGE_LENGTH] = "correlation_length",
 };
 
-bool lac_page_attribute_text(const lac_stored_file *file, const char *name, char *text,
-                             size_t size)
+bool lac_page_attribute_text(const lac_stored_file *file, const char *name, char *text, size_t size)
 {
     return lac_stored_file_attribute(file, name, text, size, NULL) == LAC_OK;
 }
@@ -46,12 +45,12 @@ static lac_status read_before(lac_page_run *run, lac_error *err)
     LAC_TRY(lac_stored_file_values(run->file, "time_origin", &origin, err));
     LAC_TRY(lac_stored_file_values(run->file, "time_local", &local, err));
     const size_t last = run->n - 1;
-    const bool pair = origin.value != NULL && local.value != NULL && origin.n >= run->n &&
-                      local.n >= run->n;
+    const bool pair =
+        origin.value != NULL && local.value != NULL && origin.n >= run->n && local.n >= run->n;
     for (size_t i = 0; i < run->n; i++) {
-        run->before[i] = pair ? (origin.value[last] - origin.value[i]) +
-                                    (local.value[last] - local.value[i])
-                              : run->time[last] - run->time[i];
+        run->before[i] =
+            pair ? (origin.value[last] - origin.value[i]) + (local.value[last] - local.value[i])
+                 : run->time[last] - run->time[i];
     }
 out:
     lac_stored_values_clear(&origin);
@@ -87,8 +86,8 @@ lac_status lac_page_run_read(const char *path, lac_page_run *out, lac_error *err
     LAC_TRY(read_columns(out, err));
     for (size_t c = LAC_PAGE_SLIP; c <= LAC_PAGE_MAX_RATE; c++) {
         if (out->column[c].value == NULL) {
-            LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not the file of a run: has no %s", path,
-                             names[c]));
+            LAC_TRY(
+                lac_fail(err, LAC_EIO, "%s: is not the file of a run: has no %s", path, names[c]));
         }
     }
     out->dated = lac_page_attribute_text(out->file, "time_coverage_start", text, sizeof text) &&

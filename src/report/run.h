@@ -28,10 +28,10 @@ enum lac_page_columns {
 /// What is read of a run's file before anything is written.
 typedef struct lac_page_run {
     const char *path;
-    lac_stored_file *file; ///< owned
-    size_t n;                                  ///< records that are whole
-    double *time;                              ///< [n] since the start [s]
-    double *before;                            ///< [n] to the last record, exact where time is not
+    lac_stored_file *file;                      ///< owned
+    size_t n;                                   ///< records that are whole
+    double *time;                               ///< [n] since the start [s]
+    double *before;                             ///< [n] to the last record, exact where time is not
     lac_stored_values column[LAC_PAGE_COLUMNS]; ///< those that the file has, n records at least
     bool dated;
     double start; ///< of the run's clock, seconds since 1970; 0: not dated

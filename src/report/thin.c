@@ -28,7 +28,8 @@ static void look(extremes *e, size_t i)
             continue;
         }
         e->least[c] = e->least[c] == SIZE_MAX || v[i] < v[e->least[c]] ? i : e->least[c];
-        e->greatest[c] = e->greatest[c] == SIZE_MAX || v[i] > v[e->greatest[c]] ? i : e->greatest[c];
+        e->greatest[c] =
+            e->greatest[c] == SIZE_MAX || v[i] > v[e->greatest[c]] ? i : e->greatest[c];
     }
 }
 
@@ -52,8 +53,8 @@ typedef struct axis {
 static double bucket_of(const axis *a, size_t i)
 {
     double v = a->value[i];
-    double place = !a->logarithm ? v - a->value[0]
-                                 : log(a->most) - log(v > a->least ? v : a->least);
+    double place =
+        !a->logarithm ? v - a->value[0] : log(a->most) - log(v > a->least ? v : a->least);
     return a->width > 0.0 ? floor(place / a->width) : 0.0;
 }
 
@@ -106,8 +107,7 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
     size_t kept = 0;
     memset(keep, n <= few, n);
     if (n > few) {
-        extremes e = {.columns = columns < MOST_COLUMNS ? columns : MOST_COLUMNS,
-                      .column = column};
+        extremes e = {.columns = columns < MOST_COLUMNS ? columns : MOST_COLUMNS, .column = column};
         const axis times = even_times(n, time, buckets);
         const axis decades = even_decades(n, before, buckets);
         mark_axis(n, &times, &e, keep);
