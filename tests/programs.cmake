@@ -142,6 +142,9 @@ lacuna_python_test(test_precursors)
 lacuna_python_test(test_report)
 lacuna_python_test(test_report_page)
 
+# The notebook, and figures for a publication.
+lacuna_python_test(test_pictures)
+
 # Fits, and what they write; the bundled cases for it check, and their files meet CF.
 lacuna_python_test(test_fit)
 foreach(bundled block century)

@@ -21,6 +21,7 @@ initial:
   spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}
 transfer: {hierarchy: {stiffness: elastic}}
 time: {end: "1 day"}
+solver: {rtol: 1e-4}
 analysis:
   rg: {rule: fix, field: equal, beta: 0.6, critical_fraction: 0.6}
   events: {slip_rate: "1 mm/s"}
