@@ -144,7 +144,7 @@ static lac_status read_field(const lac_page *page, const lac_page_raster *r, con
     const double limit = slipping_rate(page->run);
     const bool rate = f->how == LAC_PAGE_MOST;
     lac_status status = LAC_OK;
-    *there = true;
+    *there = s->count > 0;
     for (size_t k = 0; k < s->count && *there; k++) {
         lac_stored_values row = {0};
         double *out = to->value + k * r->squares;

@@ -38,6 +38,10 @@ initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.5}}
 time: {start: "2020-01-01", end: "200 day"}
 """
 
+# Cells, but neither snapshots nor an analysis; and a run of few records that does not fail.
+BARE = JOINT[:JOINT.index("analysis:")].replace("title:", "references: none\ntitle:")
+BRIEF = BLOCK.replace("200 day", "1 s")
+
 
 def run(program, text, path):
     """Runs a case into path (.nc); the case stands beside it."""

@@ -135,6 +135,12 @@ class Block(unittest.TestCase):
         self.assertTrue(page["about"]["dated"])
         self.assertIn("lacuna: 1", page["about"]["case"])
 
+    def test_cells_without_snapshots(self):
+        cells = page_of(made("bare", scenes.BARE))["cells"]
+        self.assertEqual(cells["snapshot_time"], [])
+        self.assertEqual(len(cells["pressure"]), 1)
+        self.assertEqual({"rate", "slip", "traction", "slipping"} & set(cells), set())
+
     def test_series(self):
         path = made("block", scenes.BLOCK)
         with netCDF4.Dataset(path) as file:

@@ -44,7 +44,8 @@ function widened([low, high], by) {
   return low > 0 ? [low / (high / low) ** by, high * (high / low) ** by] : [low, high];
 }
 
-function makeScale(axis, lists, most) {
+function makeScale(given, lists, most) {
+  const axis = typeof given.range === "function" ? { ...given, range: given.range() } : given;
   if (axis.kind === "clock") return page.clock.dated ? calendar(axis.range, most, page.clock.start) : elapsed(axis.range, most);
   if (axis.kind === "spans") return spans(axis.range || extentPositive(lists), most);
   if (axis.kind === "log") return logarithmic(axis.range || widened(extentPositive(lists), axis.clear || 0), most, axis.tick);
@@ -102,7 +103,8 @@ function pathOf(plot, xs, ys, stepped) {
       pen = false;
     } else {
       const turn = stepped && pen ? `L${px.toFixed(1)} ${last.toFixed(1)}` : "";
-      path += `${turn}${pen ? "L" : "M"}${px.toFixed(1)} ${py.toFixed(1)}`;
+      const here = `${px.toFixed(1)} ${py.toFixed(1)}`;
+      path += pen ? `${turn}L${here}` : `M${here}h0`; // h0: a point that stands alone is seen
       pen = true;
       last = py;
     }

@@ -27,15 +27,23 @@ function scaledLengths(high) {
   return { unit, scale, tick: (v) => number(v / scale, 5) };
 }
 
+// In time the slip of the failure itself would flatten the creep: the axis ends just before it.
+function creepRange(data, seen) {
+  const m = data.motion, [low, high] = extent([m.slip, ...seen.map((s) => s.y)]);
+  if (page.axis === "before" || !data.about.failed) return [low, high];
+  const end = m.time[0] + 0.997 * (m.time[m.time.length - 1] - m.time[0]);
+  const [, creep] = extent([m.slip.filter((_, i) => m.time[i] <= end), ...seen.map((s) => s.y)]);
+  return [low, creep > low ? low + 1.15 * (creep - low) : high];
+}
+
 function creepChart(data) {
   const m = data.motion, seen = readings(data);
-  const [, high] = extent([m.slip, ...seen.map((s) => s.y)]);
-  const unit = scaledLengths(high);
+  const unit = scaledLengths(creepRange(data, seen)[1]);
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
   return figure({
     title: "Creep curve", caption: `Mean slip since the start.${beside}`,
-    x: { clock: true }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale },
+    x: { clock: true }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },
     lines: [{ name: "run", kind: "line", colour: "run", time: m.time, before: m.before, y: m.slip }, ...seen],
     marks: failureMark(data), bands: [], shows: "window",
     readout: (i) => `${moment(page.clock, m.time[i])}, ${beforeEnd(page.clock, m.before[i])}: slip ${length(m.slip[i])}`,
@@ -141,20 +149,24 @@ function solverChart(s, title, key, axis, words, caption) {
   });
 }
 
-function solverSection(data) {
-  const s = data.solver, a = data.about;
-  const section = openSection("solver", "Integration", "How the solver went through the run, and how far it drifted from the traction balance that it solves.");
+function solverCharts(s) {
   const pair = element("div", { class: "pair" });
   pair.append(solverChart(s, "Step size", "step", { kind: "log", label: "Step (s)", tick: powerTick }, span, "Of the step that ended at each record."));
   if (s.order.some((v) => v !== null)) {
     const most = extent([s.order])[1];
     pair.append(solverChart(s, "Order", "order", { kind: "linear", label: "Order", tick: (v) => (Number.isInteger(v) ? String(v) : ""), range: [0, most + 0.5] }, plain(3), "Of the method in that step."));
   }
-  if (s.residual.some((v) => v > 0)) {
+  if (s.residual.filter((v) => v > 0).length > s.residual.length / 2) {
     pair.append(solverChart(s, "Balance residual", "residual", { kind: "log", label: "Relative", tick: powerTick }, plain(3), "Worst cell: |q − Kδ − pf − ηv| over f₀p. A measure of accuracy that costs nothing."));
   }
   pair.append(solverChart(s, "Evaluations", "evaluations", { kind: "linear", label: "Since the start", tick: (v) => count(v) }, count, "Of the right-hand side."));
-  section.append(pair);
+  return pair;
+}
+
+function solverSection(data) {
+  const s = data.solver, a = data.about;
+  const section = openSection("solver", "Integration", "How the solver went through the run, and how far it drifted from the traction balance that it solves.");
+  if (s.step.filter((v) => v !== null).length > 2) section.append(solverCharts(s));
   const rows = [["Steps", a.steps], ["Evaluations", a.rhs_evaluations], ["Newton iterations", a.newton_iterations], ["Linear solves", a.linear_solves],
     ["Error-test failures", a.error_test_fails], ["Nonlinear failures", a.nonlinear_fails], ["Restarts", a.restarts]].filter(([, v]) => v !== undefined);
   if (rows.length) {

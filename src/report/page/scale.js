@@ -68,7 +68,7 @@ const KNOWN_SPANS = [
 
 function remaining([low, high], most) {
   if (!(low > 0)) [low, high] = [1e-3, 1];
-  if (low === high) high = low * 10;
+  if (low === high) low = high / 10;
   const from = Math.log10(high), to = Math.log10(low);
   let ticks = KNOWN_SPANS.filter(([v]) => v >= low && v <= high).map(([value, label]) => ({ value, label }));
   const every = Math.ceil(ticks.length / Math.max(2, most));
