@@ -26,6 +26,21 @@ static const lac_descriptor momenta[] = {
      .param_count = LAC_INERTIA_ROWS},
 };
 
+static const lac_descriptor fidelities[] = {
+    {.name = "ode",
+     .summary =
+         "all cells at every step: cells that hold each other, and what events are judged by",
+     .reference = "docs/theory/creep.md, eq. 2-5"},
+    {.name = "events",
+     .summary = "each cell at steps of its own: cells that slip one by one (k_0 < k_crit) on the "
+                "hierarchy, under loads that are linear between jumps",
+     .reference = "docs/theory/fidelity-events.md; Richards-Dinger & Dieterich (2012) Seismol. "
+                  "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"},
+    {.name = "static",
+     .summary = "no time: the cascade of slip over the blocks, by lacuna rg",
+     .reference = PAPER "; docs/theory/rg.md"},
+};
+
 static const lac_descriptor methods[] = {
     {.name = "bdf",
      .summary = "implicit backward differences of order 1 to 5: stiff problems, the long creep",
@@ -72,6 +87,11 @@ static const lac_descriptor rules[] = {
 const lac_descriptor *lac_momentum_at(size_t index)
 {
     return index < COUNT(momenta) ? &momenta[index] : NULL;
+}
+
+const lac_descriptor *lac_fidelity_at(size_t index)
+{
+    return index < COUNT(fidelities) ? &fidelities[index] : NULL;
 }
 
 const lac_descriptor *lac_method_at(size_t index)

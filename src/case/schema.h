@@ -57,6 +57,7 @@ enum {
     LAC_KIND_INDICATOR,
     LAC_KIND_STRENGTH, ///< from here on options, which no slot holds
     LAC_KIND_MOMENTUM,
+    LAC_KIND_FIDELITY,
     LAC_KIND_METHOD,
     LAC_KIND_FORMULATION,
     LAC_KIND_RULE,

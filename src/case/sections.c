@@ -340,7 +340,8 @@ static const lac_param cadence_rows[] = {
      .max = 1e12,
      .type = LAC_INTEGER,
      .offset = offsetof(lac_cadence, steps),
-     .doc = "of the integrator between two records; 0: not by steps"},
+     .doc = "of the integrator between two records, sweeps of four updates a cell with fidelity "
+            "events; 0: not by steps"},
     {.key = "per_decade",
      .unit = "1",
      .fallback = NAN,

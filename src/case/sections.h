@@ -37,6 +37,7 @@ enum { LAC_MATERIAL_SHEAR_SPEED = 2 }; ///< its index
 
 /// What `describe` says of options that are chosen by the value of a key; NULL past the end.
 const lac_descriptor *lac_momentum_at(size_t index);
+const lac_descriptor *lac_fidelity_at(size_t index);
 const lac_descriptor *lac_method_at(size_t index);
 const lac_descriptor *lac_formulation_at(size_t index);
 const lac_descriptor *lac_rule_at(size_t index);

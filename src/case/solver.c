@@ -84,7 +84,8 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .max = 1e12,
      .type = LAC_INTEGER,
      .offset = FIELD(run.max_steps),
-     .doc = "of the whole run; more is an error"},
+     .doc = "of the whole run; more is an error. With fidelity events sweeps are counted, of four "
+            "updates a cell at most"},
     {.key = "fft_planning",
      .unit = "1",
      .fallback = 0,

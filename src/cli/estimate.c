@@ -56,6 +56,11 @@ static const double safe_ratio = 30, safe_spread_ratio = 300;
 enum { OWN_FEWEST = 30, OWN_STEPS = 1000 };
 static const double own_step_seconds = 2e-6;
 
+// Fidelity events was 3 to 100 times faster below twice k_crit, ode 5 times from five times k_crit
+// on, where no cell slips by itself (docs/choosing.md). Few cells cost nothing either way.
+enum { FEWEST_EVENTS_CELLS = 64 };
+static const double soft_ratio = 1, stiff_ratio = 5;
+
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
@@ -319,6 +324,18 @@ static void count_own_steps(const lac_case *c, double cells, cli_estimate *e)
     }
 }
 
+// The other fidelity where it is the faster one.
+static void advise(const lac_case *c, double cells, cli_estimate *e)
+{
+    bool could = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0 &&
+                 !(lac_inertia_mass(c) > 0) && cells >= FEWEST_EVENTS_CELLS;
+    if (e->own_steps && e->stiffness_ratio > stiff_ratio) {
+        e->faster = "ode";
+    } else if (!e->own_steps && could && e->stiffness_ratio < soft_ratio) {
+        e->faster = "events";
+    }
+}
+
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 {
     lac_grid grid = lac_interface_grid(&c->interface);
@@ -339,6 +356,9 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     count_memory(c, cells, e);
     count_steps(c, cells, e);
     count_own_steps(c, cells, e);
+    if (e->integrated) {
+        advise(c, cells, e);
+    }
     count_time(c, &grid, cells, e);
     return status;
 }
@@ -399,8 +419,9 @@ void cli_estimate_print(const cli_estimate *e)
     }
     if (e->own_steps) {
         printf("#   steps           of each cell its own, %d to %d\n", OWN_FEWEST, OWN_STEPS);
-        cli_wrap("#     ", e->stable ? "the cells move together: fidelity ode is the faster one"
-                                     : "a slip costs some hundred, whatever the number of cells");
+        cli_wrap("#     ", e->faster != NULL
+                               ? "the cells hold each other: fidelity ode is the faster one"
+                               : "a slip costs some hundred, whatever the number of cells");
         return;
     }
     printf("#   steps           %s\n", steps_class(e));
@@ -412,6 +433,9 @@ void cli_estimate_print(const cli_estimate *e)
                              "before"
                        : e->stable ? "the cells move together, or there is one"
                                    : apart);
+    if (e->faster != NULL) {
+        cli_wrap("#     ", "k_0 < k_crit: fidelity events is the faster one (docs/choosing.md)");
+    }
 }
 
 void cli_estimate_json(cli_json *json, const cli_estimate *e)
@@ -430,6 +454,7 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "cpu_time_most_s", e->cpu_time_most);
     cli_json_number(json, "cascade_time_s", e->cascade_time);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
+    cli_json_text(json, "faster_fidelity", e->faster);
     cli_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
     cli_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
     cli_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);

@@ -11,12 +11,13 @@ typedef struct cli_estimate {
     double contact_cells;   ///< NaN: not estimated
     bool exact;             ///< contact_cells is a count, not an estimate
     double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
-    bool stable;     ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
-                     ///< on its own
-    bool integrated; ///< else statics: no steps
-    double unknowns; ///< of a contact cell
-    bool own_steps;  ///< cells take steps of their own (solver.fidelity: events), each counts
-    bool changing;   ///< a load changes in time: how often cells slip is not known
+    bool stable;        ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
+                        ///< on its own
+    bool integrated;    ///< else statics: no steps
+    double unknowns;    ///< of a contact cell
+    bool own_steps;     ///< cells take steps of their own (solver.fidelity: events), each counts
+    const char *faster; ///< the other fidelity, where it is known to be the faster one; NULL
+    bool changing;      ///< a load changes in time: how often cells slip is not known
     double steps_least, steps_most;       ///< most NaN: not estimated
     double memory;                        ///< peak [bytes]
     double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated

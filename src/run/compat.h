@@ -5,10 +5,10 @@
 // SUNDIALS 6.4 (Debian 12) and 7.x from one source: contexts, error handlers, status types and the
 // control of explicit steps are all that differ. LAC_SUN_ERK_CONTROL: Gustafsson's, of the larger
 // caution of its explicit and its implicit form.
-#include <nvector/nvector_serial.h>
 #include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
 #include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_nvector.h>
 #include <sundials/sundials_types.h>
 
 #if SUNDIALS_VERSION_MAJOR >= 7

@@ -37,9 +37,9 @@ typedef struct lac_engine_kind {
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
     // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
-    // State and slip at an integrator's time within the last step; y [2n], its first,
-    // slip [n]; NULL: not wanted.
-    bool (*at)(lac_engine *engine, double t, double *y, double *slip);
+    // State and slip at an integrator's time within the last step; seen [3n]: the first 2n of y,
+    // then slip.
+    bool (*at)(lac_engine *engine, double t, double *seen);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
     // A step is a sweep of which only the end is known: `at` gives that, output times end a step,

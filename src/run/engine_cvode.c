@@ -6,14 +6,14 @@
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include "run/engine.h"
+#include "run/newton.h"
 
 typedef struct cvode {
     void *mem;
     N_Vector y, slip;
-    N_Vector scratch_y, scratch_slip;
-    SUNLinearSolver linear;
-    SUNNonlinearSolver fixed_point;
+    N_Vector seen_y, seen_slip;             // over what is asked for
+    SUNNonlinearSolver newton, fixed_point; // one of them
+    int64_t evaluations;                    // of dy/dt by newton since the last restart
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -40,44 +40,6 @@ static int weights(N_Vector y, N_Vector w, void *user)
     return 0;
 }
 
-static SUNLinearSolver_Type embedded(SUNLinearSolver solver)
-{
-    (void)solver;
-    return SUNLINEARSOLVER_MATRIX_EMBEDDED;
-}
-
-// The exact O(n) Newton solve at the state that CVODE's iteration stands at.
-static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b, sunrealtype tol)
-{
-    lac_engine *engine = solver->content;
-    cvode *c = engine->inner;
-    sunrealtype t, gamma, rl1;
-    N_Vector predicted, y, f, zn1;
-    void *user;
-    (void)none;
-    (void)tol;
-    if (CVodeGetNonlinearSystemData(c->mem, &t, &predicted, &y, &f, &gamma, &rl1, &zn1, &user) !=
-        CV_SUCCESS) {
-        return SUNLS_MEM_NULL;
-    }
-    engine->counts.linear_solves++;
-    N_VScale(1.0, b, x);
-    bool good = lac_problem_newton(engine->problem, lac_engine_clock(engine, t), lac_vector_data(y),
-                                   gamma, lac_vector_data(x), engine->work);
-    return good ? 0 : SUNLS_LUFACT_FAIL;
-}
-
-static SUNLinearSolver linear_solver(lac_engine *engine, SUNContext sun)
-{
-    SUNLinearSolver solver = SUNLinSolNewEmpty(sun);
-    if (solver != NULL) {
-        solver->ops->gettype = embedded;
-        solver->ops->solve = solve;
-        solver->content = engine;
-    }
-    return solver;
-}
-
 static void cvode_free(lac_engine *engine)
 {
     cvode *c = engine->inner;
@@ -87,13 +49,13 @@ static void cvode_free(lac_engine *engine)
     if (c->mem != NULL) {
         CVodeFree(&c->mem);
     }
-    if (c->linear != NULL) {
-        SUNLinSolFreeEmpty(c->linear);
+    if (c->newton != NULL) {
+        (void)SUNNonlinSolFree(c->newton);
     }
     if (c->fixed_point != NULL) {
         SUNNonlinSolFree(c->fixed_point);
     }
-    N_Vector vectors[] = {c->y, c->slip, c->scratch_y, c->scratch_slip};
+    N_Vector vectors[] = {c->y, c->slip, c->seen_y, c->seen_slip};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
         if (vectors[i] != NULL) {
             N_VDestroy(vectors[i]);
@@ -105,30 +67,39 @@ static void cvode_free(lac_engine *engine)
 
 static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
 {
-    int flag;
+    SUNNonlinearSolver solver;
     if (engine->def->method == LAC_ADAMS) {
         // Three vectors of Anderson acceleration: plain fixed-point iteration is poor here.
-        c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, engine->sun);
-        flag =
-            c->fixed_point == NULL ? CV_MEM_FAIL : CVodeSetNonlinearSolver(c->mem, c->fixed_point);
+        solver = c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, engine->sun);
     } else {
-        c->linear = linear_solver(engine, engine->sun);
-        flag = c->linear == NULL ? CV_MEM_FAIL : CVodeSetLinearSolver(c->mem, c->linear, NULL);
+        solver = c->newton = lac_newton_create(engine, c->mem);
     }
-    return flag == CV_SUCCESS ? LAC_OK : lac_fail_memory(err);
+    bool good = solver != NULL && CVodeSetNonlinearSolver(c->mem, solver) == CV_SUCCESS;
+    return good ? LAC_OK : lac_fail_memory(err);
+}
+
+// Slip beside y, and whether its errors count.
+static int set_slip(lac_engine *engine, cvode *c)
+{
+    int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
+    N_Vector tolerance = N_VClone(c->slip);
+    if (lac_vector_lacks(c->slip)) {
+        flag = CV_MEM_FAIL;
+    } else {
+        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
+                                                 lac_vector_data(tolerance));
+        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
+        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, tolerance) : CV_SUCCESS;
+    }
+    N_VDestroy(tolerance);
+    return flag;
 }
 
 static int set_options(lac_engine *engine, cvode *c)
 {
     int flag = CVodeSetUserData(c->mem, engine);
     flag |= CVodeWFtolerances(c->mem, weights);
-    if (c->slip != NULL) {
-        flag |= CVodeQuadInit(c->mem, slip_rates, c->slip);
-        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
-                                                 lac_vector_data(c->scratch_slip));
-        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
-        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, c->scratch_slip) : CV_SUCCESS;
-    }
+    flag |= c->slip != NULL ? set_slip(engine, c) : CV_SUCCESS;
     flag |= CVodeSetMaxNumSteps(c->mem, -1);
     flag |= CVodeSetMaxHnilWarns(c->mem, -1);
     flag |= CVodeSetMaxErrTestFails(c->mem, 20);
@@ -141,9 +112,9 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(engine->unknowns, engine->sun);
-    c->scratch_y = c->y == NULL ? NULL : N_VClone(c->y);
-    if (c->scratch_y == NULL) {
+    c->y = lac_vector_create(engine->unknowns, true, engine->sun);
+    c->seen_y = c->y == NULL ? NULL : lac_vector_clone_empty(c->y);
+    if (c->seen_y == NULL || lac_vector_lacks(c->y)) {
         return lac_fail_memory(err);
     }
     engine->y = lac_vector_data(c->y);
@@ -151,14 +122,44 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
         engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
-    c->slip = lac_vector_create(engine->n, engine->sun);
-    c->scratch_slip = c->slip == NULL ? NULL : N_VClone(c->slip);
-    if (c->scratch_slip == NULL) {
+    c->slip = lac_vector_create(engine->n, true, engine->sun);
+    c->seen_slip = c->slip == NULL ? NULL : lac_vector_clone_empty(c->slip);
+    if (c->seen_slip == NULL || lac_vector_lacks(c->slip)) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->slip);
     engine->slip = lac_vector_data(c->slip);
     return LAC_OK;
+}
+
+// Nothing waits beyond a call: the engine's y and slip are current.
+static void settle(cvode *c)
+{
+    lac_vector_finish(c->y);
+    if (c->slip != NULL) {
+        lac_vector_finish(c->slip);
+    }
+}
+
+static bool lacks_memory(const cvode *c)
+{
+    return lac_vector_lacks(c->y) || (c->slip != NULL && lac_vector_lacks(c->slip));
+}
+
+static lac_status set_up(lac_engine *engine, cvode *c, lac_error *err)
+{
+    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
+    if (c->mem == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_SUN_SILENCE_CVODE(c->mem);
+    bool good =
+        CVodeInit(c->mem, rates, 0.0, c->y) == CV_SUCCESS && set_options(engine, c) == CV_SUCCESS;
+    lac_status status = good ? attach_solver(engine, c, err) : LAC_OK;
+    if (lacks_memory(c)) {
+        return lac_fail_memory(err);
+    }
+    return good ? status : lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
 }
 
 static lac_status cvode_create(lac_engine *engine, lac_error *err)
@@ -171,16 +172,8 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
     engine->inner = c;
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
-
-    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
-    if (c->mem == NULL) {
-        return lac_fail_memory(err);
-    }
-    LAC_SUN_SILENCE_CVODE(c->mem);
-    if (CVodeInit(c->mem, rates, 0.0, c->y) != CV_SUCCESS || set_options(engine, c) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
-    }
-    LAC_TRY(attach_solver(engine, c, err));
+    LAC_TRY(set_up(engine, c, err));
+    settle(c);
 out:
     return status;
 }
@@ -194,8 +187,9 @@ static void cvode_count(lac_engine *engine)
     (void)CVodeGetNumNonlinSolvIters(c->mem, &now[2]);
     (void)CVodeGetNumErrTestFails(c->mem, &now[3]);
     (void)CVodeGetNumNonlinSolvConvFails(c->mem, &now[4]);
+    c->evaluations += c->newton != NULL ? lac_newton_evaluations(c->newton) : 0;
     engine->counts.steps = engine->before.steps + now[0];
-    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
+    engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1] + c->evaluations;
     engine->counts.newton_iterations = engine->before.newton_iterations + now[2];
     engine->counts.error_test_fails = engine->before.error_test_fails + now[3];
     engine->counts.nonlinear_fails = engine->before.nonlinear_fails + now[4];
@@ -206,32 +200,44 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
     cvode *c = engine->inner;
     cvode_count(engine);
     engine->before = engine->counts;
-    if (CVodeReInit(c->mem, 0.0, c->y) != CV_SUCCESS ||
-        (c->slip != NULL && CVodeQuadReInit(c->mem, c->slip) != CV_SUCCESS) ||
-        CVodeSetInitStep(c->mem, h) != CV_SUCCESS ||
-        CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) != CV_SUCCESS) {
+    c->evaluations = 0;
+    bool good = CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
+                (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
+                CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
+                CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) == CV_SUCCESS;
+    settle(c);
+    if (!good) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }
     return LAC_OK;
 }
 
-// Which unknown the integrator fights with: the largest weighted local error.
+// Which unknown the integrator fights with: the largest weighted local error. False where that is
+// not known.
+static bool find_worst(const lac_engine *engine, size_t *worst)
+{
+    const cvode *c = engine->inner;
+    N_Vector errors = N_VClone(c->y);
+    bool known = !lac_vector_lacks(c->y) && CVodeGetEstLocalErrors(c->mem, errors) == CV_SUCCESS;
+    const double *e = lac_vector_data(errors);
+    *worst = 0;
+    for (size_t i = 1; known && i < engine->unknowns; i++) {
+        *worst = fabs(e[i]) > fabs(e[*worst]) ? i : *worst;
+    }
+    N_VDestroy(errors);
+    return known;
+}
+
 static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
 {
     cvode *c = engine->inner;
-    double *e = lac_vector_data(c->scratch_y);
     size_t worst = 0;
     sunrealtype h = 0.0;
     int order = 0;
     (void)CVodeGetCurrentStep(c->mem, &h);
     (void)CVodeGetCurrentOrder(c->mem, &order);
-    bool known = order > 0 && CVodeGetEstLocalErrors(c->mem, c->scratch_y) == CV_SUCCESS;
-    if (known) {
-        for (size_t i = 1; i < engine->unknowns; i++) {
-            worst = fabs(e[i]) > fabs(e[worst]) ? i : worst;
-        }
-    }
+    bool known = order > 0 && find_worst(engine, &worst);
     char *name = CVodeGetReturnFlagName(flag);
     lac_status status = lac_fail(
         err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d",
@@ -254,7 +260,10 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     if (CVodeSetStopTime(c->mem, stop) != CV_SUCCESS) {
         return gave_up(engine, CV_ILL_INPUT, err);
     }
+    sunrealtype at;
     int flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
+    settle(c);
     if (flag < 0) {
         return gave_up(engine, flag, err);
     }
@@ -265,35 +274,29 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     engine->t = flag == CV_TSTOP_RETURN ? stop : t;
     engine->step = h;
     engine->order = order;
-    if (c->slip == NULL) {
-        return LAC_OK;
-    }
-    sunrealtype at;
-    return CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS
-               ? LAC_OK
-               : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
+    return slid ? LAC_OK
+                : lac_fail(err, LAC_ENUMERIC, "no slip at t = %.17g s", lac_engine_time(engine));
 }
 
-static bool cvode_at(lac_engine *engine, double t, double *y, double *slip)
+// Straight into the place that is asked for: vectors of their own would only be copied from.
+static bool cvode_at(lac_engine *engine, double t, double *seen)
 {
     cvode *c = engine->inner;
-    bool slip_in_y = c->slip == NULL;
-    const double *found = lac_vector_data(c->scratch_y);
-    if ((y != NULL || slip_in_y) && CVodeGetDky(c->mem, t, 0, c->scratch_y) != CV_SUCCESS) {
+    double *slip = seen + 2 * engine->n;
+    lac_vector_lend(c->seen_y, seen);
+    if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;
     }
-    if (y != NULL) {
-        memcpy(y, found, 2 * engine->n * sizeof *y);
+    lac_vector_finish(c->seen_y);
+    if (c->slip == NULL) {
+        size_t place = lac_problem_slip_place(engine->problem);
+        memmove(slip, seen + place, engine->n * sizeof *slip);
+        return true;
     }
-    if (slip != NULL && slip_in_y) {
-        memcpy(slip, found + (engine->slip - engine->y), engine->n * sizeof *slip);
-    } else if (slip != NULL) {
-        if (CVodeGetQuadDky(c->mem, t, 0, c->scratch_slip) != CV_SUCCESS) {
-            return false;
-        }
-        memcpy(slip, lac_vector_data(c->scratch_slip), engine->n * sizeof *slip);
-    }
-    return true;
+    lac_vector_lend(c->seen_slip, slip);
+    bool known = CVodeGetQuadDky(c->mem, t, 0, c->seen_slip) == CV_SUCCESS;
+    lac_vector_finish(c->seen_slip);
+    return known;
 }
 
 const lac_engine_kind lac_engine_cvode = {.create = cvode_create,

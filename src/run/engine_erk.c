@@ -22,6 +22,9 @@ typedef struct erk {
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
     lac_engine *engine = user;
+    if (lac_vector_lacks(y)) {
+        return -1;
+    }
     double *at = lac_vector_data(y);
     double *dot = lac_vector_data(ydot);
     size_t n = engine->n;
@@ -37,6 +40,9 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
+    if (lac_vector_lacks(w)) {
+        return -1;
+    }
     double *weight = lac_vector_data(w);
     size_t n = engine->n;
     lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, weight);
@@ -77,11 +83,12 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
     bool slip_in_y = lac_problem_has_slip(engine->problem);
     c->size = slip_in_y ? engine->unknowns : engine->unknowns + engine->n;
-    c->y = lac_vector_create(c->size, engine->sun);
+    c->y = lac_vector_create(c->size, false, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
     c->saved = malloc(c->size * sizeof *c->saved);
     c->aside = calloc(lac_problem_work(engine->problem), sizeof *c->aside);
-    if (c->scratch == NULL || c->saved == NULL || c->aside == NULL) {
+    bool lacking = c->scratch == NULL || lac_vector_lacks(c->y);
+    if (lacking || c->saved == NULL || c->aside == NULL) {
         return lac_fail_memory(err);
     }
     N_VConst(0.0, c->y);
@@ -116,7 +123,7 @@ static lac_status erk_create(lac_engine *engine, lac_error *err)
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
     c->mem = ERKStepCreate(rates, 0.0, c->y, engine->sun);
-    if (c->mem == NULL) {
+    if (c->mem == NULL || lac_vector_lacks(c->y)) {
         return lac_fail_memory(err);
     }
     LAC_SUN_SILENCE_ERK(c->mem);
@@ -160,6 +167,9 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
 {
     erk *c = engine->inner;
     sunrealtype h = 0.0;
+    if (lac_vector_lacks(c->y)) {
+        return lac_fail_memory(err);
+    }
     (void)ERKStepGetCurrentStep(c->mem, &h);
     char *name = ERKStepGetReturnFlagName(flag);
     lac_status status = lac_fail(
@@ -194,7 +204,8 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
         }
         memcpy(data, c->saved, bytes);
         h *= 0.1;
-        if (!rates_failed(flag) || tries == 40 || engine->t + h == engine->t) {
+        if (lac_vector_lacks(c->y) || !rates_failed(flag) || tries == 40 ||
+            engine->t + h == engine->t) {
             return gave_up(engine, flag, err);
         }
         stop -= engine->t;
@@ -213,8 +224,9 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     return LAC_OK;
 }
 
-static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
+static bool erk_at(lac_engine *engine, double t, double *seen)
 {
+    size_t n = engine->n;
     erk *c = engine->inner;
     // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
     // behind.
@@ -226,13 +238,8 @@ static bool erk_at(lac_engine *engine, double t, double *y, double *slip)
         return false;
     }
     const double *data = lac_vector_data(c->scratch);
-    if (y != NULL) {
-        memcpy(y, data, 2 * engine->n * sizeof *y);
-    }
-    if (slip != NULL) {
-        size_t first = (size_t)(engine->slip - engine->y);
-        memcpy(slip, data + first, engine->n * sizeof *slip);
-    }
+    memcpy(seen, data, 2 * n * sizeof *seen);
+    memcpy(seen + 2 * n, data + (engine->slip - engine->y), n * sizeof *seen);
     return true;
 }
 

@@ -234,15 +234,12 @@ out:
     return status;
 }
 
-static bool cells_at(lac_engine *engine, double t, double *y, double *slip)
+static bool cells_at(lac_engine *engine, double t, double *seen)
 {
+    size_t n = engine->n;
     (void)t;
-    if (y != NULL) {
-        memcpy(y, engine->y, 2 * engine->n * sizeof *y);
-    }
-    if (slip != NULL) {
-        memcpy(slip, engine->slip, engine->n * sizeof *slip);
-    }
+    memcpy(seen, engine->y, 2 * n * sizeof *seen);
+    memcpy(seen + 2 * n, engine->slip, n * sizeof *seen);
     return true;
 }
 

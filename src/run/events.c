@@ -24,15 +24,15 @@ typedef struct probe {
     lac_engine *engine;
     const lac_run_def *def;
     lac_crossing_kind kind;
-    double *y, *slip;
+    double *seen; // [3n] state and slip
 } probe;
 
 static bool look(probe *p, double t, double *value)
 {
-    if (!p->engine->kind->at(p->engine, t, p->y, p->slip)) {
+    if (!p->engine->kind->at(p->engine, t, p->seen)) {
         return false;
     }
-    *value = past(p->engine, p->def, p->kind, t, p->y, p->slip);
+    *value = past(p->engine, p->def, p->kind, t, p->seen, p->seen + 2 * p->engine->n);
     return true;
 }
 
@@ -102,13 +102,13 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
         return lac_fail_memory(err);
     }
     double t = engine->t;
-    probe p = {engine, def, kind, found, found + 2 * n};
+    probe p = {engine, def, kind, found};
     bool good = locate(&p, engine->t - (engine->kind->sweeps ? 0.0 : engine->step), &t);
     if (good) {
         engine->step -= engine->t - t;
         engine->t = t;
-        memcpy(engine->y, p.y, 2 * n * sizeof *p.y);
-        memcpy(engine->slip, p.slip, n * sizeof *p.slip);
+        memcpy(engine->y, found, 2 * n * sizeof *found);
+        memcpy(engine->slip, found + 2 * n, n * sizeof *found);
     }
     free(found);
     return good ? LAC_OK

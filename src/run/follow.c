@@ -133,13 +133,14 @@ static lac_status allocate(lac_follower *f, lac_error *err)
     }
     f->scale = f->probe + 3 * f->m;
     LAC_SUN_SILENCE_CONTEXT(f->sun);
-    f->y = lac_vector_create(f->m, f->sun);
+    f->y = lac_vector_create(f->m, false, f->sun);
     f->seen = f->y != NULL ? N_VClone(f->y) : NULL;
     if (f->seen != NULL && def->nudges > 0) {
         f->s = N_VCloneVectorArray((int)def->nudges, f->y);
         f->seen_s = N_VCloneVectorArray((int)def->nudges, f->y);
     }
-    bool lacking = f->seen == NULL || (def->nudges > 0 && (f->s == NULL || f->seen_s == NULL));
+    bool lacking = f->seen == NULL || lac_vector_lacks(f->y) ||
+                   (def->nudges > 0 && (f->s == NULL || f->seen_s == NULL));
     return lacking ? lac_fail_memory(err) : LAC_OK;
 }
 
@@ -215,9 +216,11 @@ static lac_status set_up(lac_follower *f, lac_error *err)
         CVodeSetMaxHnilWarns(f->mem, -1) != CV_SUCCESS ||
         CVodeSetMaxErrTestFails(f->mem, 20) != CV_SUCCESS ||
         CVodeSetMaxConvFails(f->mem, 40) != CV_SUCCESS || set_sensitivities(f) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
+        return lac_vector_lacks(f->y)
+                   ? lac_fail_memory(err)
+                   : lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
     }
-    return LAC_OK;
+    return lac_vector_lacks(f->y) ? lac_fail_memory(err) : LAC_OK;
 }
 
 // Puts what is seen at an integrator's time into row i of the output.

@@ -134,7 +134,7 @@ static lac_status output_between(run *r, lac_error *err)
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         double *slip = r->between + 2 * engine->n;
-        if (!engine->kind->at(engine, t, r->between, slip)) {
+        if (!engine->kind->at(engine, t, r->between)) {
             return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
         }
         bool stops = interrupted(r);

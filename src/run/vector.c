@@ -2,58 +2,150 @@
 #include "run/vector.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/clones.h"
-#include "base/parts.h"
+#include "run/pending.h"
 
-double *lac_vector_data(N_Vector x) { return NV_DATA_S(x); }
+typedef struct family family;
 
-static size_t length(N_Vector x) { return (size_t)NV_LENGTH_S(x); }
+typedef struct content {
+    double *data;
+    double *own; // to be freed; NULL where they are lent
+    family *family;
+} content;
 
-// The arrays and numbers of one operation, for its parts.
-typedef struct operation {
-    double a, b;
-    const double *x, *y;
-    double *z;
-    double sum[LAC_PARTS];
-} operation;
+// A vector and its clones. SUNDIALS 6.4 and 7 do not survive a clone that is NULL: where memory is
+// short it is `lacking`, and all vectors count as empty until the engine looks.
+struct family {
+    lac_pending *pending;
+    size_t members;
+    bool lacking;
+    content none; // of the members for which there was no memory
+};
 
-LAC_CLONES static void lac_vector_sum_part(void *context, size_t part, size_t first, size_t end)
+static content *content_of(N_Vector x) { return x->content; }
+
+static double *raw(N_Vector x) { return content_of(x)->data; }
+
+static lac_pending *pending_of(N_Vector x) { return content_of(x)->family->pending; }
+
+static size_t length(N_Vector x) { return lac_pending_length(pending_of(x)); }
+
+bool lac_vector_lacks(N_Vector x) { return content_of(x)->family->lacking; }
+
+double *lac_vector_data(N_Vector x)
 {
-    const operation *o = context;
-    double a = o->a;
-    double b = o->b;
-    const double *x = o->x;
-    const double *y = o->y;
-    double *z = o->z;
-    (void)part;
-    // a factor of 1 changes no bit of the product
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        z[i] = a * x[i] + b * y[i];
+    lac_pending_finish(pending_of(x));
+    return raw(x);
+}
+
+void lac_vector_finish(N_Vector x) { lac_pending_finish(pending_of(x)); }
+
+void lac_vector_lend(N_Vector x, double *components)
+{
+    content *c = content_of(x);
+    lac_pending_finish(pending_of(x));
+    if (c != &c->family->none) {
+        c->data = components;
     }
 }
 
-static void v_linear_sum(sunrealtype a, N_Vector xv, sunrealtype b, N_Vector yv, N_Vector zv)
+static void v_lend(sunrealtype *components, N_Vector x) { lac_vector_lend(x, components); }
+
+static N_Vector_ID v_id(N_Vector x)
 {
-    operation o = {.a = a, .b = b, .x = NV_DATA_S(xv), .y = NV_DATA_S(yv), .z = NV_DATA_S(zv)};
-    (void)lac_parts_run(length(xv), lac_vector_sum_part, &o);
+    (void)x;
+    return SUNDIALS_NVEC_CUSTOM;
 }
 
-static void v_const(sunrealtype c, N_Vector zv)
+static sunindextype v_length(N_Vector x) { return (sunindextype)length(x); }
+
+// In doubles and integers, as CVODES asks.
+static void v_space(N_Vector x, sunindextype *reals, sunindextype *integers)
 {
-    double *z = NV_DATA_S(zv);
-    size_t n = length(zv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = c;
+    *reals = v_length(x);
+    *integers = 1;
+}
+
+static void leave(family *f)
+{
+    f->members--;
+    if (f->members == 0) {
+        lac_pending_free(f->pending);
+        free(f);
     }
+}
+
+static void v_destroy(N_Vector x)
+{
+    content *c = content_of(x);
+    family *f = c->family;
+    lac_pending_finish(f->pending);
+    if (c != &f->none) {
+        free(c->own);
+        free(c);
+    }
+    leave(f);
+    x->content = NULL;
+    N_VFreeEmpty(x);
+}
+
+// Makes x a member with room for `bytes` of components.
+static void join(N_Vector x, family *f, size_t bytes)
+{
+    content *c = malloc(sizeof *c);
+    double *own = bytes == 0 ? NULL : malloc(bytes);
+    if (c == NULL || (own == NULL && bytes > 0)) {
+        free(c);
+        free(own);
+        f->lacking = true;
+        lac_pending_close(f->pending);
+        c = &f->none;
+    } else {
+        *c = (content){.data = own, .own = own, .family = f};
+    }
+    f->members++;
+    x->content = c;
+}
+
+static N_Vector clone(N_Vector like, size_t bytes)
+{
+    N_Vector x = N_VNewEmpty(like->sunctx);
+    if (x == NULL || N_VCopyOps(like, x) != 0) {
+        if (x != NULL) {
+            N_VFreeEmpty(x);
+        }
+        return NULL;
+    }
+    join(x, content_of(like)->family, bytes);
+    return x;
+}
+
+N_Vector lac_vector_clone_empty(N_Vector like) { return clone(like, 0); }
+
+static N_Vector v_clone(N_Vector like) { return clone(like, length(like) * sizeof(double)); }
+
+static void v_linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 2, (double[]){a, b}, (const double *[]){raw(x), raw(y)}, raw(z));
+}
+
+static void v_const(sunrealtype c, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 0, &c, NULL, raw(z));
+}
+
+static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
+{
+    lac_pending_add(pending_of(z), 1, &c, (const double *[]){raw(x)}, raw(z));
 }
 
 LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] * y[i];
@@ -62,38 +154,19 @@ LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
 
 LAC_CLONES static void lac_vector_div(N_Vector xv, N_Vector yv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] / y[i];
     }
 }
 
-LAC_CLONES static void lac_vector_scale_part(void *context, size_t part, size_t first, size_t end)
-{
-    const operation *o = context;
-    double a = o->a;
-    const double *x = o->x;
-    double *z = o->z;
-    (void)part;
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        z[i] = a * x[i];
-    }
-}
-
-static void v_scale(sunrealtype c, N_Vector xv, N_Vector zv)
-{
-    operation o = {.a = c, .x = NV_DATA_S(xv), .z = NV_DATA_S(zv)};
-    (void)lac_parts_run(length(xv), lac_vector_scale_part, &o);
-}
-
 LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = fabs(x[i]);
@@ -102,8 +175,8 @@ LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
 
 LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = 1.0 / x[i];
@@ -112,8 +185,8 @@ LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
 
 static void v_add_const(N_Vector xv, sunrealtype b, N_Vector zv)
 {
-    const double *x = NV_DATA_S(xv);
-    double *z = NV_DATA_S(zv);
+    const double *x = lac_vector_data(xv);
+    double *z = lac_vector_data(zv);
     size_t n = length(xv);
     for (size_t i = 0; i < n; i++) {
         z[i] = x[i] + b;
@@ -123,15 +196,10 @@ static void v_add_const(N_Vector xv, sunrealtype b, N_Vector zv)
 // Eight running sums, added up in a fixed order: vectorises, and the bits never change.
 enum { LANES = 8 };
 
-static double lanes_sum(const double s[LANES])
-{
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
-
 LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
 {
-    const double *x = NV_DATA_S(xv);
-    const double *y = NV_DATA_S(yv);
+    const double *x = lac_vector_data(xv);
+    const double *y = lac_vector_data(yv);
     size_t n = length(xv);
     size_t whole = n - n % LANES;
     double s[LANES] = {0};
@@ -143,44 +211,17 @@ LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
     for (size_t i = whole; i < n; i++) {
         s[i - whole] += x[i] * y[i];
     }
-    return lanes_sum(s);
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-LAC_CLONES static void lac_vector_squares_part(void *context, size_t part, size_t first, size_t end)
+static sunrealtype v_wrms_norm(N_Vector x, N_Vector w)
 {
-    operation *o = context;
-    const double *x = o->x;
-    const double *w = o->y;
-    size_t whole = end - (end - first) % LANES;
-    double s[LANES] = {0};
-    for (size_t i = first; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            double term = x[i + k] * w[i + k];
-            s[k] += term * term;
-        }
-    }
-    for (size_t i = whole; i < end; i++) {
-        double term = x[i] * w[i];
-        s[i - whole] += term * term;
-    }
-    o->sum[part] = lanes_sum(s);
-}
-
-static sunrealtype v_weighted_squares(N_Vector xv, N_Vector wv)
-{
-    operation o = {.x = NV_DATA_S(xv), .y = NV_DATA_S(wv)};
-    size_t parts = lac_parts_run(length(xv), lac_vector_squares_part, &o);
-    return lac_parts_sum(parts, o.sum);
-}
-
-static sunrealtype v_wrms_norm(N_Vector xv, N_Vector wv)
-{
-    return sqrt(v_weighted_squares(xv, wv) / (double)length(xv));
+    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) / (double)length(x));
 }
 
 LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
 {
-    const double *x = NV_DATA_S(xv);
+    const double *x = lac_vector_data(xv);
     size_t n = length(xv);
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -191,100 +232,51 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
     return most;
 }
 
-// z = sum_j c_j x_j of 2 to 8 vectors, each read once; z may be x_0. Added in the order of j.
-enum { MOST_TERMS = 8 };
-
-typedef struct terms {
-    const double *x[MOST_TERMS];
-    double c[MOST_TERMS];
-    int count;
-    double *z;
-} terms;
-
-static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
-                                                          const terms *from)
+static sunrealtype v_min(N_Vector xv)
 {
-    const terms t = *from;
-    double *z = t.z;
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        double sum = t.c[0] * t.x[0][i] + t.c[1] * t.x[1][i];
-        for (int j = 2; j < count; j++) {
-            sum += t.c[j] * t.x[j][i];
-        }
-        z[i] = sum;
+    const double *x = lac_vector_data(xv);
+    size_t n = length(xv);
+    double least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        least = x[i] < least ? x[i] : least;
     }
+    return least;
 }
 
-LAC_CLONES static void lac_vector_combine_part(void *context, size_t part, size_t first, size_t end)
+static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
 {
-    const terms *t = context;
-    (void)part;
-    switch (t->count) { // so that each loop is unrolled
-    case 2:
-        combine(2, first, end, t);
-        break;
-    case 3:
-        combine(3, first, end, t);
-        break;
-    case 4:
-        combine(4, first, end, t);
-        break;
-    case 5:
-        combine(5, first, end, t);
-        break;
-    case 6:
-        combine(6, first, end, t);
-        break;
-    case 7:
-        combine(7, first, end, t);
-        break;
-    default:
-        combine(8, first, end, t);
+    enum { MOST = 16 }; // CVODE and ARKODE ask for less
+    const double *x[MOST];
+    if (count > MOST) {
+        return -1;
     }
-}
-
-// z = c_0 x_0 + c_1 x_1 + ..., eight at first and then seven more at a time
-static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector zv)
-{
-    double *z = NV_DATA_S(zv);
-    if (count == 1) {
-        v_scale(c[0], xv[0], zv);
-        return 0;
-    }
-    terms t = {.z = z};
-    int used = 0;
     for (int j = 0; j < count; j++) {
-        t.x[used] = NV_DATA_S(xv[j]);
-        t.c[used] = c[j];
-        used++;
-        if (used == MOST_TERMS || j + 1 == count) {
-            t.count = used;
-            (void)lac_parts_run(length(zv), lac_vector_combine_part, &t);
-            t.x[0] = z;
-            t.c[0] = 1.0;
-            used = 1;
-        }
+        x[j] = raw(xv[j]);
     }
+    lac_pending_add(pending_of(z), count, c, x, raw(z));
     return 0;
 }
 
 // z_j = a_j x + y_j
-static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector xv, N_Vector *yv,
-                                        N_Vector *zv)
+static lac_sun_status v_scale_add_multi(int count, sunrealtype *a, N_Vector x, N_Vector *y,
+                                        N_Vector *z)
 {
     for (int j = 0; j < count; j++) {
-        v_linear_sum(a[j], xv, 1.0, yv[j], zv[j]);
+        v_linear_sum(a[j], x, 1.0, y[j], z[j]);
     }
     return 0;
 }
 
-N_Vector lac_vector_create(size_t n, SUNContext sun)
+static void set_operations(N_Vector x)
 {
-    N_Vector x = N_VNew_Serial((sunindextype)n, sun);
-    if (x == NULL) {
-        return NULL;
-    }
+    x->ops->nvgetvectorid = v_id;
+    x->ops->nvclone = v_clone;
+    x->ops->nvcloneempty = lac_vector_clone_empty;
+    x->ops->nvdestroy = v_destroy;
+    x->ops->nvspace = v_space;
+    x->ops->nvgetlength = v_length;
+    x->ops->nvgetarraypointer = lac_vector_data;
+    x->ops->nvsetarraypointer = v_lend;
     x->ops->nvlinearsum = v_linear_sum;
     x->ops->nvconst = v_const;
     x->ops->nvprod = lac_vector_prod;
@@ -296,10 +288,31 @@ N_Vector lac_vector_create(size_t n, SUNContext sun)
     x->ops->nvdotprod = lac_vector_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;
-    x->ops->nvwsqrsumlocal = v_weighted_squares;
-    x->ops->nvdotprodlocal = lac_vector_dot;
-    x->ops->nvmaxnormlocal = lac_vector_max_norm;
+    x->ops->nvmin = v_min;
     x->ops->nvlinearcombination = v_linear_combination;
     x->ops->nvscaleaddmulti = v_scale_add_multi;
+}
+
+N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun)
+{
+    family *f = calloc(1, sizeof *f);
+    N_Vector x = f == NULL ? NULL : N_VNewEmpty(sun);
+    if (x == NULL) {
+        free(f);
+        return NULL;
+    }
+    f->none.family = f;
+    f->pending = lac_pending_create(n, waits);
+    if (f->pending == NULL) {
+        N_VFreeEmpty(x);
+        free(f);
+        return NULL;
+    }
+    set_operations(x);
+    join(x, f, n * sizeof(double));
+    if (f->lacking) {
+        v_destroy(x);
+        return NULL;
+    }
     return x;
 }

@@ -2,13 +2,31 @@
 #ifndef LACUNA_RUN_VECTOR_H
 #define LACUNA_RUN_VECTOR_H
 
+#include <stdbool.h>
+
 #include "run/compat.h"
 
-// A serial vector with kernels of our own: Debian builds SUNDIALS without optimisation. Clones
-// inherit them. Reductions sum in a fixed order. NULL where memory is short.
-N_Vector lac_vector_create(size_t n, SUNContext sun);
+// A vector with kernels of our own: Debian builds SUNDIALS without optimisation. Clones inherit
+// them. Reductions sum in a fixed order. NULL where memory is short.
+// `waits`: sums and multiples of it and its clones are made later, many in one pass over memory
+// (run/pending.h), at the latest where something else is asked of one of them. A pointer taken
+// before shows nothing of them until then.
+N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun);
 
-// The vector's components.
+// Whether memory was too short for the vector or one of its clones. A clone is never NULL for that,
+// as SUNDIALS would not survive it; nobody may look at components then.
+bool lac_vector_lacks(N_Vector x);
+
+// The vector's components, everything that waited made.
 double *lac_vector_data(N_Vector x);
+
+// Makes what waits, so that pointers taken before are good.
+void lac_vector_finish(N_Vector x);
+
+// A clone without components; NULL where memory is short.
+N_Vector lac_vector_clone_empty(N_Vector like);
+
+// Gives such a vector its components, which stay the lender's.
+void lac_vector_lend(N_Vector x, double *components);
 
 #endif

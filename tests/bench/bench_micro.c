@@ -94,8 +94,9 @@ static void print(const char *fidelity, double rtol, size_t n, const outcome *o)
     double many = (double)(o->slips > 0 ? o->slips : 1);
     double steps = (double)o->result.steps;
     printf("%-6s %6.0e %8zu %7lld %11lld", fidelity, rtol, n, o->slips, (long long)o->result.steps);
-    printf(" %9.1f %11.1f %11.1f %9.3f %11.4f %9.2f %12.6g\n", o->slip / many / 1e-5, steps / many,
-           (double)o->fast / many, 1e6 * o->cpu / steps, 1e3 * o->cpu / many, o->cpu, o->last);
+    printf(" %9.1f %11.1f %11.1f %9.2f %9.3f %11.4f %9.2f %12.6g\n", o->slip / many / 1e-5,
+           steps / many, (double)o->fast / many, steps / (o->slip / 1e-5), 1e6 * o->cpu / steps,
+           1e3 * o->cpu / many, o->cpu, o->last);
     fflush(stdout);
 }
 
@@ -140,7 +141,7 @@ int main(int count, char **given)
     long long wanted = count > 4 ? atoll(given[4]) : 300;
     long long part = count > 5 ? atoll(given[5]) : 32;
     printf("          rtol    cells   slips       steps   dc/slip  steps/slip    fast/slip   "
-           "us/step     ms/slip     CPU s"
+           "steps/dc   us/step     ms/slip     CPU s"
            "  last slip s\n");
     for (int levels = first; levels <= most; levels++) {
         grow(levels, part);

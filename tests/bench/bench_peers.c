@@ -54,7 +54,7 @@ typedef struct peer {
 
 static const peer peers[] = {
     {"b1", fault_b1, fault_b1_events, fault_b1_peaks, 4, 1.5e10, 4, 8},
-    {"c1", fault_c1, fault_c1_events, fault_c1_peaks, 3, 4e9, 4, 6},
+    {"c1", fault_c1, fault_c1_events, fault_c1_peaks, 3, 4e9, 4, 7},
 };
 
 // CPU time of one K x, which on these two is a pair of Fourier transforms [s].

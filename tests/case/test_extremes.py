@@ -26,12 +26,13 @@ friction: {{aging: {{f0: 0.6, a: {a}, b: {b}, dc: "{dc} m", v0: "1 um/s", form: 
 initial: {{slip_rate: "{v} m/s", state: {state}}}
 {more}
 time: {{end: "{end} s", failure: {{mean_slip_rate: "{failure} m/s"}}}}
-solver: {{rtol: {rtol}, max_steps: {steps}, formulation: {formulation}, method: {method}}}
+solver: {{rtol: {rtol}, max_steps: {steps}, formulation: {formulation}, method: {method}, fidelity: {fidelity}}}
 output: {{file: out.nc, fields: [slip, slip_rate, state, traction], fields_every: "{every} s"}}
 """
 PLAIN = {"pressure": 1e6, "shear": "", "a": 0.01, "b": 0.02, "dc": 1e-3, "form": "plain", "v": 1e-9,
          "state": "{ratio_to_steady: 0.5}", "more": "", "end": 1e13, "failure": 1, "rtol": 1e-8,
-         "steps": 20000, "formulation": "rate", "method": "bdf", "every": 1e12}
+         "steps": 20000, "formulation": "rate", "method": "bdf", "every": 1e12,
+         "fidelity": "ode"}
 
 
 class Extremes(unittest.TestCase):
@@ -168,6 +169,9 @@ class Extremes(unittest.TestCase):
 
     def test_too_few_steps(self):
         self.breaks("10 steps were not enough", steps=10)
+        more = ('interface: {size: "4 m", levels: 2, domain: {full: {}}}\n'
+                'transfer: {hierarchy: {k0: "1 MPa/m"}}')
+        self.breaks("1 sweeps over the cells were not enough", steps=1, fidelity="events", more=more)
 
     def test_no_direct_effect_and_no_damping(self):
         done = self.run_case(a=0, v=1e-9, state='"1e6 s"')

@@ -151,6 +151,14 @@ class Estimates(Small):
                             ("load/constant", True), ("vajont", True)):
             self.assertEqual(self.estimate(name)["steps_class"] != "not estimated", known, name)
 
+    def test_the_faster_fidelity(self):
+        """events where cells are softly held, ode where stiffly; nothing where the case has it."""
+        for fidelity, k0, faster in (("ode", 1, "events"), ("events", 1, None), ("events", 1000, "ode"),
+                                     ("ode", 1000, None)):
+            said = self.estimate("one-by-one", "--set", f"solver.fidelity={fidelity}",
+                                 "--set", f"transfer.hierarchy.k0={k0} GPa/m")
+            self.assertEqual(said["faster_fidelity"], faster)
+
     def test_a_search_and_the_cascade_count(self):
         press, search = self.estimate("normal/pressure"), self.estimate("normal/dimension")
         self.assertIsNone(press["cascade_time_s"])

@@ -63,7 +63,7 @@ static void b1_has_its_events_with_rate_as_unknown(void **state)
 static void b1_has_its_events_with_traction_as_unknown(void **state)
 {
     (void)state;
-    b1_in(LAC_FORMULATION_TRACTION, (const bound[]){{2e-5, 0}, {5e-6, 0}, {3e-6, 5e-9}});
+    b1_in(LAC_FORMULATION_TRACTION, (const bound[]){{2e-5, 0}, {5e-6, 5e-8}, {3e-6, 5e-9}});
 }
 
 static void b1_has_its_events_with_slip_as_unknown(void **state)

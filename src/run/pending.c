@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pending.h"
+
+#include <stdlib.h>
+
+#include "base/clones.h"
+#include "base/parts.h"
+
+enum {
+    MOST_TERMS = 8,
+    MOST_WAITING = 64,
+    BLOCK = 256, // elements: some ten arrays of them fit the first cache
+    LANES = 8,
+};
+
+// z = sum_j c_j x_j; count 0: z = c_0
+typedef struct combination {
+    const double *x[MOST_TERMS];
+    double c[MOST_TERMS];
+    double *z;
+    int count;
+} combination;
+
+struct lac_pending {
+    size_t n, waiting;
+    bool waits;
+    const double *x, *w; // (x w)^2 is wanted; or NULL
+    double sum[LAC_PARTS];
+    combination list[MOST_WAITING];
+};
+
+lac_pending *lac_pending_create(size_t n, bool waits)
+{
+    lac_pending *p = malloc(sizeof *p);
+    if (p != NULL) {
+        p->n = n;
+        p->waiting = 0;
+        p->waits = waits;
+        p->x = p->w = NULL;
+    }
+    return p;
+}
+
+void lac_pending_free(lac_pending *p) { free(p); }
+
+void lac_pending_close(lac_pending *p)
+{
+    p->n = 0;
+    p->waiting = 0;
+}
+
+size_t lac_pending_length(const lac_pending *p) { return p->n; }
+
+// Each vector is read once. `count` is known where this is inlined.
+static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
+                                                          const combination *from)
+{
+    const combination t = *from;
+    double *z = t.z;
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
+        double sum = t.c[0];
+        if (count > 0) {
+            sum *= t.x[0][i];
+        }
+        for (int j = 1; j < count; j++) {
+            sum += t.c[j] * t.x[j][i];
+        }
+        z[i] = sum;
+    }
+}
+
+static inline __attribute__((always_inline)) void make(const combination *t, size_t first,
+                                                       size_t end)
+{
+    switch (t->count) { // so that each loop is unrolled
+    case 0:
+        combine(0, first, end, t);
+        break;
+    case 1:
+        combine(1, first, end, t);
+        break;
+    case 2:
+        combine(2, first, end, t);
+        break;
+    case 3:
+        combine(3, first, end, t);
+        break;
+    case 4:
+        combine(4, first, end, t);
+        break;
+    case 5:
+        combine(5, first, end, t);
+        break;
+    case 6:
+        combine(6, first, end, t);
+        break;
+    case 7:
+        combine(7, first, end, t);
+        break;
+    default:
+        combine(8, first, end, t);
+    }
+}
+
+// Eight running sums, added up in a fixed order: vectorises, and the bits never change.
+static inline __attribute__((always_inline)) void add_squares(const double *x, const double *w,
+                                                              size_t first, size_t end, double *s)
+{
+    size_t whole = end - (end - first) % LANES;
+    for (size_t i = first; i < whole; i += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            double term = x[i + k] * w[i + k];
+            s[k] += term * term;
+        }
+    }
+    for (size_t i = whole; i < end; i++) {
+        double term = x[i] * w[i];
+        s[i - whole] += term * term;
+    }
+}
+
+LAC_CLONES static void lac_pending_part(void *context, size_t part, size_t first, size_t end)
+{
+    lac_pending *p = context;
+    double s[LANES] = {0};
+    // what is alone has nothing to share a cache with
+    size_t block = p->waiting + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
+    for (size_t begin = first; begin < end; begin += block) {
+        size_t stop = end - begin < block ? end : begin + block;
+        for (size_t i = 0; i < p->waiting; i++) {
+            make(&p->list[i], begin, stop);
+        }
+        if (p->x != NULL) {
+            add_squares(p->x, p->w, begin, stop, s);
+        }
+    }
+    p->sum[part] = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+}
+
+void lac_pending_finish(lac_pending *p)
+{
+    if (p->waiting > 0) {
+        (void)lac_parts_run(p->n, lac_pending_part, p);
+        p->waiting = 0;
+    }
+}
+
+double lac_pending_squares(lac_pending *p, const double *x, const double *w)
+{
+    p->x = x;
+    p->w = w;
+    size_t parts = lac_parts_run(p->n, lac_pending_part, p);
+    p->waiting = 0;
+    p->x = p->w = NULL;
+    return lac_parts_sum(parts, p->sum);
+}
+
+// One of at most MOST_TERMS.
+static void add_one(lac_pending *p, int count, const double *c, const double *const *x, double *z)
+{
+    combination *t = &p->list[p->waiting++];
+    t->count = count;
+    t->z = z;
+    t->c[0] = c[0];
+    for (int j = 0; j < count; j++) {
+        t->c[j] = c[j];
+        t->x[j] = x[j];
+    }
+    if (!p->waits || p->waiting == MOST_WAITING) {
+        lac_pending_finish(p);
+    }
+}
+
+void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
+{
+    int first = count < MOST_TERMS ? count : MOST_TERMS;
+    add_one(p, first, c, x, z);
+    for (int used = first; used < count; used += MOST_TERMS - 1) {
+        double more_c[MOST_TERMS] = {1.0};
+        const double *more_x[MOST_TERMS] = {z};
+        int more = count - used < MOST_TERMS - 1 ? count - used : MOST_TERMS - 1;
+        for (int j = 0; j < more; j++) {
+            more_c[j + 1] = c[used + j];
+            more_x[j + 1] = x[used + j];
+        }
+        add_one(p, more + 1, more_c, more_x, z);
+    }
+}

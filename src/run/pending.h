@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RUN_PENDING_H
+#define LACUNA_RUN_PENDING_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// Linear combinations of arrays of one length that wait, to be made together in one pass over
+// memory: block by block, each block through all of them in their order while it is in the cache.
+// Every element goes through the same operations in the same order as if nothing had waited, so
+// the bits are the same. CVODE's prediction is 15 sums of two arrays at order 5.
+typedef struct lac_pending lac_pending;
+
+/// @param n      length of the arrays
+/// @param waits  false: each is made at once
+/// @return NULL where memory is short
+lac_pending *lac_pending_create(size_t n, bool waits);
+
+/// What waits is not made; NULL is fine.
+void lac_pending_free(lac_pending *p);
+
+size_t lac_pending_length(const lac_pending *p);
+
+/// Makes nothing from now on: all arrays count as empty, as if n were 0.
+void lac_pending_close(lac_pending *p);
+
+/// z = c_0 x_0 + c_1 x_1 + ..., added up in this order; z = c_0 where there is no x. z may be one
+/// of them. Nobody may look into these arrays, nor write there, before lac_pending_finish.
+void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z);
+
+/// Makes all that waits.
+void lac_pending_finish(lac_pending *p);
+
+/// Makes all that waits, and sums (x w)^2 on the way, in an order that depends on the length alone.
+double lac_pending_squares(lac_pending *p, const double *x, const double *w);
+
+#endif

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Vectors whose sums wait: the bits of plain loops whatever waits, also through CVODE.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <cvodes/cvodes.h>
+#include <math.h>
+#include <nvector/nvector_serial.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "base/rng.h"
+#include "run/pending.h"
+#include "run/vector.h"
+
+enum { ARRAYS = 6, MOST = 1200 };
+
+static double uniform(uint64_t i, uint64_t what)
+{
+    return 2.0 * lac_random_uniform(5, LAC_STREAM_TEST, i, what) - 1.0;
+}
+
+static size_t choose(uint64_t i, uint64_t what, size_t count)
+{
+    return (size_t)((0.5 + 0.5 * uniform(i, what)) * (double)count) % count;
+}
+
+typedef struct arrays {
+    double of[ARRAYS][MOST];
+} arrays;
+
+static void fill(arrays *a)
+{
+    for (size_t j = 0; j < ARRAYS; j++) {
+        for (size_t i = 0; i < MOST; i++) {
+            a->of[j][i] = uniform(i, 100 + j);
+        }
+    }
+}
+
+// The same by what the words say, an element at a time.
+static void combine(size_t n, int count, const double *c, const double *const *x, double *z)
+{
+    for (size_t i = 0; i < n; i++) {
+        double sum = c[0];
+        for (int j = 0; j < count; j++) {
+            sum = j == 0 ? c[0] * x[0][i] : sum + c[j] * x[j][i];
+        }
+        z[i] = sum;
+    }
+}
+
+// Far more than can wait at once, of all lengths, results among what is added up.
+static void many_at_random(size_t n, bool waits)
+{
+    arrays plain, made;
+    lac_pending *p = lac_pending_create(n, waits);
+    assert_non_null(p);
+    fill(&plain);
+    fill(&made);
+    for (uint64_t k = 0; k < 400; k++) {
+        const double *from[2][8];
+        double c[8];
+        int count = (int)choose(k, 1, 9); // beyond, the result is added to
+        for (int j = 0; j < 8; j++) {
+            size_t which = choose(k, 10 + (uint64_t)j, ARRAYS);
+            from[0][j] = plain.of[which];
+            from[1][j] = made.of[which];
+            c[j] = uniform(k, 40 + (uint64_t)j) / 4.0;
+        }
+        size_t to = choose(k, 2, ARRAYS);
+        combine(n, count, c, from[0], plain.of[to]);
+        lac_pending_add(p, count, c, from[1], made.of[to]);
+        if (choose(k, 3, 50) == 0) {
+            lac_pending_finish(p);
+        }
+    }
+    lac_pending_finish(p);
+    lac_pending_free(p);
+    for (size_t j = 0; j < ARRAYS; j++) {
+        assert_memory_equal(plain.of[j], made.of[j], sizeof plain.of[j]);
+    }
+}
+
+static void waiting_changes_no_bit(void **state)
+{
+    (void)state;
+    const size_t lengths[] = {1, 7, 255, 256, 257, 1000, MOST};
+    for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
+        many_at_random(lengths[k], true);
+        many_at_random(lengths[k], false);
+    }
+}
+
+// Twenty terms into an array that is none of them.
+static void long_combination(void **state)
+{
+    (void)state;
+    static double x[20][MOST], plain[MOST], made[MOST];
+    const double *from[20];
+    double c[20];
+    for (size_t j = 0; j < 20; j++) {
+        from[j] = x[j];
+        c[j] = uniform(j, 7);
+        for (size_t i = 0; i < MOST; i++) {
+            x[j][i] = uniform(i, 200 + j);
+        }
+    }
+    lac_pending *p = lac_pending_create(MOST, true);
+    for (int count = 1; count <= 20; count++) {
+        combine(MOST, count, c, from, plain);
+        lac_pending_add(p, count, c, from, made);
+        lac_pending_finish(p);
+        assert_memory_equal(plain, made, sizeof plain);
+    }
+    lac_pending_free(p);
+}
+
+// The sum of squares sees what waits, and is that of all elements.
+static void squares_of_what_waits(void **state)
+{
+    (void)state;
+    static double x[MOST], w[MOST];
+    for (size_t n = 1; n <= MOST; n += 61) {
+        lac_pending *late = lac_pending_create(n, true), *soon = lac_pending_create(n, false);
+        double sums[2];
+        long double exact = 0.0L;
+        for (int k = 0; k < 2; k++) {
+            lac_pending *p = k == 0 ? late : soon;
+            for (size_t i = 0; i < n; i++) {
+                x[i] = uniform(i, 1);
+                w[i] = uniform(i, 2);
+            }
+            lac_pending_add(p, 2, (double[]){3.0, 1.0}, (const double *[]){x, w}, x);
+            sums[k] = lac_pending_squares(p, x, w);
+        }
+        for (size_t i = 0; i < n; i++) {
+            long double term = (long double)x[i] * w[i];
+            exact += term * term;
+        }
+        assert_memory_equal(&sums[0], &sums[1], sizeof sums[0]);
+        assert_true(fabs(sums[0] - (double)exact) <= 1e-14 * (double)exact);
+        lac_pending_free(late);
+        lac_pending_free(soon);
+    }
+}
+
+// Coupled oscillators: dx/dt = v, dv/dt = -(2 + sin i) x + mean v^2.
+static int swing(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
+{
+    sunindextype n = N_VGetLength(y) / 2;
+    const double *x = N_VGetArrayPointer(y), *v = x + n;
+    double *dx = N_VGetArrayPointer(ydot), *dv = dx + n;
+    double mean = 0.0;
+    (void)t, (void)user;
+    for (sunindextype i = 0; i < n; i++) {
+        mean += v[i] * v[i] / (double)n;
+    }
+    for (sunindextype i = 0; i < n; i++) {
+        dx[i] = v[i];
+        dv[i] = 0.1 * mean - (2.0 + sin((double)i)) * x[i];
+    }
+    return 0;
+}
+
+// A hundred steps of Adams' method with all that CVODE does to vectors; y [n] at the end.
+static void follow(N_Vector y, SUNContext sun, double *end)
+{
+    size_t n = (size_t)N_VGetLength(y);
+    double *at = N_VGetArrayPointer(y);
+    for (size_t i = 0; i < n; i++) {
+        at[i] = uniform(i, 3);
+    }
+    void *mem = CVodeCreate(CV_ADAMS, sun);
+    SUNNonlinearSolver solver = SUNNonlinSol_FixedPoint(y, 3, sun);
+    sunrealtype t;
+    assert_int_equal(CVodeInit(mem, swing, 0.0, y), CV_SUCCESS);
+    assert_int_equal(CVodeSStolerances(mem, 1e-7, 1e-9), CV_SUCCESS);
+    assert_int_equal(CVodeSetNonlinearSolver(mem, solver), CV_SUCCESS);
+    for (double stop = 1.0; stop <= 5.0; stop += 1.0) {
+        assert_int_equal(CVode(mem, stop, y, &t, CV_NORMAL), CV_SUCCESS);
+    }
+    memcpy(end, N_VGetArrayPointer(y), n * sizeof *end);
+    CVodeFree(&mem);
+    SUNNonlinSolFree(solver);
+    N_VDestroy(y);
+}
+
+static void cvode_sees_no_difference(void **state)
+{
+    enum { N = 602 };
+    (void)state;
+    static double late[N], soon[N], theirs[N];
+    SUNContext sun;
+    assert_int_equal(LAC_SUN_CONTEXT_CREATE(&sun), 0);
+    follow(lac_vector_create(N, true, sun), sun, late);
+    follow(lac_vector_create(N, false, sun), sun, soon);
+    follow(N_VNew_Serial(N, sun), sun, theirs);
+    assert_memory_equal(late, soon, sizeof late);
+    for (size_t i = 0; i < N; i++) { // their norms are added up in another order
+        assert_true(fabs(late[i] - theirs[i]) <= 1e-9);
+    }
+    SUNContext_Free(&sun);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(waiting_changes_no_bit),
+        cmocka_unit_test(long_combination),
+        cmocka_unit_test(squares_of_what_waits),
+        cmocka_unit_test(cvode_sees_no_difference),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

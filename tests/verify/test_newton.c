@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Newton's iteration in place of dy/dt, on vectors whose sums wait, against SUNDIALS' own.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <cvodes/cvodes.h>
+#include <math.h>
+
+#include "run/newton.h"
+#include "support/tree.h"
+
+static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
+{
+    lac_engine *e = user;
+    return lac_problem_derivative(e->problem, t, lac_vector_data(y), lac_vector_data(ydot), e->work)
+               ? 0
+               : 1;
+}
+
+static int weights(N_Vector y, N_Vector w, void *user)
+{
+    const lac_engine *e = user;
+    lac_problem_weights(e->problem, lac_vector_data(y), 1e-5, lac_vector_data(w));
+    return 0;
+}
+
+static SUNLinearSolver_Type embedded(SUNLinearSolver solver)
+{
+    (void)solver;
+    return SUNLINEARSOLVER_MATRIX_EMBEDDED;
+}
+
+static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b, sunrealtype tol)
+{
+    lac_engine *e = solver->content;
+    sunrealtype t, gamma, rl1;
+    N_Vector predicted, y, f, z1;
+    void *user;
+    (void)none, (void)tol;
+    (void)CVodeGetNonlinearSystemData(e->inner, &t, &predicted, &y, &f, &gamma, &rl1, &z1, &user);
+    e->counts.linear_solves++;
+    N_VScale(1.0, b, x);
+    return lac_problem_newton(e->problem, t, lac_vector_data(y), gamma, lac_vector_data(x), e->work)
+               ? 0
+               : SUNLS_LUFACT_FAIL;
+}
+
+typedef struct course {
+    long steps, evaluations, iterations, failures;
+    int64_t solves;
+} course;
+
+// A run to fast slip with SUNDIALS' own Newton iteration, or ours.
+static course creep(const tree *t, double first_step, bool own, double *end)
+{
+    course way = {0};
+    lac_engine e = {.problem = t->problem, .n = t->domain->n, .limit = INFINITY};
+    size_t m = lac_problem_unknowns(t->problem);
+    assert_int_equal(LAC_SUN_CONTEXT_CREATE(&e.sun), 0);
+    e.work = calloc(lac_problem_work(t->problem), sizeof *e.work);
+    N_Vector y = lac_vector_create(m, own, e.sun);
+    lac_problem_initial(t->problem, lac_vector_data(y));
+    e.inner = CVodeCreate(CV_BDF, e.sun);
+    LAC_SUN_SILENCE_CVODE(e.inner);
+    assert_int_equal(CVodeInit(e.inner, rates, 0.0, y), CV_SUCCESS);
+    assert_int_equal(CVodeSetUserData(e.inner, &e), CV_SUCCESS);
+    assert_int_equal(CVodeWFtolerances(e.inner, weights), CV_SUCCESS);
+    assert_int_equal(CVodeSetMaxConvFails(e.inner, 40), CV_SUCCESS);
+    SUNLinearSolver linear = SUNLinSolNewEmpty(e.sun);
+    SUNNonlinearSolver newton = lac_newton_create(&e, e.inner);
+    linear->ops->gettype = embedded;
+    linear->ops->solve = solve;
+    linear->content = &e;
+    assert_int_equal(own ? CVodeSetNonlinearSolver(e.inner, newton)
+                         : CVodeSetLinearSolver(e.inner, linear, NULL),
+                     CV_SUCCESS);
+    assert_int_equal(CVodeSetInitStep(e.inner, first_step), CV_SUCCESS);
+    for (int k = 0; k < 250; k++) {
+        sunrealtype at;
+        assert_true(CVode(e.inner, 1e10, y, &at, CV_ONE_STEP) >= 0);
+    }
+    memcpy(end, lac_vector_data(y), m * sizeof *end);
+    (void)CVodeGetNumSteps(e.inner, &way.steps);
+    (void)CVodeGetNumRhsEvals(e.inner, &way.evaluations);
+    (void)CVodeGetNumNonlinSolvIters(e.inner, &way.iterations);
+    (void)CVodeGetNumNonlinSolvConvFails(e.inner, &way.failures);
+    way.evaluations += (long)lac_newton_evaluations(newton);
+    way.solves = e.counts.linear_solves;
+    CVodeFree(&e.inner);
+    SUNLinSolFreeEmpty(linear);
+    SUNNonlinSolFree(newton);
+    N_VDestroy(y);
+    free(e.work);
+    SUNContext_Free(&e.sun);
+    return way;
+}
+
+static void compare(const tree *t, double first_step)
+{
+    size_t bytes = lac_problem_unknowns(t->problem) * sizeof(double);
+    double *theirs = malloc(bytes), *ours = malloc(bytes);
+    course they = creep(t, first_step, false, theirs);
+    course we = creep(t, first_step, true, ours);
+    assert_memory_equal(theirs, ours, bytes);
+    assert_memory_equal(&they, &we, sizeof we);
+    assert_true(we.failures > 0);
+    assert_true(we.solves < we.iterations); // small residuals need none
+    free(theirs);
+    free(ours);
+}
+
+// First steps that are too long, so that solves fail; at the second no rate is finite either.
+static void newton_is_theirs_to_the_bit(void **state)
+{
+    (void)state;
+    for (lac_formulation f = LAC_FORMULATION_RATE; f <= LAC_FORMULATION_SLIP; f++) {
+        tree_def def = tree_default(3, 4);
+        tree t;
+        def.k0 *= 0.05; // to failure
+        def.formulation = f;
+        tree_create(&def, &t);
+        compare(&t, 3e4);
+        compare(&t, 1e9);
+        tree_clear(&t);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(newton_is_theirs_to_the_bit)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
