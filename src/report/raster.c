@@ -127,19 +127,14 @@ void lac_page_raster_clear(lac_page_raster *raster)
 
 static void take_in(lac_page_summary how, double value, double limit, double *out)
 {
-    if (isnan(value)) {
+    if (how == LAC_PAGE_MEAN) {
+        *out += value; // of a square that lacks one nothing is known
+    } else if (isnan(value)) {
         return;
-    }
-    switch (how) {
-    case LAC_PAGE_MEAN:
-        *out = (isnan(*out) ? 0.0 : *out) + value;
-        break;
-    case LAC_PAGE_MOST:
+    } else if (how == LAC_PAGE_MOST) {
         *out = isnan(*out) || value > *out ? value : *out;
-        break;
-    case LAC_PAGE_SHARE_ABOVE:
+    } else {
         *out = (isnan(*out) ? 0.0 : *out) + (value >= limit);
-        break;
     }
 }
 
@@ -147,7 +142,7 @@ void lac_page_raster_summarise(const lac_page_raster *raster, lac_page_summary h
                                const double *value, double limit, double *out)
 {
     for (size_t k = 0; k < raster->squares; k++) {
-        out[k] = NAN;
+        out[k] = how == LAC_PAGE_MEAN ? 0.0 : NAN;
     }
     for (size_t i = 0; i < raster->cells; i++) {
         take_in(how, value[i], limit, &out[raster->square[i]]);
