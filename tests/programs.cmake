@@ -147,7 +147,7 @@ lacuna_python_test(test_pictures)
 
 # Fits, and what they write; the bundled cases for it check, and their files meet CF.
 lacuna_python_test(test_fit)
-foreach(bundled block century)
+foreach(bundled block century century-undriven)
   add_test(NAME case.fit.${bundled}.check
            COMMAND lacuna_program check -q ${CMAKE_SOURCE_DIR}/cases/fit/${bundled}.yaml)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case

@@ -265,13 +265,14 @@ const char *lac_case_fault(const lac_case *c);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
-/// A kind of model that a case can choose: for `describe` and for slots.
+/// A kind of model that a case can choose, or that a command has: for `describe` and for slots.
 typedef struct lac_kind {
     const char *name;    ///< "friction", "transfer", "surface" ...
     const char *section; ///< where in a case it stands: "friction", "load.shear"
     const char *summary;
     bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
                  ///< not as {MODEL: {...}}
+    const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
     const lac_descriptor *(*at)(size_t index); ///< NULL past the end
 } lac_kind;
 

@@ -9,6 +9,7 @@
 #include "lacuna/error.h"
 #include "lacuna/fit.h"
 #include "lacuna/forecast.h"
+#include "lacuna/foresee.h"
 #include "lacuna/fractal.h"
 #include "lacuna/friction.h"
 #include "lacuna/grid.h"

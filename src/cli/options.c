@@ -43,6 +43,7 @@ static const option table[] = {
     {CLI_OPT_FORECAST, '\0', "issues", "N", "issue times of --rolling at most: 200"},
     {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
     {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
+    {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -75,6 +76,7 @@ static const struct {
     {"issues", offsetof(cli_request, forecast.issues)},
     {"failed-at", offsetof(cli_request, forecast.failed_at)},
     {"horizon", offsetof(cli_request, forecast.horizon)},
+    {"case", offsetof(cli_request, forecast.case_file)},
 };
 
 static void keep_word(cli_request *request, const option *o, const char *value)

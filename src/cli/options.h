@@ -44,7 +44,7 @@ typedef struct cli_series_words {
 } cli_series_words;
 
 typedef struct cli_forecast_words {
-    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon;
+    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file;
 } cli_forecast_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.

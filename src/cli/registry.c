@@ -27,10 +27,10 @@ static const cli_command commands[] = {
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
-     "Of monitoring data, whose columns --displacement and --velocity name, or of a run. -o FILE "
-     "writes netCDF, which tools/plot_precursors.py draws.\n",
+     "", // all the lines that a screen has are the options'
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST, cli_precursors},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
+     cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns. Writes the draws, the "
      "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "

@@ -77,7 +77,7 @@ static lac_status write_b_value(lac_page_text *text, const lac_event_list *event
 {
     const lac_precursor_kind *kind = find_kind("b_value");
     const lac_observed seen = {.events = events, .tc = NAN, .start = NAN};
-    lac_fit found = {0};
+    lac_finding found = {0};
     lac_status status = kind != NULL ? kind->look(&seen, &found, err) : LAC_OK;
     if (status == LAC_OK) {
         lac_page_open(text, "b_value", '{');
@@ -111,7 +111,8 @@ static lac_status write_events(const lac_page *page, size_t n, const lac_stored_
         lac_page_column(text, keys[v], n, values[v].value, keep, v == TIME ? 12 : 6);
     }
     write_distribution(text, n, sorted);
-    const lac_event_list list = {n, values[TIME].value, values[MOMENT].value};
+    const lac_event_list list = {
+        .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
     LAC_TRY(write_b_value(text, &list, err));
     lac_page_close(text, '}');
 out:

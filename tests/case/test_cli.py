@@ -668,6 +668,11 @@ class Describe(Case):
             self.assertIn(model["name"], listing)
             text = self.expect(0, "describe", kind["name"], model["name"]).stdout
             self.check_parameters(model, text)
+            if kind["command"] is not None:
+                self.assertTrue(model["estimator"])
+            for value in model.get("values", []):
+                self.assertIn(value["key"], text)
+                self.assertIn(f"needs {model['needs']}", text)
 
     def check_parameters(self, owner, text):
         for parameter in owner["parameters"]:

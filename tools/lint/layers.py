@@ -59,6 +59,7 @@ HEADERS = {
     "store_checkpoint": "store",
     "store_rg": "store",
     "sampler": "fit",
+    "foresee": "fit",
     "sensitivity": "run",
     "spread": "case",
     "store_map": "store",
