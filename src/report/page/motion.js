@@ -42,7 +42,7 @@ function creepChart(data) {
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
   return figure({
-    title: "Creep curve", caption: `Mean slip since the start.${beside}`,
+    title: "Creep curve", caption: `Mean slip since the start.${data.about.failed ? " Over time the axis ends just before the slip of the failure itself." : ""}${beside}`,
     x: { clock: true }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },
     lines: [{ name: "run", kind: "line", colour: "run", time: m.time, before: m.before, y: m.slip }, ...seen],
     marks: failureMark(data), bands: [], shows: "window",
