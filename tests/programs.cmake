@@ -94,10 +94,15 @@ target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Ws
 set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
-# Histories of load, and the commands of the tutorials with what they print.
+# Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
-foreach(page ${tutorials})
+file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md
+     ${CMAKE_SOURCE_DIR}/docs/howto-*.md)
+list(FILTER pages EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
+if(NOT TARGET lacuna_shared)
+  list(FILTER pages EXCLUDE REGEX "howto-embed")
+endif()
+foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/README.md)
   get_filename_component(name ${page} NAME_WE)
   add_test(NAME case.${name}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
@@ -165,3 +170,23 @@ set_tests_properties(case.fit.block.fit case.fit.block.cf PROPERTIES LABELS case
                      ENVIRONMENT ${case_environment})
 set_tests_properties(case.fit.block.fit PROPERTIES FIXTURES_SETUP block_fit)
 set_tests_properties(case.fit.block.cf PROPERTIES FIXTURES_REQUIRED block_fit)
+
+# A friction law made as docs/howto-friction-law.md says, and what its conformance kit says of it.
+if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
+  set(test_howto_law_files ${CMAKE_BINARY_DIR} $<TARGET_FILE:lacuna>)
+  lacuna_python_test(test_howto_law)
+endif()
+
+# The site of the documentation.
+lacuna_python_test(test_site)
+
+# What shells complete.
+lacuna_python_test(test_completion)
+
+# What is installed, its .deb, and the Python module, which are of the shared library.
+if(TARGET lacuna_shared)
+  set(test_install_files ${CMAKE_BINARY_DIR})
+  lacuna_python_test(test_install)
+  set(test_python_files $<TARGET_FILE:lacuna_shared>)
+  lacuna_python_test(test_python)
+endif()

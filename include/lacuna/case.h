@@ -106,6 +106,7 @@ typedef struct lac_fit_def {
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
     char *time;                   ///< column
+    char *time_format;            ///< as lac_series_def has it; NULL
     char *displacement, *displacement_unit;
     char *velocity, *velocity_unit;
     char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none
@@ -114,7 +115,7 @@ typedef struct lac_fit_def {
     int errors;                ///< lac_fit_errors, of displacements
     int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
     int64_t starts; ///< places at which the least squares begin
-    int64_t walkers, steps, burn, seed;
+    int64_t walkers, steps, burn, rounds, seed;
 } lac_fit_def;
 
 /// What `lacuna rg` does with the interface.

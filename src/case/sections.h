@@ -81,7 +81,7 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 
 /// The keys of `fit`.
-enum { LAC_FIT_ROWS = 14 };
+enum { LAC_FIT_ROWS = 16 };
 extern const lac_param lac_fit_rows[LAC_FIT_ROWS];
 extern const char *const lac_fit_own[];
 

@@ -8,13 +8,7 @@
 #include "cli/command.h"
 #include "cli/words.h"
 
-typedef struct option {
-    unsigned bit;
-    char letter;       // '\0': none
-    const char *name;  // without the dashes
-    const char *value; // what its value is called; NULL: takes none
-    const char *doc;
-} option;
+typedef cli_option option;
 
 static const option table[] = {
     {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the file"},
@@ -88,6 +82,8 @@ static void keep_word(cli_request *request, const option *o, const char *value)
         }
     }
 }
+
+const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
 
 void cli_options_help(unsigned mask)
 {

@@ -31,12 +31,25 @@ enum {
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_COMPARE = 1 << 28,
+    CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
 
 enum { CLI_MAX_ARGUMENTS = 2 };
+
+/// One option.
+typedef struct cli_option {
+    unsigned bit;
+    char letter;       ///< '\0': none
+    const char *name;  ///< without the dashes
+    const char *value; ///< what its value is called; NULL: takes none
+    const char *doc;
+} cli_option;
+
+/// The index-th option, NULL past the end.
+const cli_option *cli_option_at(size_t index);
 
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {

@@ -32,15 +32,16 @@ static const cli_command commands[] = {
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
-     "The case's section fit says what is estimated, from which columns. Writes the draws, the "
+     "The case's section fit says what is estimated, from which columns unless options name them. "
+     "Writes the draws, the "
      "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
      "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
-     CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
     {"report", "RUN.nc", "a run as one HTML page to look at",
      "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
-     "beside "
-     "the run; --displacement and --velocity name their columns, unless the run's case does.\n",
+     "beside the run; --displacement and --velocity name their columns, unless the run's case "
+     "does.\n",
      "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"new", "[NAME]", "write a commented case file to start from",
@@ -49,6 +50,9 @@ static const cli_command commands[] = {
     {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
      "lacuna describe friction aging", 0, 2, 0, cli_describe},
+    {"completion", "SHELL", "completion of commands and options for a shell",
+     "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
+     "source <(lacuna completion bash)", 1, 1, CLI_OPT_UNLISTED, cli_completion},
 };
 
 const cli_command *cli_command_at(size_t index)

@@ -58,6 +58,8 @@ HEADERS = {
     "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",
+    "recording": "store",
+    "scene_record": "scene",
     "sampler": "fit",
     "foresee": "fit",
     "sensitivity": "run",
