@@ -159,6 +159,14 @@ lacuna_python_test(test_events)
 # Forecasts of series and runs, wrong series among them.
 lacuna_python_test(test_precursors)
 
+# The page of a run: its numbers, and what a browser makes of it. tools/install-packages --test
+# brings the browser; without it the test fails.
+lacuna_python_test(test_report)
+lacuna_python_test(test_report_page)
+
+# The notebook, and figures for a publication.
+lacuna_python_test(test_pictures)
+
 # Fits, and what they write; the bundled cases for it check, and their files meet CF.
 lacuna_python_test(test_fit)
 foreach(bundled block century century-undriven)

@@ -11,7 +11,7 @@
 typedef cli_option option;
 
 static const option table[] = {
-    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the netCDF file"},
+    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the file"},
     {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
     {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from what was kept when it was stopped"},
     {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
@@ -21,6 +21,7 @@ static const option table[] = {
     {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
     {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
     {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
+    {CLI_OPT_COMPARE, '\0', "compare", "SERIES", "monitoring data to lay beside the run"},
     {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
     {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
      "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
@@ -63,6 +64,7 @@ static const struct {
     const char *name;
     size_t offset;
 } places[] = {
+    {"compare", offsetof(cli_request, compare)},
     {"time", offsetof(cli_request, series.time)},
     {"time-format", offsetof(cli_request, series.time_format)},
     {"displacement", offsetof(cli_request, series.displacement)},

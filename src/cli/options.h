@@ -32,6 +32,7 @@ enum {
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
+    CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
@@ -74,6 +75,7 @@ typedef struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
+    const char *compare;                               ///< a series laid beside a run
     cli_series_words series;
     cli_forecast_words forecast;
     cli_trade_words trade;

@@ -45,6 +45,12 @@ static const cli_command commands[] = {
      "else CASE-trade.nc here; tools/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
+    {"report", "RUN.nc", "a run as one HTML page to look at",
+     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
+     "beside the run; --displacement and --velocity name their columns, unless the run's case "
+     "does.\n",
+     "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -35,7 +35,8 @@ USES = {
     "scene": ["case"],
     "fit": ["scene"],
     "trade": ["scene"],
-    "cli": ["fit", "trade"],
+    "report": ["store"],
+    "cli": ["fit", "trade", "report"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -54,6 +55,7 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_file": "store",
     "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",
