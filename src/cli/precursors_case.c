@@ -48,6 +48,7 @@ static lac_status name_columns(cli_foreseer *f, lac_error *err)
         LAC_TRY(name_column(fit->sigma, fit->sigma_unit, "m", &words->sigma, &f->words[2], err));
     }
     words->time = words->time != NULL ? words->time : fit->time;
+    words->time_format = words->time_format != NULL ? words->time_format : fit->time_format;
 out:
     return status;
 }
