@@ -59,11 +59,17 @@ out:
 static lac_status write_file(const precursors_job *job, lac_error *err)
 {
     char libraries[256];
+    const lac_case *c = job->foreseer.source;
+    char *text = c != NULL ? lac_case_text(c) : NULL;
+    if (c != NULL && text == NULL) {
+        return lac_fail_memory(err);
+    }
     const lac_provenance provenance = {
         .title = job->watched.path,
+        .case_text = text,
         .command_line = job->request->command_line,
         .libraries = cli_libraries(libraries, sizeof libraries),
-        .seed = INT64_MIN,
+        .seed = c != NULL ? c->fit.seed : INT64_MIN,
         .now = (double)time(NULL),
     };
     const lac_forecast_file file = {
@@ -76,8 +82,10 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .indicators = job->course != NULL ? job->course->kinds : job->indicators,
         .indicator = job->course != NULL ? job->course->found : job->indicator,
     };
-    return lac_store_forecast(job->request->output, cli_given(job->request, CLI_OPT_FORCE),
-                              &provenance, &file, err);
+    const lac_status status = lac_store_forecast(
+        job->request->output, cli_given(job->request, CLI_OPT_FORCE), &provenance, &file, err);
+    free(text);
+    return status;
 }
 
 lac_status cli_precursors(const cli_request *request, lac_error *err)

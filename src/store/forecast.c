@@ -146,7 +146,8 @@ static const variable variables[] = {
     {"rms",
      "1",
      "rms of the residuals",
-     "in m, of inv8, inv and slo in s/m: the residuals of inverse velocity",
+     "in m, of inv8, inv and slo in s/m: the residuals of inverse velocity; of a case fitted to "
+     "velocities in their logarithm",
      false,
      true,
      {ISSUE, METHOD, -1},

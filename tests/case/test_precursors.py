@@ -9,6 +9,7 @@ import datetime
 import json
 import math
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -137,6 +138,15 @@ class Precursors(unittest.TestCase):
         self.assertEqual(found["points"], answer["series"]["readings"])
         with netCDF4.Dataset(os.path.join(self.folder, "case.nc")) as data:
             self.assertIn("case", data["method"].flag_meanings.split())
+            self.assertIn('dc: "0.05 m"', data.case)  # the case as it was given, defaults filled in
+            self.assertEqual(data.seed, 1)
+
+    def test_a_case_says_how_its_times_are_written(self):
+        with open(os.path.join(SOURCE, "cases/data/creep.csv"), encoding="utf-8") as data:
+            self.write("days.csv", re.sub(r"(?m)^(\d+)-(\d+)-(\d+)T", r"\3.\2.\1 ", data.read()))
+        wanted, data = self.ask(*self.block("--set", "fit.steps=0")), "days.csv"
+        _, *rest = self.block("--set", "fit.steps=0", "--set", "fit.time_format='%d.%m.%Y %H:%M'")
+        self.assertEqual(self.ask(data, *rest)["forecasts"], wanted["forecasts"])
 
     def test_a_case_forecasts_by_its_draws(self):
         with open(os.path.join(SOURCE, "cases/fit/block.yaml"), encoding="utf-8") as case:
