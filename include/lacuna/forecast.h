@@ -80,6 +80,18 @@ typedef struct lac_forecast_kind {
 /// The index-th method in the registry, NULL past the end.
 const lac_forecast_kind *lac_forecast_kind_at(size_t index);
 
+/// The method `case`, which is none of the registry's: lac_foresee (foresee.h) makes it of a case,
+/// and its `fit` is NULL.
+extern const lac_forecast_kind lac_forecast_case;
+
+/// What keeps a forecast from being issued, in words.
+typedef struct lac_forecast_gate {
+    const char *name, *text;
+} lac_forecast_gate;
+
+/// The index-th gate in the order in which they are asked, NULL past the end.
+const lac_forecast_gate *lac_forecast_gate_at(size_t index);
+
 /// A method that stands beside those of the registry: a model of this very slope.
 typedef struct lac_forecast_model {
     const lac_forecast_kind *kind; ///< its own `fit` is NULL

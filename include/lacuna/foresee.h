@@ -5,10 +5,7 @@
 #include "lacuna/fit.h"
 #include "lacuna/forecast.h"
 
-/// The method `case`: the slope's own model, of one cell or of many.
-extern const lac_forecast_kind lac_forecast_case;
-
-/// A case that forecasts.
+/// A case that forecasts: the method lac_forecast_case, the slope's own model of one cell or many.
 typedef struct lac_foresight {
     const lac_case *source; ///< has a section `fit`; outlives the model
     bool dated;             ///< the motion's times are seconds since 1970, else the run's own

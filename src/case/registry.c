@@ -55,9 +55,12 @@ static const lac_descriptor *precursor_at(size_t index)
     return (const void *)lac_precursor_kind_at(index);
 }
 
+// Behind those of the registry the one that a case is.
 static const lac_descriptor *forecast_at(size_t index)
 {
-    return (const void *)lac_forecast_kind_at(index);
+    const lac_forecast_kind *kind = lac_forecast_kind_at(index);
+    const bool next = kind == NULL && index > 0 && lac_forecast_kind_at(index - 1) != NULL;
+    return (const void *)(next ? &lac_forecast_case : kind);
 }
 
 static const lac_kind kinds[] = {

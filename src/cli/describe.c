@@ -82,6 +82,28 @@ static const lac_precursor_kind *precursor_of(const lac_descriptor *model)
     return NULL;
 }
 
+static const lac_forecast_kind *forecast_of(const lac_descriptor *model)
+{
+    const lac_forecast_kind *kind;
+    for (size_t i = 0; (kind = lac_forecast_kind_at(i)) != NULL; i++) {
+        if (&kind->about == model) {
+            return kind;
+        }
+    }
+    return &lac_forecast_case.about == model ? &lac_forecast_case : NULL;
+}
+
+static bool forecasts(const lac_kind *kind) { return forecast_of(kind->at(0)) != NULL; }
+
+static void print_gates(void)
+{
+    const lac_forecast_gate *gate;
+    puts("  no forecast is issued where a gate is shut:");
+    for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
+        cli_row_wrap(gate->name, gate->text);
+    }
+}
+
 static void print_kind(const lac_kind *kind)
 {
     const lac_descriptor *model;
@@ -141,11 +163,9 @@ static void print_use(const lac_kind *kind, const lac_descriptor *model)
 static const char *estimator_of(const lac_descriptor *model)
 {
     const lac_precursor_kind *precursor = precursor_of(model);
-    const lac_forecast_kind *forecast;
-    for (size_t i = 0; (forecast = lac_forecast_kind_at(i)) != NULL; i++) {
-        if (&forecast->about == model) {
-            return forecast->estimator;
-        }
+    const lac_forecast_kind *forecast = forecast_of(model);
+    if (forecast != NULL) {
+        return forecast->estimator;
     }
     return precursor != NULL ? precursor->estimator : NULL;
 }
@@ -167,6 +187,24 @@ static void print_precursor(const lac_precursor_kind *kind)
     }
 }
 
+// What it needs, when it is refused, and how its error becomes intervals.
+static void print_forecast(const lac_forecast_kind *kind)
+{
+    char text[300];
+    if (kind == NULL) {
+        return;
+    }
+    const lac_calibration *c = &kind->calibration;
+    printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
+    printf("  not issued above a misfit of %g\n", kind->worst);
+    (void)snprintf(
+        text, sizeof text,
+        "intervals: 5, 25, 75 and 95 %% of failures come before t + R exp(q E), R = tc - t (of "
+        "a posterior its median), E^2 = error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g",
+        c->spread, c->low90, c->low50, c->high50, c->high90);
+    cli_wrap("  ", text);
+}
+
 static void print_model(const lac_kind *kind, const lac_descriptor *model)
 {
     print_use(kind, model);
@@ -175,6 +213,7 @@ static void print_model(const lac_kind *kind, const lac_descriptor *model)
         cli_wrap("  ", estimator_of(model));
     }
     print_precursor(precursor_of(model));
+    print_forecast(forecast_of(model));
     cli_parameters_print(model->params, model->param_count);
     if (model->reference != NULL && model->reference[0] != '\0') {
         puts("  reference:");
@@ -196,6 +235,31 @@ static void write_precursor(cli_json *json, const lac_precursor_kind *kind)
     cli_json_close(json, ']');
 }
 
+static void write_forecast(cli_json *json, const lac_forecast_kind *kind)
+{
+    const lac_calibration *c = &kind->calibration;
+    cli_json_integer(json, "needs_points", (int64_t)kind->least);
+    cli_json_number(json, "worst_misfit", kind->worst);
+    cli_json_number(json, "spread", c->spread);
+    cli_json_number(json, "low90", c->low90);
+    cli_json_number(json, "low50", c->low50);
+    cli_json_number(json, "high50", c->high50);
+    cli_json_number(json, "high90", c->high90);
+}
+
+static void write_gates(cli_json *json)
+{
+    const lac_forecast_gate *gate;
+    cli_json_open(json, "gates", '[');
+    for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
+        cli_json_open(json, NULL, '{');
+        cli_json_text(json, "name", gate->name);
+        cli_json_text(json, "text", gate->text);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
 static void write_model(cli_json *json, const lac_descriptor *model)
 {
     cli_json_open(json, NULL, '{');
@@ -208,6 +272,9 @@ static void write_model(cli_json *json, const lac_descriptor *model)
     }
     if (precursor_of(model) != NULL) {
         write_precursor(json, precursor_of(model));
+    }
+    if (forecast_of(model) != NULL) {
+        write_forecast(json, forecast_of(model));
     }
     cli_json_close(json, '}');
 }
@@ -229,6 +296,9 @@ static void write_kind(cli_json *json, const lac_kind *kind, const lac_descripto
         }
     }
     cli_json_close(json, ']');
+    if (forecasts(kind)) {
+        write_gates(json);
+    }
     cli_json_close(json, '}');
 }
 
@@ -280,6 +350,9 @@ static void print_text(const subject *s)
     }
     if (s->kind != NULL) {
         print_kind(s->kind);
+    }
+    if (s->kind != NULL && forecasts(s->kind)) {
+        print_gates();
     }
     if (s->section != NULL) {
         printf("%s: %s\n", s->section->name, s->section->summary);

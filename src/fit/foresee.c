@@ -148,18 +148,3 @@ lac_forecast_model lac_foresee(lac_foresight *how)
 {
     return (lac_forecast_model){.kind = &lac_forecast_case, .context = how, .fit = foresee};
 }
-
-const lac_forecast_kind lac_forecast_case = {
-    .about = {.name = "case",
-              .summary = "the slope's own model, fitted and run on",
-              .reference =
-                  "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
-                  "docs/theory/fitting.md"},
-    .estimator = "the case of --case, its section fit's parameters fitted to all readings between "
-                 "time.start and the time of issue by least squares (and sampled where fit.steps > "
-                 "0), run on to failure",
-    .least = 5,
-    .worst = 0.04,
-    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
-                    1.6448536269514722},
-};

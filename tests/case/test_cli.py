@@ -690,6 +690,19 @@ class Describe(Case):
         self.assertEqual(keys["dc"]["unit"], "m")
         self.assertIs(keys["dc"]["cellwise"], True)
 
+    def test_forecasts(self):
+        kind = json.loads(self.expect(0, "describe", "forecast", "--json").stdout)["kinds"][0]
+        text = self.expect(0, "describe", "forecast").stdout
+        self.assertIn("case", [model["name"] for model in kind["models"]])
+        for gate in ("readings", "acceleration", "noise", "points", "fit", "misfit", "vagueness"):
+            self.assertIn(gate, [g["name"] for g in kind["gates"]])
+            self.assertIn(f"\n  {gate} ", text)
+        for model in kind["models"]:
+            self.assertLess(model["low90"], model["low50"])
+            text = self.expect(0, "describe", "forecast", model["name"]).stdout
+            self.assertIn(f"needs at least {model['needs_points']} readings", text)
+            self.assertIn(f"misfit of {model['worst_misfit']:g}", text)
+
     def test_unknown(self):
         done = self.expect(2, "describe", "frction")
         self.assertEqual(done.stderr,

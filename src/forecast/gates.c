@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What keeps a forecast from being issued, in the order in which it is asked: window.c and
+// outlook.c.
+#include "lacuna/forecast.h"
+
+static const lac_forecast_gate gates[] = {
+    {"readings", "of any method: fewer velocities than the long mean of the onset is of (7)"},
+    {"acceleration",
+     "of any method: the mean of the last 3 velocities is not above that of the last 7 (--onset)"},
+    {"noise", "of any method: the last 3 intervals moved the slope by no more than 3 errors of a "
+              "difference of two readings"},
+    {"points", "fewer readings or velocities since the onset than the method needs"},
+    {"fit", "no time of failure follows from the fit, or one that is over"},
+    {"misfit", "rms of the residuals over the range of what was fitted above what the method may "
+               "have"},
+    {"vagueness", "standard error of ln(tc - t) above 1.5"},
+};
+
+const lac_forecast_gate *lac_forecast_gate_at(size_t index)
+{
+    return index < sizeof gates / sizeof *gates ? &gates[index] : NULL;
+}
