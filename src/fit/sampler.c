@@ -183,7 +183,8 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
     e->scratch = malloc(def->walkers * (3 * d + 1) * sizeof *e->scratch);
     if (e->x == NULL || e->proposal == NULL || e->log_density == NULL || e->moved == NULL ||
         e->scratch == NULL) {
-        return lac_fail_memory(err);
+        (void)lac_fail_memory(err);
+        return LAC_ENOMEM; // said here, where clang's analyzer sees it
     }
     memcpy(e->x, start, def->walkers * d * sizeof *e->x);
 #pragma omp parallel for schedule(dynamic) num_threads(def->threads > 1 ? def->threads : 1)
