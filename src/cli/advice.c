@@ -50,12 +50,29 @@ static bool could_have_own_steps(const lac_case *c)
            !(lac_inertia_mass(c) > 0);
 }
 
+// Of the springs on the mean slip [Pa/m].
+static double spring_stiffness(const lac_case *c)
+{
+    double sum = 0;
+    for (size_t i = 0; i < c->shear.count; i++) {
+        const lac_slot *load = &c->shear.item[i];
+        for (size_t k = 0; k < load->about->param_count; k++) {
+            const lac_param *row = &load->about->params[k];
+            if (strcmp(load->about->name, "spring") == 0 && strcmp(row->key, "stiffness") == 0) {
+                sum += *(const double *)((const char *)load->params + row->offset);
+            }
+        }
+    }
+    return sum;
+}
+
 // Softly held by each other, yet never let go.
 static bool slips_one_by_one(const lac_case *c, const cli_estimate *e)
 {
     const lac_transfer_hierarchy *params = c->transfer.params;
     bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
-    return hierarchy && e->stiffness_ratio < soft_ratio && e->stiffness_ratio > least_ratio &&
+    return hierarchy && spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&
+           e->stiffness_ratio > least_ratio &&
            (params->stiffness >= 0 || !(params->ratio < least_level_ratio));
 }
 

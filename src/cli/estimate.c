@@ -217,6 +217,7 @@ static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimat
     }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
+    e->critical = k_crit;
     bool several = !(e->contact_cells <= 1);
     double safe = spread_stability(c) ? safe_spread_ratio : safe_ratio;
     if (k_crit > 0 && several) {
@@ -324,8 +325,10 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 {
     lac_grid grid = lac_interface_grid(&c->interface);
     lac_status status = LAC_OK;
-    *e = (cli_estimate){
-        .grid_cells = (double)lac_grid_cells(&grid), .contact_cells = NAN, .stiffness_ratio = NAN};
+    *e = (cli_estimate){.grid_cells = (double)lac_grid_cells(&grid),
+                        .contact_cells = NAN,
+                        .critical = NAN,
+                        .stiffness_ratio = NAN};
     if (c->surface.about != NULL) {
         status = estimate_surface(c, &grid, e, err);
     } else if (c->domain.about != NULL) {

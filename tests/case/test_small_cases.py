@@ -165,6 +165,8 @@ class Estimates(Small):
         for fidelity, setting, faster in (
                 ("ode", "load.shear=[{sine: {amplitude: 1 kPa, period: 1 hour}}]", None),
                 ("ode", "load.shear=[{ramp: {rate: 1 Pa/s}}]", "events"),
+                ("ode", "load.shear=[{spring: {stiffness: 1 GPa/m, speed: 1 nm/s}}]", "events"),
+                ("ode", "load.shear=[{spring: {stiffness: 1e12, speed: 1 nm/s}}]", None),
                 ("ode", "load.pore_pressure=[{sine: {amplitude: 1 kPa, period: 1 hour}}]", None),
                 ("ode", "friction.aging.alpha=0.2", None), ("ode", "friction.aging.v2=1 m/s", None),
                 ("ode", "solver.method=adams", None), ("ode", "solver.max_order=2", None),
