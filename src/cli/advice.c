@@ -46,8 +46,8 @@ static bool could_have_own_steps(const lac_case *c)
         could = could && !lac_spread_has(&c->friction_spread, refused[i]);
     }
     return could && linear_loads(&c->shear) && linear_loads(&c->pore) && c->run.method == LAC_BDF &&
-           c->run.max_order == 0 && c->formulation == LAC_FORMULATION_RATE &&
-           !(lac_inertia_mass(c) > 0);
+           c->run.max_order == 0 && isnan(c->run.first_step) &&
+           c->formulation == LAC_FORMULATION_RATE && !(lac_inertia_mass(c) > 0);
 }
 
 // Of the springs on the mean slip [Pa/m].
