@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What `cmake --install` puts where: program, library, headers, manual pages, cases.
+# What `cmake --install` puts where: program, libraries, headers, Python module, manual pages,
+# completions, cases. Nothing of it knows its place: the whole may be moved.
 include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
 
 if(TARGET lacuna_program)
   install(TARGETS lacuna_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -12,10 +14,30 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}
 install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CITATION.cff
               ${CMAKE_SOURCE_DIR}/CHANGELOG.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES ${CMAKE_SOURCE_DIR}/docs/embed/creep.c ${CMAKE_SOURCE_DIR}/docs/embed/CMakeLists.txt
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
-# cc program.c $(pkg-config --static --cflags --libs lacuna)
+# cc program.c $(pkg-config --cflags --libs lacuna); with --static the static library and all it needs.
+file(RELATIVE_PATH LACUNA_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+string(REGEX REPLACE "/$" "" LACUNA_PC_PREFIX ${LACUNA_PC_PREFIX})
 configure_file(${CMAKE_SOURCE_DIR}/cmake/lacuna.pc.in ${CMAKE_BINARY_DIR}/lacuna.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/lacuna.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# find_package(lacuna) and the Python module, which are of the shared library.
+if(TARGET lacuna_shared)
+  set(package ${CMAKE_INSTALL_LIBDIR}/cmake/lacuna)
+  install(TARGETS lacuna_shared EXPORT lacuna-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT lacuna-targets NAMESPACE lacuna:: DESTINATION ${package})
+  configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/lacuna-config.cmake.in
+    ${CMAKE_BINARY_DIR}/lacuna-config.cmake INSTALL_DESTINATION ${package}
+    NO_SET_AND_CHECK_MACRO)
+  write_basic_package_version_file(${CMAKE_BINARY_DIR}/lacuna-config-version.cmake
+    COMPATIBILITY SameMinorVersion)
+  install(FILES ${CMAKE_BINARY_DIR}/lacuna-config.cmake
+                ${CMAKE_BINARY_DIR}/lacuna-config-version.cmake DESTINATION ${package})
+  install(FILES ${CMAKE_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages)
+endif()
 
 # Manual pages, where scdoc is there to make them.
 find_program(SCDOC scdoc)
@@ -34,3 +56,27 @@ if(SCDOC)
   add_custom_target(man ALL DEPENDS ${man_pages})
   install(FILES ${man_pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()
+
+# Words for shells, which the program writes itself.
+if(TARGET lacuna_program)
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/completion)
+  set(completions)
+  foreach(shell bash zsh fish)
+    set(words ${CMAKE_BINARY_DIR}/completion/lacuna.${shell})
+    add_custom_command(OUTPUT ${words}
+      COMMAND lacuna_program completion ${shell} > ${words}
+      DEPENDS lacuna_program VERBATIM)
+    list(APPEND completions ${words})
+  endforeach()
+  add_custom_target(completion ALL DEPENDS ${completions})
+  install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.bash RENAME lacuna
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.zsh RENAME _lacuna
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+  install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.fish
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+endif()
+# The documentation as static pages, where mkdocs is there to make them.
+add_custom_target(site COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/docs_site.py
+                  --output ${CMAKE_BINARY_DIR}/site VERBATIM)
+include(cmake/package.cmake)

@@ -94,10 +94,32 @@ target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Ws
 set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
-# Histories of load, and the commands of the tutorials with what they print.
+# Trades, stopped and killed ones among them, and runs that keep an accuracy.
+add_library(stop_at_kept_run MODULE stop/stop_at_kept_run.c)
+target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
+lacuna_python_test(test_trade)
+
+# What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
+# would not let in.
+if(NOT LACUNA_SANITIZE)
+  add_library(count_bytes MODULE memory/count_bytes.c)
+  target_compile_options(count_bytes PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+  target_link_libraries(count_bytes PRIVATE ${CMAKE_DL_LIBS})
+  add_test(NAME case.costs COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --check
+           --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
+  set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+endif()
+
+# Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB tutorials CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md)
-foreach(page ${tutorials})
+file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md
+     ${CMAKE_SOURCE_DIR}/docs/howto-*.md)
+list(FILTER pages EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
+if(NOT TARGET lacuna_shared)
+  list(FILTER pages EXCLUDE REGEX "howto-embed")
+endif()
+foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/README.md)
   get_filename_component(name ${page} NAME_WE)
   add_test(NAME case.${name}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
@@ -137,9 +159,17 @@ lacuna_python_test(test_events)
 # Forecasts of series and runs, wrong series among them.
 lacuna_python_test(test_precursors)
 
+# The page of a run: its numbers, and what a browser makes of it. tools/install-packages --test
+# brings the browser; without it the test fails.
+lacuna_python_test(test_report)
+lacuna_python_test(test_report_page)
+
+# The notebook, and figures for a publication.
+lacuna_python_test(test_pictures)
+
 # Fits, and what they write; the bundled cases for it check, and their files meet CF.
 lacuna_python_test(test_fit)
-foreach(bundled block century)
+foreach(bundled block century century-undriven)
   add_test(NAME case.fit.${bundled}.check
            COMMAND lacuna_program check -q ${CMAKE_SOURCE_DIR}/cases/fit/${bundled}.yaml)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case
@@ -157,3 +187,23 @@ set_tests_properties(case.fit.block.fit case.fit.block.cf PROPERTIES LABELS case
                      ENVIRONMENT ${case_environment})
 set_tests_properties(case.fit.block.fit PROPERTIES FIXTURES_SETUP block_fit)
 set_tests_properties(case.fit.block.cf PROPERTIES FIXTURES_REQUIRED block_fit)
+
+# A friction law made as docs/howto-friction-law.md says, and what its conformance kit says of it.
+if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
+  set(test_howto_law_files ${CMAKE_BINARY_DIR} $<TARGET_FILE:lacuna>)
+  lacuna_python_test(test_howto_law)
+endif()
+
+# The site of the documentation.
+lacuna_python_test(test_site)
+
+# What shells complete.
+lacuna_python_test(test_completion)
+
+# What is installed, its .deb, and the Python module, which are of the shared library.
+if(TARGET lacuna_shared)
+  set(test_install_files ${CMAKE_BINARY_DIR})
+  lacuna_python_test(test_install)
+  set(test_python_files $<TARGET_FILE:lacuna_shared>)
+  lacuna_python_test(test_python)
+endif()

@@ -95,7 +95,7 @@ def describe_kind(kind):
 def describe(tables):
     """The text of every kind and section by its name."""
     texts = {section["name"]: table(section["parameters"]) for section in tables["sections"]}
-    texts.update({kind["name"]: describe_kind(kind) for kind in tables["kinds"]})
+    texts.update({kind["name"]: describe_kind(kind) for kind in tables["kinds"] if kind["command"] is None})
     return texts
 
 

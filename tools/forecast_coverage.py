@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How good forecasts are on simulated failures, of which the time is known.
 
-    forecast_coverage.py [--runs 500] [--trees 100] [--seed 1] [--calibrate] [--program build/lacuna]
+    forecast_coverage.py [--runs 500] [--trees 100] [--cases 40] [--seed 1] [--calibrate] [--program build/lacuna]
 
 Simulates failures, cuts each at a random time, adds noise and gaps, and has `lacuna precursors`
 forecast from what is left: blocks of rate-and-state friction in closed form (docs/theory/creep.md), and
-joints of many cells run by `lacuna run`. Prints a table, in Markdown, of coverage and errors. With
---calibrate it prints the intervals' quantiles instead, as they stand in src/forecast; the table
-must then be made with another seed. The same seed gives the same series.
+joints of many cells run by `lacuna run`, one stretch of some also forecast by the joint's own case (its
+dc, first slip rate and first state unknown). Prints tables, in Markdown, of coverage and errors, and of
+how late inverse velocity is. With --calibrate it prints the intervals' quantiles instead, as they
+stand in src/forecast and src/fit/foresee.c; the tables must then be made with another seed. The same
+seed gives the same series.
 """
 
 import argparse
@@ -40,10 +42,20 @@ time: {{end: "100 year", failure: {{mean_slip_rate: "1 cm/s"}}}}
 solver: {{rtol: 1e-6}}
 """
 
+UNKNOWN = """fit:
+  parameters:
+    friction.aging.dc: {range: ["1 mm", "0.3 m"]}
+    initial.slip_rate: {range: ["0.1 mm/day", "10 mm/day"]}
+    initial.state.ratio_to_steady: {range: [0.2, 0.97], prior: {uniform: {}}}
+  displacement: "d:m"
+  time: t
+  steps: 0
+"""
+NORMAL = numpy.array([-1.6448536269514722, -0.6744897501960817, 0.6744897501960817, 1.6448536269514722])
 
-def block(rng):
-    """Times before failure (falling) and displacements of one block: O1 and O3 in s."""
-    m, x = rng.uniform(1.1, 2.5), rng.uniform(0.05, 0.97)
+
+def whole_block(m, x):
+    """Times before failure (falling), displacements and velocities of one block: O1 to O3 in s."""
     y = x ** (m - 1)
     alpha = m / (m - 1)
     s = numpy.concatenate([numpy.linspace(numpy.log((1 - y) / y), 40, 40001)])
@@ -51,11 +63,16 @@ def block(rng):
     tail = numpy.exp(-alpha * s[-1]) / m
     step = numpy.diff(s) * (rate[1:] + rate[:-1]) / 2
     left = numpy.concatenate([numpy.cumsum(step[::-1])[::-1], [0]]) + tail
-    return left, s / (m - 1)
+    return left, s / (m - 1), numpy.exp(alpha * numpy.logaddexp(0, s))
+
+
+def block(rng):
+    """Of a block drawn at random."""
+    return whole_block(rng.uniform(1.1, 2.5), rng.uniform(0.05, 0.97))[:2]
 
 
 def tree(rng, program, folder, index):
-    """The same of a joint of many cells; None where it does not fail."""
+    """The same of a joint of many cells, and its case; None where it does not fail."""
     levels = int(rng.integers(2, 5))
     text = TREE.format(size=2 ** levels * rng.uniform(1, 20), levels=levels, seed=int(rng.integers(1, 10**6)),
                        dimension=rng.uniform(1.4, 1.9), b=rng.uniform(0.012, 0.02),
@@ -73,10 +90,12 @@ def tree(rng, program, folder, index):
         failed = float(data.failure_time_s)
     os.remove(output)
     keep = time < failed
-    return failed - time[keep], slip[keep]
+    with open(case, "a", encoding="utf-8") as out:
+        out.write(UNKNOWN)
+    return failed - time[keep], slip[keep], case
 
 
-def observe(rng, left, slip):
+def observe(rng, left, slip, scaled):
     """Readings until a random time, with noise and gaps; (times, displacements, failure)."""
     failure = left[0]
     end = failure * (1 - 10 ** rng.uniform(-2, -0.3))
@@ -89,95 +108,171 @@ def observe(rng, left, slip):
     displacement = numpy.interp(failure - times, left[::-1], slip[::-1])
     way = displacement[-1] - displacement[0]
     displacement = displacement + rng.normal(0, way * 10 ** rng.uniform(-3.5, -1.8), len(times))
+    if not scaled:
+        return times, displacement, failure
     scale = 86400 * 30 / failure  # a month
     return times * scale, (displacement - displacement[0]) / way, failure * scale
 
 
 def ask(job):
     """What the program forecasts of one simulated series."""
-    program, folder, index, seed, trees = job
+    program, folder, index, seed, trees, case = job
     rng = numpy.random.default_rng([seed, index])
     motion = tree(rng, program, folder, index) if trees else block(rng)
     if motion is None or len(motion[0]) < 30:
         return []
     answers = []
-    for _ in range(3 if trees else 1):
-        times, displacement, failure = observe(rng, *motion)
+    for stretch in range(3 if trees else 1):
+        times, displacement, failure = observe(rng, *motion[:2], not trees)
+        model = ["--case", motion[2]] if case and stretch == 0 else []
         path = os.path.join(folder, f"series-{index}.csv")
         with open(path, "w", encoding="utf-8") as out:
-            out.write("t,d\n" + "".join(f"{t:.6f},{d:.9f}\n" for t, d in zip(times, displacement)))
-        done = subprocess.run([program, "precursors", path, "--displacement", "d:m", "--json"],
+            out.write("t,d\n" + "".join(f"{t:.6f},{d:.12g}\n" for t, d in zip(times, displacement)))
+        done = subprocess.run([program, "precursors", path, "--displacement", "d:m", "--json", *model],
                               capture_output=True, text=True, check=True)
-        answers.append((failure, times[-1], json.loads(done.stdout)["forecasts"]))
+        answers.append((failure, times[-1], json.loads(done.stdout)["forecasts"], trees))
     return answers
 
 
 def simulate(arguments):
     with tempfile.TemporaryDirectory(prefix="lacuna-coverage-") as folder:
-        jobs = [(arguments.program, folder, i, arguments.seed, i < arguments.trees)
+        # chunks of one: a joint takes far longer than a block
+        jobs = [(arguments.program, folder, i, arguments.seed, i < arguments.trees, i < arguments.cases)
                 for i in range(arguments.runs)]
         with concurrent.futures.ProcessPoolExecutor(arguments.threads) as pool:
-            return [answer for answers in pool.map(ask, jobs, chunksize=4) for answer in answers]
+            return [answer for answers in pool.map(ask, jobs) for answer in answers]
 
 
-def gather(answers, issued_only=True):
-    """{method: [(true remaining, forecast)]}"""
-    found = {}
-    for failure, now, forecasts in answers:
+def gather(answers):
+    """{method: [(true remaining, time of issue, forecast)]} of those issued, {method: number asked}"""
+    found, asked = {}, {}
+    for failure, now, forecasts, _ in answers:
         for f in forecasts:
-            if f["issued"] or not issued_only:
+            asked[f["method"]] = asked.get(f["method"], 0) + 1
+            if f["issued"]:
                 found.setdefault(f["method"], []).append((failure - now, now, f))
-    return found
+    return found, asked
+
+
+def centre_and_errors(now, forecast):
+    """What an interval is about, and the error that each of its four ends counts in."""
+    if forecast["posterior_s"] is None:
+        return forecast["tc_s"] - now, numpy.full(4, forecast["relative_error"])
+    left = numpy.log(numpy.array(forecast["posterior_s"]) - now)
+    return numpy.exp(left[2]), (left[[0, 1, 3, 4]] - left[2]) / NORMAL
 
 
 def calibrate(answers):
-    for method, rows in gather(answers).items():
+    for method, rows in gather(answers)[0].items():
         true = numpy.array([row[0] for row in rows])
-        guess = numpy.array([row[2]["tc_s"] - row[1] for row in rows])
-        error = numpy.array([row[2]["relative_error"] for row in rows])
-        off, best = numpy.log(true / guess), None
+        both = [centre_and_errors(row[1], row[2]) for row in rows]
+        off, best = numpy.log(true / numpy.array([b[0] for b in both])), None
+        errors = numpy.array([b[1] for b in both])
         for spread in (0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2):
-            scale = numpy.hypot(error, spread)
-            q = numpy.quantile(off / scale, [0.05, 0.25, 0.75, 0.95])
-            width = numpy.mean(scale) * (q[3] - q[0])
+            scale = numpy.hypot(errors, spread)
+            q = [numpy.quantile(off / scale[:, k], share) for k, share in enumerate((0.05, 0.25, 0.75, 0.95))]
+            width = numpy.mean(scale[:, 3] * q[3] - scale[:, 0] * q[0])
             if best is None or width < best[0]:
                 best = width, spread, q
         print(f"{method:12s} n {len(rows):5d}  {{{best[1]}, "
               + ", ".join(f"{v:.3f}" for v in best[2]) + "}")
 
 
-def table(answers):
+def within(rows, interval):
+    """Share of the true times in an interval, in percent."""
+    return 100 * numpy.mean([interval(f)[0] <= r + now <= interval(f)[1] for r, now, f in rows])
+
+
+def table(title, answers):
+    print(f"### {title}\n")
     leads = ((0, 0.05), (0.05, 0.15), (0.15, 0.35), (0.35, 1))
     head = ["method", "issued", "in 50 %", "in 90 %", "median error"]
     head += [f"at {100 * a:.0f}-{100 * b:.0f} %" for a, b in leads] + ["late or early"]
     print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
-    for method, rows in gather(answers).items():
+    found, asked = gather(answers)
+    for method, rows in found.items():
         true = numpy.array([row[0] for row in rows])
         span = true + numpy.array([row[1] for row in rows])
         guess = numpy.array([row[2]["tc_s"] - row[1] for row in rows])
-        inside = {key: numpy.mean([f[f"interval{key}_s"][0] <= r + now <= f[f"interval{key}_s"][1]
-                                   for r, now, f in rows]) for key in (50, 90)}
         relative = numpy.abs(guess - true) / true
-        cells = [method, f"{len(rows)}/{len(answers)}", f"{100 * inside[50]:.0f} %",
-                 f"{100 * inside[90]:.0f} %", f"{100 * numpy.median(relative):.0f} %"]
+        cells = [method, f"{len(rows)}/{asked[method]}",
+                 f"{within(rows, lambda f: f['interval50_s']):.0f} %",
+                 f"{within(rows, lambda f: f['interval90_s']):.0f} %", f"{100 * numpy.median(relative):.0f} %"]
         for a, b in leads:
             part = (true / span > a) & (true / span <= b)
             cells.append(f"{100 * numpy.median(relative[part]):.0f} %" if part.sum() > 4 else "-")
         cells.append(f"{numpy.median(guess / true):.2f}")
         print("| " + " | ".join(cells) + " |")
+    rows = [row for row in found.get("block", []) if row[2]["posterior_s"]]
+    if rows:
+        print("\nThe posterior of `block` as it is: "
+              f"{within(rows, lambda f: f['posterior_s'][1:4:2]):.0f} % in 50 %, "
+              f"{within(rows, lambda f: f['posterior_s'][0:5:4]):.0f} % in 90 %.")
+    print()
+
+
+def late(program):
+    """Inverse velocity on exact blocks, m = 1.35: its remaining time over the true one, and the theory's."""
+    print("### How late inverse velocity is on a block, b/a = 1.35\n")
+    print("| x | theory | inv8 | off |\n| --- | --- | --- | --- |")
+    m = 1.35
+    for x in (0.1, 0.5, 0.9):
+        left, slip, speed = whole_block(m, 0.999 ** (1 / (m - 1)))
+        y = x ** (m - 1)
+        now = numpy.interp(numpy.log((1 - y) / y), slip * (m - 1), left)
+        times = numpy.concatenate([numpy.linspace(1.5 * now, 1.01 * now, 20), now * (1 + 1e-4 * numpy.arange(8)[::-1])])
+        rate = numpy.exp(numpy.interp(-times, -left, numpy.log(speed)))
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as out:
+            out.write("t,v\n" + "".join(f"{1e6 * (left[0] - t):.17g},{1e-9 * v:.17g}\n" for t, v in zip(times, rate)))
+            out.flush()
+            done = subprocess.run([program, "precursors", out.name, "--velocity", "v:m/s", "--json", "--since", "0 s"],
+                                  capture_output=True, text=True, check=True)
+        found = next(f for f in json.loads(done.stdout)["forecasts"] if f["method"] == "inv8")
+        theory = x ** m / (m * (1 - y)) / now
+        ratio = (found["tc_s"] - 1e6 * (left[0] - now)) / (1e6 * now)
+        print(f"| {x} | {theory:.3f} | {ratio:.3f} | {100 * (ratio / theory - 1):+.2f} % |")
+    print()
+
+
+def exact(program):
+    """What displacements alone do to each method where v = B/(tc - t) exactly."""
+    print("### Bias where v = B/(tc - t), from exact displacements alone, a tenth of the life left\n")
+    columns = []
+    for n in (15, 30, 60, 120):
+        times = numpy.linspace(0, 0.9e6, n + 1)
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as out:
+            out.write("t,d\n" + "".join(f"{t:.17g},{-numpy.log1p(-t / 1e6):.17g}\n" for t in times))
+            out.flush()
+            done = subprocess.run([program, "precursors", out.name, "--displacement", "d:m", "--json", "--since",
+                                   "0 s"], capture_output=True, text=True, check=True)
+        columns.append({f["method"]: (f["tc_s"] - 1e6) / 1e5 for f in json.loads(done.stdout)["forecasts"]
+                        if f["tc_s"] is not None and f["method"] != "persistence"})
+    print("| readings | " + " | ".join(columns[0]) + " |\n|" + " --- |" * (len(columns[0]) + 1))
+    for n, column in zip((15, 30, 60, 120), columns):
+        print(f"| {n} | " + " | ".join(f"{100 * column[name]:+.2g} %" if abs(column[name]) > 1e-6 else "0"
+                                       for name in columns[0]) + " |")
+    print()
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--runs", type=int, default=500)
     parser.add_argument("--trees", type=int, default=100, help="of the runs: joints of many cells")
+    parser.add_argument("--cases", type=int, default=40, help="of the trees: also forecast by their own case")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--calibrate", action="store_true")
     parser.add_argument("--program", default="build/lacuna")
     arguments = parser.parse_args()
+    arguments.cases = min(arguments.cases, arguments.trees)
     answers = simulate(arguments)
-    (calibrate if arguments.calibrate else table)(answers)
+    if arguments.calibrate:
+        calibrate(answers)
+        return 0
+    table(f"{arguments.runs} failures, {len(answers)} stretches", answers)
+    table("Joints alone", [answer for answer in answers if answer[3]])
+    late(arguments.program)
+    exact(arguments.program)
     return 0
 
 

@@ -22,6 +22,7 @@ CASES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cases", 
 # Of an independent Python program on the same data: to the hour, in 2015 and in the data's own clock.
 CHAMBON = {"inv8": "2015-07-05T09:00", "log": "2015-07-05T11:00", "voight": "2015-07-04T00:00",
            "block": "2015-07-04T05:00", "lppls": "2015-07-04T12:00"}
+CHAMBON_ALPHA = 1.91  # slope of ln(dv/dt) on ln v since 10 June
 CHAMBON_RMS = {"log": 6.0, "voight": 2.3, "block": 2.4, "lppls": 1.08}
 INV8 = {"2015-06-21": "2015-07-03T22:00", "2015-06-23": "2015-07-05T16:00",
         "2015-06-25": "2015-07-06T08:00", "2015-06-27": "2015-07-06T17:00",
@@ -83,6 +84,9 @@ def chambon(program, folder):
     column = ("--displacement", "displacement_mm:mm")
     print("### Chambon 2015, target C15, issued at the last reading, fitted since 13 June\n")
     print_forecasts(program.ask(data, *column, "--since", "2015-06-13"), CHAMBON, CHAMBON_RMS)
+    fitted = of_method(program.ask(data, *column, "--since", "2015-06-10"), "voight")["parameters"]
+    print(f"Voight's exponent on the plane of ln v and ln dv/dt since 10 June: {fitted['alpha_plane']:.2f}, "
+          f"reference {CHAMBON_ALPHA}; of the power law fitted to these displacements: {fitted['alpha']:.2f}\n")
     print("### Chambon, fitted since the onset of acceleration, here the first reading\n")
     print_forecasts(program.ask(data, *column), {"inv": "2015-07-03T13:00", "inv8": CHAMBON["inv8"]})
     print("### Chambon, eight-point inverse velocity as issued\n")
@@ -100,6 +104,13 @@ def century(program):
     print("### Century Mine, prism 31-2008, from day 80 (failure began 23 February 2014, driven by rain)\n")
     print_forecasts(program.ask(data, *column, "--since", "2014-02-08T12:54"),
                     {"log": "2014-02-20T00:00"})
+    print("The same wall over all its readings, one block, without the mine's rain and with it:\n")
+    print("| model | rms | misfit | failure | why not |\n| --- | --- | --- | --- | --- |")
+    for name, case, settings in (("constant load", "century-undriven.yaml", ()), ("rain", "century.yaml", ())):
+        path = os.path.join(CASES, "..", "fit", case)
+        f = of_method(program.ask(data, "--case", path, "--set", "fit.steps=0", *settings), "case")
+        print(f"| {name} | {rms(f)} | {f['misfit']:.3f} | {date(f['tc_s'])} | {f['reason'] or ''} |")
+    print()
 
 
 def vajont(program):

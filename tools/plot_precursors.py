@@ -6,7 +6,8 @@
 
 Displacement and inverse velocity; life expectancy against the time of issue, with the 50 % intervals and, where the time
 of failure is known, the 45 degree line of the truth; the failure windows of all methods at the last
-issue, 50 % and 90 %.
+issue, 50 % and 90 %; the indicators at each time of issue, and the chance that each rises as much without a cause,
+against the time left where it is known.
 """
 
 import argparse
@@ -22,6 +23,16 @@ import netCDF4  # noqa: E402
 import numpy  # noqa: E402
 
 DAY = 86400.0
+# what is drawn of an indicator, if the file has it
+SIZES = {"slipping fraction": "slip_fraction_slip_fraction", "fixed point C": "slip_fraction_critical_fraction",
+         "correlation length (m)": "correlation_length_length_m", "b-value": "b_value_b",
+         "b-positive": "b_positive_b", "moment (N m)": "moment_moment_N_m",
+         "autocorrelation": "slowing_autocorrelation", "variance (m2/s2)": "slowing_variance_m2_s2"}
+CHANCES = {"slip fraction": "slip_fraction_rise_p", "correlation length": "correlation_length_rise_p",
+           "event rate": "event_rate_rise_p", "moment": "moment_rise_p", "b-value": "b_value_fall_p",
+           "variance": "slowing_variance_p", "variance, phases": "slowing_variance_phase_p",
+           "autocorrelation": "slowing_autocorrelation_p",
+           "autocorrelation, phases": "slowing_autocorrelation_phase_p", "log-periodicity": "log_periodicity_p"}
 COLOURS = ["#0072b2", "#56b4e9", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#000000", "#7f7f7f"]
 
 
@@ -44,6 +55,8 @@ class Forecasts:
             failed = getattr(data, "failed_at_s", None)
             self.failed = None if failed is None else (failed - self.start) / DAY
             self.source = data.source_file
+            self.sizes, self.chances = ({label: take(name) for label, name in names.items() if name in data.variables}
+                                        for names in (SIZES, CHANCES))
 
     def axis(self):
         if not self.dated:
@@ -107,7 +120,41 @@ def draw_windows(axes, f):
     axes.set_yticks(range(len(f.methods) - 1), f.methods[:-1])
     axes.set_ylim(len(f.methods) - 1.5, -0.5)
     axes.set_title("failure windows at the last issue: 50 % (thick), 90 % (thin), | the fit", fontsize=9)
-    axes.set_xlabel(f.axis())
+
+
+def issues(axes, f):
+    """Where indicators are drawn: the time of issue, or on a logarithmic axis what was left."""
+    if f.failed is None:
+        axes.set_xlabel(f.axis())
+        return f.issue_time
+    axes.set_xscale("log")
+    axes.invert_xaxis()
+    axes.set_xlabel("days left")
+    return numpy.where(f.issue_time < f.failed, f.failed - f.issue_time, numpy.nan)
+
+
+def draw_sizes(axes, f):
+    """Each over its largest value, which the legend names: they have nothing else in common."""
+    at = issues(axes, f)
+    for k, (label, values) in enumerate(f.sizes.items()):
+        most = numpy.nanmax(numpy.abs(values))
+        if most > 0:
+            axes.plot(at, values / most, ".-", color=COLOURS[k % 8], markersize=4, linewidth=0.8,
+                      label=f"{label}, to {most:.3g}")
+    axes.set_ylabel("indicators, over their largest")
+    axes.legend(fontsize=7, ncol=2)
+
+
+def draw_chances(axes, f):
+    at = issues(axes, f)
+    for k, (label, values) in enumerate(f.chances.items()):
+        axes.plot(at, numpy.maximum(values, 1.2e-4), ".-" if k < 8 else ".--", color=COLOURS[k % 8], markersize=4,
+                  linewidth=0.8, label=label)
+    axes.axhline(0.05, color="k", linestyle=":", linewidth=0.8)
+    axes.set_yscale("log")
+    axes.set_ylim(1e-4, 1.3)
+    axes.set_ylabel("chance without a cause (p)")
+    axes.legend(fontsize=7, ncol=2, loc="lower left")
 
 
 def main():
@@ -116,11 +163,12 @@ def main():
     parser.add_argument("-o", "--output", help="else the file's name with .png")
     arguments = parser.parse_args()
     f = Forecasts(arguments.file)
-    figure, axes = plt.subplots(3, 1, figsize=(8, 10), constrained_layout=True)
-    draw_motion(axes[0], f)
+    panels = [draw_motion, draw_life, draw_windows] + ([draw_sizes] if f.sizes else []) + ([draw_chances] if f.chances else [])
+    figure, axes = plt.subplots(len(panels), 1, figsize=(8, 10 / 3 * len(panels)), constrained_layout=True)
+    for panel, draw in zip(axes, panels):
+        draw(panel, f)
     axes[0].set_title(os.path.basename(f.source), fontsize=9)
-    draw_life(axes[1], f)
-    draw_windows(axes[2], f)
+    axes[2].set_xlabel(f.axis())
     output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
     figure.savefig(output, dpi=110)
     print(output)

@@ -106,6 +106,7 @@ typedef struct lac_fit_def {
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
     char *time;                   ///< column
+    char *time_format;            ///< as lac_series_def has it; NULL
     char *displacement, *displacement_unit;
     char *velocity, *velocity_unit;
     char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none
@@ -114,7 +115,7 @@ typedef struct lac_fit_def {
     int errors;                ///< lac_fit_errors, of displacements
     int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
     int64_t starts; ///< places at which the least squares begin
-    int64_t walkers, steps, burn, seed;
+    int64_t walkers, steps, burn, rounds, seed;
 } lac_fit_def;
 
 /// What `lacuna rg` does with the interface.
@@ -184,10 +185,14 @@ typedef struct lac_case {
     double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;   ///< `end` is NaN where a static case names none
     int formulation;   ///< lac_formulation, never AUTO once read
-    int fft_planning;  ///< 0: estimate, reproducible to the bit
+    double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
+                       ///< picked [1]; NaN: as given
+    bool method_given, formulation_given;
+    int fft_planning;  ///< 0: estimate, reproducible to the bit; 1: measure
     char *output_file; ///< NULL: named after the case
     unsigned fields;   ///< LAC_FIELD_* of store.h
     int64_t compression;
+    int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
     lac_fit_def fit;
     lac_slot_list analysis; ///< indicators to follow
@@ -265,13 +270,14 @@ const char *lac_case_fault(const lac_case *c);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
-/// A kind of model that a case can choose: for `describe` and for slots.
+/// A kind of model that a case can choose, or that a command has: for `describe` and for slots.
 typedef struct lac_kind {
     const char *name;    ///< "friction", "transfer", "surface" ...
     const char *section; ///< where in a case it stands: "friction", "load.shear"
     const char *summary;
     bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
                  ///< not as {MODEL: {...}}
+    const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
     const lac_descriptor *(*at)(size_t index); ///< NULL past the end
 } lac_kind;
 

@@ -11,6 +11,9 @@ enum {
     LAC_FIT_QUANTILES = 5,                  ///< 5, 25, 50, 75 and 95 %
 };
 
+/// R-hat from which on a chain counts as not converged.
+#define LAC_FIT_RHAT 1.05
+
 /// A case being fitted to a series.
 typedef struct lac_fit lac_fit;
 
@@ -55,15 +58,18 @@ typedef struct lac_fit_result {
     double displacement_rms;                   ///< of the best fit [m]; NaN
     double log_rate_rms;                       ///< of the best fit, of ln v [1]; NaN
     double offset;                             ///< zero of the displacements [m]
-    double autocorrelation; ///< of the displacements' successive residuals, white if small [1]
+    double autocorrelation; ///< of successive residuals of displacements, whitened if ar1 [1]
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
-    bool poor; ///< residuals hang together, or exceed that scatter, as white errors do in 1 of 100
+    bool poor; ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
     double log_likelihood; ///< of the best fit, offset integrated out
+    double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
     double failure_error;  ///< its standard error from the least squares [s]
     int64_t runs;          ///< integrations made
     size_t tried, alive;   ///< places tried before the least squares, those with a likelihood
     bool sampled;
+    size_t dropped;                                       ///< steps of each walker before the draws
+    bool converged;                                       ///< R-hat of all below LAC_FIT_RHAT
     double acceptance;                                    ///< of the sampler [1]
     double correlation[LAC_MOST_FITTED][LAC_MOST_FITTED]; ///< of the coordinates
     lac_fit_combination axis[LAC_MOST_FITTED];            ///< [parameters] the loosest first

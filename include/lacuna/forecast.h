@@ -5,7 +5,11 @@
 #include "lacuna/motion.h"
 #include "lacuna/param.h"
 
-enum { LAC_FORECAST_TEXT = 160, LAC_FORECAST_VALUES = 16 };
+enum {
+    LAC_FORECAST_TEXT = 200,
+    LAC_FORECAST_VALUES = 20,
+    LAC_FORECAST_LEVELS = 5, ///< 5, 25, 50, 75 and 95 %
+};
 
 /// What a method is given: the motion since the window's start, nothing after `now`. Times are
 /// seconds before now, so <= 0.
@@ -29,29 +33,33 @@ typedef struct lac_fitted {
 } lac_fitted;
 
 /// What a method found.
-typedef struct lac_fit {
+typedef struct lac_finding {
     double remaining;     ///< time from now to failure [s]; NaN: none
     double error;         ///< standard error of ln remaining, by the fit itself
     double rms;           ///< of the residuals, in `rms_unit`
     const char *rms_unit; ///< "m", or "s/m" of inverse velocities
     double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
     size_t points;        ///< that were fitted
+    bool posterior;       ///< the method has a posterior: `quantile` holds
+    double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
     size_t count;
     lac_fitted value[LAC_FORECAST_VALUES];
     char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
-} lac_fit;
+} lac_finding;
 
 /// Says why there is no forecast, or no value of an indicator.
 /// @return LAC_OK, so that it is one statement
-lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
+lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /// Adds a fitted number.
-void lac_fit_add(lac_fit *fit, const char *key, double value);
+void lac_finding_add(lac_finding *fit, const char *key, double value);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
-/// simulated failures (docs/theory/forecasting.md says which).
+/// simulated failures (docs/theory/forecasting.md says which). Of a method with a posterior
+/// `remaining` is its median there, and `error` each quantile's distance from it over that of a
+/// standard normal distribution: a posterior that is right has the q of that distribution.
 typedef struct lac_calibration {
     double spread, low90, low50, high50, high90;
 } lac_calibration;
@@ -66,11 +74,22 @@ typedef struct lac_forecast_kind {
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*fit)(const lac_window *window, lac_fit *fit, lac_error *err);
+    lac_status (*fit)(const lac_window *window, lac_finding *fit, lac_error *err);
 } lac_forecast_kind;
 
 /// The index-th method in the registry, NULL past the end.
 const lac_forecast_kind *lac_forecast_kind_at(size_t index);
+
+/// A method that stands beside those of the registry: a model of this very slope.
+typedef struct lac_forecast_model {
+    const lac_forecast_kind *kind; ///< its own `fit` is NULL
+    void *context;
+    /// Fits the motion, which ends at `now`, all of it: the window is of methods that know no more
+    /// of the slope.
+    /// @return LAC_OK, also where it says a reason; what ends the whole outlook
+    lac_status (*fit)(void *context, const lac_motion *motion, double now, lac_finding *found,
+                      lac_error *err);
+} lac_forecast_model;
 
 /// How forecasts are made.
 typedef struct lac_forecast_def {
@@ -78,6 +97,7 @@ typedef struct lac_forecast_def {
     double since;     ///< start of what is fitted [s]; NaN: the onset of acceleration
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
+    const lac_forecast_model *model; ///< asked before the baseline; NULL: none
 } lac_forecast_def;
 
 /// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017).
@@ -91,7 +111,7 @@ typedef struct lac_forecast {
     double window_start;                 ///< [s]
     double time;                         ///< of failure [s]; NaN: none
     double low50, high50, low90, high90; ///< [s]; NaN: none
-    lac_fit fit;                         ///< also where it is not issued, as far as it went
+    lac_finding fit;                     ///< also where it is not issued, as far as it went
 } lac_forecast;
 
 /// All methods at the last of the readings given.
@@ -100,7 +120,7 @@ typedef struct lac_outlook {
     bool accelerating;  ///< the gates before any method are open
     double issue_time, window_start;
     size_t count;
-    lac_forecast *forecast; ///< [count] in the order of the registry; owned
+    lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned
 } lac_outlook;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.

@@ -14,10 +14,13 @@ typedef struct lac_rolling {
     lac_forecast *forecast; ///< [issues][methods]
 } lac_rolling;
 
-/// What a caller may stop a long hindcast by.
+/// What a caller may stop a long hindcast by, and see of it.
 typedef struct lac_rolling_watch {
     void *context;
     bool (*go_on)(void *context, size_t done, size_t all); ///< NULL: always
+    void *seer;
+    /// Looks at the outlook of each issue time, in their order; NULL: nobody does.
+    lac_status (*see)(void *seer, const lac_outlook *outlook, lac_error *err);
 } lac_rolling_watch;
 
 /// Forecasts at each reading, from nothing but the readings up to it; where there are more than

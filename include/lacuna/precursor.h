@@ -6,11 +6,12 @@
 
 #include "lacuna/forecast.h"
 
-/// Catalogue of events of a run, as they ended.
+/// Catalogue of events of a run.
 typedef struct lac_event_list {
     size_t n;
     const double *time;   ///< [n] start [s], never decreasing
     const double *moment; ///< [n] [N m]; NaN where not known
+    const double *end;    ///< [n] [s], from when on it is known; NULL: at once
 } lac_event_list;
 
 /// What slips in a run, record by record.
@@ -39,21 +40,37 @@ typedef enum lac_needs { LAC_NEEDS_MOTION = 0, LAC_NEEDS_EVENTS, LAC_NEEDS_CELLS
 /// What an indicator says now.
 typedef struct lac_precursor {
     const struct lac_precursor_kind *kind;
-    lac_fit found; ///< value[0 ... count - 1], points; reason: why there is none
+    lac_finding found; ///< value[0 ... count - 1], points; reason: why there is none
 } lac_precursor;
+
+/// A number that an indicator can give.
+typedef struct lac_precursor_value {
+    const char *key;  ///< ends in its unit where there is one
+    const char *unit; ///< UDUNITS
+    const char *text; ///< what it is
+} lac_precursor_value;
 
 /// An indicator: a row of a table.
 typedef struct lac_precursor_kind {
     lac_descriptor about;
     lac_needs needs;
     const char *estimator; ///< exactly what is computed from what
+    size_t value_count;
+    const lac_precursor_value *value; ///< [value_count] all that it can give, in this order
+    size_t headline;                  ///< which of them a table shows
     /// Looks at what there is; needs are met.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*look)(const lac_observed *seen, lac_fit *found, lac_error *err);
+    lac_status (*look)(const lac_observed *seen, lac_finding *found, lac_error *err);
 } lac_precursor_kind;
 
 /// The index-th indicator in the registry, NULL past the end.
 const lac_precursor_kind *lac_precursor_kind_at(size_t index);
+
+/// What a kind needs: "series", "events" or "cells".
+const char *lac_needs_name(lac_needs needs);
+
+/// What it gave under a key; NaN: nothing.
+double lac_precursor_find(const lac_precursor *found, const char *key);
 
 /// All indicators.
 /// @param out  [LAC_PRECURSORS_MAX]
@@ -61,6 +78,41 @@ const lac_precursor_kind *lac_precursor_kind_at(size_t index);
 enum { LAC_PRECURSORS_MAX = 16 };
 lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
                                lac_error *err);
+
+/// What a source holds besides its motion, all of it: the past of each time is cut from it.
+typedef struct lac_evidence {
+    const lac_event_list *events; ///< NULL: none
+    const lac_slip_history *slip; ///< NULL: none
+    uint64_t seed;                ///< of surrogates
+    size_t surrogates;
+} lac_evidence;
+
+/// All indicators as of an outlook's time of issue: from the motion it saw, the events that had
+/// ended and the records that had been made, tc and start as its log law has them if it issues.
+/// @param out  [LAC_PRECURSORS_MAX]
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
+                             lac_precursor *out, size_t *count, lac_error *err);
+
+/// Indicators in time.
+typedef struct lac_precursor_course {
+    const lac_evidence *evidence; ///< must outlive it
+    size_t most, issues, kinds;
+    lac_precursor *found; ///< [issues][kinds], room for `most`
+} lac_precursor_course;
+
+/// An empty one, with room for `most` times.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursor_course_create(const lac_evidence *evidence, size_t most,
+                                       lac_precursor_course **out, lac_error *err);
+
+/// Frees it; NULL is fine.
+void lac_precursor_course_free(lac_precursor_course *course);
+
+/// Adds the indicators as of an outlook: a lac_rolling_watch's `see`.
+/// @pre   fewer than `most` are there
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursor_course_see(void *course, const lac_outlook *outlook, lac_error *err);
 
 /// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
 /// @param dm     width of the bins that the magnitudes were rounded to; 0: none
@@ -77,17 +129,31 @@ double lac_b_positive(size_t n, const double *magnitude, double least, double *e
 /// Kendall's tau of values against their order, tau-a.
 double lac_kendall(size_t n, const double *values);
 
-/// Rising variance and lag-1 autocorrelation before a transition (Dakos et al. 2008).
+/// Rise of values that hold until the next: chance, if time did not matter, that the last of 20
+/// equal parts of the time has the largest value of all, or its rank. 5 % of false alarms
+/// where the largest may fall anywhere, fewer where values are equal.
+/// @param time  [n] never decreasing
+/// @return from 1/20 to 1; NaN where no time passes
+enum { LAC_RISE_PARTS = 20 };
+double lac_rise_p(size_t n, const double *time, const double *values);
+
+/// Chance that as many of n events as `late` fall into the last half of a time in which they come
+/// at a constant rate.
+double lac_half_p(size_t n, size_t late);
+
+/// Rising variance and lag-1 autocorrelation before a transition (Dakos et al. 2008): Kendall's
+/// tau and the share of surrogates with one as high.
 typedef struct lac_slowing {
-    double variance_tau, variance_p;               ///< Kendall's tau, share of surrogates above it
-    double autocorrelation_tau, autocorrelation_p; ///< same
-    double autocorrelation;                        ///< of the last window
-    double variance;                               ///< same, of the values' unit squared
+    double variance_tau, variance_p, variance_phase_p;
+    double autocorrelation_tau, autocorrelation_p, autocorrelation_phase_p;
+    double autocorrelation; ///< of the last window
+    double variance;        ///< same, of the values' unit squared
 } lac_slowing;
 
 /// Of evenly spaced values: a parabola is taken off, variance and autocorrelation are those of
 /// trailing windows of half the length, tau is over the windows. The surrogates are first-order
-/// autoregressions of the autocorrelation of what is left, put through the same.
+/// autoregressions of the autocorrelation of what is left, and (`phase`) what is left with the
+/// phases of its Fourier transform at random (Theiler et al. 1992), all put through the same.
 /// @pre n >= 12
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,

@@ -14,7 +14,9 @@ typedef struct lac_sampler_def {
     size_t walkers;    ///< even, at least 2 dimension + 2
     size_t steps;      ///< kept of each walker
     size_t burn;       ///< steps before those, dropped
+    double drawing;    ///< share of moves drawn from a density made of the other half
     double stretching; ///< share of stretch moves; the rest goes by the difference of two walkers
+    uint64_t first;    ///< number of the first step: one that goes on from another chain differs
     uint64_t seed;
     int threads; ///< that look at walkers at the same time; < 1 counts as 1
     /// ln of the density, up to a constant; -INFINITY (or NaN) where there is none. It must depend
@@ -37,9 +39,11 @@ typedef struct lac_chain {
 /// Draws from a density with an ensemble of walkers and the stretch move (Goodman & Weare 2010,
 /// doi 10.2140/camcos.2010.5.65; a = 2) and, for the share of moves that is left, differential
 /// evolution (ter Braak 2006, doi 10.1007/s11222-006-8769-1; Nelson et al. 2014), which goes faster
-/// along curved valleys. Half of the ensemble moves after the other, and looks only at it, so that
-/// the walkers of a half move at the same time. Random numbers are functions of (seed, step,
-/// walker): the chain is the same to the bit for any number of threads.
+/// along curved valleys, and draws from a density of the walkers themselves (kernels as wide as the
+/// places about each; at most 128 of them), which forget where they came from. Half of the ensemble
+/// moves after the other, and looks only at it, so that the walkers of a half move at the same
+/// time. Random numbers are functions of (seed, step, walker): the chain is the same to the bit for
+/// any number of threads.
 /// @param start  [walkers][dimension] where they begin; not all in a plane
 /// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density); LAC_EINTERRUPT (the
 ///         chain holds the steps up to there); LAC_ENOMEM

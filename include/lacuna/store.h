@@ -13,12 +13,14 @@ enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TR
 /// Who made a file, from what. Texts may be NULL: the attribute is then left out.
 typedef struct lac_provenance {
     const char *title, *institution, *references;
-    const char *case_text;    ///< the whole resolved case
-    const char *fidelity;     ///< what a run resolved in time; NULL: there is no run
-    const char *command_line; ///< for `history`
-    const char *libraries;    ///< names and versions
-    int64_t seed;             ///< of the surface or domain; INT64_MIN: none
-    double now;               ///< seconds since 1970, UTC: the library reads no clock
+    const char *case_text; ///< the whole resolved case
+    const char *fidelity;  ///< what a run resolved in time; NULL: there is no run
+    const char *accuracy;  ///< what pilot runs picked for which error; NULL: nothing
+    double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
+    const char *command_line;                  ///< for `history`
+    const char *libraries;                     ///< names and versions
+    int64_t seed;                              ///< of the surface or domain; INT64_MIN: none
+    double now; ///< seconds since 1970, UTC: the library reads no clock
 } lac_provenance;
 
 typedef struct lac_store_def {
@@ -30,6 +32,7 @@ typedef struct lac_store_def {
     const lac_domain *domain;
     const lac_hierarchy *hierarchy;
     unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
+    bool single;         ///< records and fields but times are written as floats
     int64_t compression; ///< deflate level of the snapshots, 0 to 9
     int64_t sync_every;  ///< records between syncs
     size_t extras;

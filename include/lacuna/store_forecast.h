@@ -3,16 +3,19 @@
 #define LACUNA_STORE_FORECAST_H
 
 #include "lacuna/hindcast.h"
+#include "lacuna/precursor.h"
 #include "lacuna/store.h"
 
 /// Forecasts, as they are written. Texts are borrowed and may be NULL.
 typedef struct lac_forecast_file {
-    const char *source;         ///< the file that they are of
-    const char *attribution;    ///< of its data
-    bool dated;                 ///< times are seconds since 1970 UTC
-    double failed_at;           ///< [s]; NaN: not known; INFINITY: never
-    const lac_outlook *outlook; ///< at the last reading
-    const lac_rolling *rolling; ///< NULL: the outlook alone is written
+    const char *source;             ///< the file that they are of
+    const char *attribution;        ///< of its data
+    bool dated;                     ///< times are seconds since 1970 UTC
+    double failed_at;               ///< [s]; NaN: not known; INFINITY: never
+    const lac_outlook *outlook;     ///< at the last reading
+    const lac_rolling *rolling;     ///< NULL: the outlook alone is written
+    size_t indicators;              ///< kinds of them; 0: none
+    const lac_precursor *indicator; ///< [issue times][indicators]
 } lac_forecast_file;
 
 /// Writes them to a netCDF-4 file of their own; docs/format.md.

@@ -11,6 +11,7 @@ typedef struct lac_transfer_scene {
     double shear_modulus; ///< G [Pa]; NaN where the case names no material
     double poisson;       ///< nu [1]
     bool line;            ///< a row of cells is a line in plane strain, not a strip as wide
+    bool measure;         ///< Fourier transforms are planned by measuring: quicker, not to the bit
 } lac_transfer_scene;
 
 /// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite. Zero

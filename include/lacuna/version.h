@@ -4,4 +4,7 @@
 
 #define LACUNA_VERSION "0.1.0"
 
+/// LACUNA_VERSION of the library itself: of the headers that it was compiled with.
+const char *lac_version(void);
+
 #endif

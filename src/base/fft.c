@@ -72,23 +72,24 @@ lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
     const int ny = (int)fft->ny;
     const int nkx = (int)fft->nkx;
     fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
+    const unsigned planning = fft->measure ? FFTW_MEASURE : FFTW_ESTIMATE;
     fft->rows = rows;
     fft->lead = fft->ny + 4; // columns a power of two apart would fall on the same cache lines
     fft->block = (double _Complex *)fftw_alloc_complex(BLOCK * fft->lead);
     if (fft->block == NULL) {
         return lac_fail_memory(err);
     }
-    memset(fft->block, 0, BLOCK * fft->lead * sizeof *fft->block);
     fftw_complex *block = (fftw_complex *)fft->block;
     const int lead = (int)fft->lead;
     fft->rows_forward = fftw_plan_many_dft_r2c(1, &nx, (int)rows, fft->real, NULL, 1, nx, spectrum,
-                                               NULL, 1, nkx, FFTW_ESTIMATE);
+                                               NULL, 1, nkx, planning);
     fft->rows_inverse = fftw_plan_many_dft_c2r(1, &nx, (int)rows, spectrum, NULL, 1, nkx, fft->real,
-                                               NULL, 1, nx, FFTW_ESTIMATE);
+                                               NULL, 1, nx, planning);
     fft->block_forward = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
-                                            lead, FFTW_FORWARD, FFTW_ESTIMATE);
+                                            lead, FFTW_FORWARD, planning);
     fft->block_inverse = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
-                                            lead, FFTW_BACKWARD, FFTW_ESTIMATE);
+                                            lead, FFTW_BACKWARD, planning);
+    memset(fft->block, 0, BLOCK * fft->lead * sizeof *fft->block);
     bool planned = fft->rows_forward != NULL && fft->rows_inverse != NULL &&
                    fft->block_forward != NULL && fft->block_inverse != NULL;
     return planned ? LAC_OK : lac_fail_memory(err);

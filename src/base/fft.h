@@ -3,18 +3,22 @@
 #define LACUNA_BASE_FFT_H
 
 #include <complex.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "lacuna/error.h"
 
-/// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE).
+/// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE),
+/// but for filters that were asked to be measured.
 typedef struct lac_fft {
     size_t nx, ny, nkx;        ///< nkx = nx/2 + 1 wavenumbers along x
     double *real;              ///< [ny * nx]
     double _Complex *spectrum; ///< [ny * nkx]; destroyed by the inverse
     void *forward, *inverse;
-    size_t rows; ///< of real that lac_fft_filter reads and writes
-    size_t lead; ///< from column to column in block
+    bool measure; ///< plans of the filter are the quickest of those tried: their last bits differ
+                  ///< from run to run; to be set before lac_fft_plan_filter
+    size_t rows;  ///< of real that lac_fft_filter reads and writes
+    size_t lead;  ///< from column to column in block
     double _Complex *block;
     void *rows_forward, *rows_inverse, *block_forward, *block_inverse;
 } lac_fft;
@@ -32,7 +36,8 @@ void lac_fft_forward(lac_fft *fft);
 /// spectrum -> real, unnormalised (the pair multiplies by nx * ny).
 void lac_fft_inverse(lac_fft *fft);
 
-/// Plans lac_fft_filter and lac_fft_power for data in the first rows only, zeros below.
+/// Plans lac_fft_filter and lac_fft_power for data in the first rows only, zeros below. Overwrites
+/// the buffers.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err);
 

@@ -17,7 +17,7 @@ static bool is_rg(const lac_descriptor *about) { return strcmp(about->name, "rg"
 
 static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *node)
 {
-    const lac_kind *kind = lac_kind_at(LAC_KIND_INDICATOR);
+    const lac_kind *kind = lac_kind_at(LAC_KIND_ANALYSIS);
     const char *names[MOST_INDICATORS];
     size_t n = 0;
     for (; n < MOST_INDICATORS && kind->at(n) != NULL; n++) {

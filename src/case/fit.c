@@ -19,6 +19,10 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
      .doc = "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated",
      TEXT},
     {.key = "time", .doc = "column of times", .offset = FIELD(time), TEXT},
+    {.key = "time_format",
+     .doc = "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ...",
+     .offset = FIELD(time_format),
+     TEXT},
     {.key = "displacement", .doc = "column of displacements, as \"column:unit\"", TEXT},
     {.key = "velocity", .doc = "column of velocities, as \"column:unit\"", TEXT},
     {.key = "sigma",
@@ -66,7 +70,7 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
             "draws from the prior"},
     {.key = "walkers",
      .unit = "1",
-     .fallback = 32,
+     .fallback = 64,
      .min = 4,
      .max = 10000,
      .type = LAC_INTEGER,
@@ -74,7 +78,7 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
      .doc = "of the ensemble sampler; even, at least twice what is estimated"},
     {.key = "steps",
      .unit = "1",
-     .fallback = 2000,
+     .fallback = 600,
      .min = 0,
      .max = 1e7,
      .type = LAC_INTEGER,
@@ -82,12 +86,20 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
      .doc = "kept of each walker; 0: least squares only"},
     {.key = "burn",
      .unit = "1",
-     .fallback = 1000,
+     .fallback = 300,
      .min = 0,
      .max = 1e7,
      .type = LAC_INTEGER,
      .offset = FIELD(burn),
      .doc = "steps before those, dropped"},
+    {.key = "rounds",
+     .unit = "1",
+     .fallback = 3,
+     .min = 0,
+     .max = 20,
+     .type = LAC_INTEGER,
+     .offset = FIELD(rounds),
+     .doc = "times that a chain with R-hat above 1.05 is dropped and one of twice its steps made"},
     {.key = "seed",
      .unit = "1",
      .fallback = 1,
@@ -105,8 +117,8 @@ void lac_fit_clear(lac_fit_def *fit)
     for (size_t i = 0; i < fit->count; i++) {
         free(fit->parameter[i].key);
     }
-    char *texts[] = {fit->time,          fit->displacement, fit->displacement_unit, fit->velocity,
-                     fit->velocity_unit, fit->sigma,        fit->sigma_unit};
+    char *texts[] = {fit->time,     fit->time_format,   fit->displacement, fit->displacement_unit,
+                     fit->velocity, fit->velocity_unit, fit->sigma,        fit->sigma_unit};
     for (size_t i = 0; i < COUNT(texts); i++) {
         free(texts[i]);
     }

@@ -167,22 +167,34 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     return status;
 }
 
-// The whole file, or one byte more than a case may have.
-static lac_status read_file(const char *path, char **text, size_t *size, lac_error *err)
+// Reads to the end of the file, or to one byte more than a case may have.
+static lac_status read_all(FILE *file, const char *path, char **buffer, size_t *size,
+                           lac_error *err)
 {
-    lac_status status = LAC_OK;
-    char *buffer = malloc(LARGEST_FILE + 1);
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) {
-        status = lac_fail(err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
-    } else if (buffer == NULL) {
-        status = lac_fail_memory(err);
-    } else {
-        *size = fread(buffer, 1, LARGEST_FILE + 1, file);
+    for (size_t room = 16 * 1024;; room *= 2) {
+        room = room < LARGEST_FILE ? room : LARGEST_FILE + 1;
+        char *grown = realloc(*buffer, room);
+        if (grown == NULL) {
+            return lac_fail_memory(err);
+        }
+        *buffer = grown;
+        *size += fread(grown + *size, 1, room - *size, file);
         if (ferror(file)) {
-            status = lac_fail(err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
+            return lac_fail(err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
+        }
+        if (*size < room || room > LARGEST_FILE) {
+            return LAC_OK;
         }
     }
+}
+
+static lac_status read_file(const char *path, char **text, size_t *size, lac_error *err)
+{
+    char *buffer = NULL;
+    FILE *file = fopen(path, "rb");
+    lac_status status =
+        file != NULL ? read_all(file, path, &buffer, size, err)
+                     : lac_fail(err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
     if (file != NULL) {
         (void)fclose(file);
     }

@@ -2,6 +2,7 @@
 #include "case/schema.h"
 #include "case/sections.h"
 #include "lacuna/analysis.h"
+#include "lacuna/precursor.h"
 #include "lacuna/surface.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -44,9 +45,19 @@ static const lac_descriptor *spread_at(size_t index)
     return (const void *)lac_spread_kind_at(index);
 }
 
-static const lac_descriptor *indicator_at(size_t index)
+static const lac_descriptor *analysis_at(size_t index)
 {
     return (const void *)lac_indicator_kind_at(index);
+}
+
+static const lac_descriptor *precursor_at(size_t index)
+{
+    return (const void *)lac_precursor_kind_at(index);
+}
+
+static const lac_descriptor *forecast_at(size_t index)
+{
+    return (const void *)lac_forecast_kind_at(index);
 }
 
 static const lac_kind kinds[] = {
@@ -84,10 +95,10 @@ static const lac_kind kinds[] = {
                              "how a parameter varies from cell to cell (also initial.spread and "
                              "interface.spread)",
                          .at = spread_at},
-    [LAC_KIND_INDICATOR] = {.name = "indicator",
-                            .section = "analysis",
-                            .summary = "what a run follows beside its own quantities",
-                            .at = indicator_at},
+    [LAC_KIND_ANALYSIS] = {.name = "analysis",
+                           .section = "analysis",
+                           .summary = "what a run follows beside its own quantities",
+                           .at = analysis_at},
     [LAC_KIND_STRENGTH] = {.name = "strength",
                            .section = "friction.LAW",
                            .summary = "what any friction law can have besides",
@@ -118,6 +129,17 @@ static const lac_kind kinds[] = {
                        .summary = "what a block that slips hands on in the cascade",
                        .option = true,
                        .at = lac_rule_at},
+    [LAC_KIND_PRECURSOR] = {.name = "indicator",
+                            .section = "precursors",
+                            .summary = "what a motion, events and slipping cells say of a failure "
+                                       "to come",
+                            .command = "precursors",
+                            .at = precursor_at},
+    [LAC_KIND_FORECAST] = {.name = "forecast",
+                           .section = "precursors",
+                           .summary = "methods of forecasting the time of failure",
+                           .command = "precursors",
+                           .at = forecast_at},
 };
 
 const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }

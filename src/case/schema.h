@@ -54,13 +54,15 @@ enum {
     LAC_KIND_FRICTION,
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
-    LAC_KIND_INDICATOR,
+    LAC_KIND_ANALYSIS,
     LAC_KIND_STRENGTH, ///< from here on options, which no slot holds
     LAC_KIND_MOMENTUM,
     LAC_KIND_FIDELITY,
     LAC_KIND_METHOD,
     LAC_KIND_FORMULATION,
     LAC_KIND_RULE,
+    LAC_KIND_PRECURSOR, ///< from here on what commands have
+    LAC_KIND_FORECAST,
     LAC_KINDS,
 };
 

@@ -13,6 +13,7 @@
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
 static const char *const history_methods[] = {"direct", "superposed", NULL};
+static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
 const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
@@ -320,6 +321,14 @@ static const lac_param output_rows[] = {
      .type = LAC_INTEGER,
      .offset = FIELD(compression),
      .doc = "deflate level of the fields"},
+    {.key = "precision",
+     .unit = "1",
+     .fallback = 0,
+     .type = LAC_CHOICE,
+     .choices = precisions,
+     .offset = FIELD(single),
+     .doc = "of records and fields but times; a float has seven digits, takes half the space and "
+            "holds nothing below 1e-38"},
 };
 
 static const char *const output_own[] = {"every", "fields", "fields_every", "checkpoint", NULL};

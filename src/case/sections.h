@@ -55,7 +55,7 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// The keys of `solver`.
-enum { LAC_SOLVER_ROWS = 10 };
+enum { LAC_SOLVER_ROWS = 11 };
 extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
 
 /// What is wrong with the solver; chooses the formulation where the case leaves it open.
@@ -81,7 +81,7 @@ void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 
 /// The keys of `fit`.
-enum { LAC_FIT_ROWS = 14 };
+enum { LAC_FIT_ROWS = 16 };
 extern const lac_param lac_fit_rows[LAC_FIT_ROWS];
 extern const char *const lac_fit_own[];
 

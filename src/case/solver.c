@@ -10,7 +10,7 @@ static const char *const methods[] = {"bdf", "adams", "erk", NULL};
 static const char *const fidelities[] = {"ode", "events", "static", NULL};
 static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
 static const char *const answers[] = {"false", "true", NULL};
-static const char *const plannings[] = {"estimate", NULL};
+static const char *const plannings[] = {"estimate", "measure", NULL};
 
 const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
     {.key = "fidelity",
@@ -61,6 +61,15 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .max = 0.1,
      .offset = FIELD(run.rtol),
      .doc = "relative tolerance on slip rate and state"},
+    {.key = "accuracy",
+     .unit = "1",
+     .fallback = NAN,
+     .min = 1e-9,
+     .max = 0.5,
+     .flags = LAC_OPTIONAL,
+     .offset = FIELD(accuracy),
+     .doc = "relative error of the time of failure, or of the mean slip where nothing fails, that "
+            "pilot runs pick rtol for, and method and formulation where they are not given"},
     {.key = "max_order",
      .unit = "1",
      .fallback = 0,
@@ -92,7 +101,8 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .type = LAC_CHOICE,
      .choices = plannings,
      .offset = FIELD(fft_planning),
-     .doc = "of Fourier transforms: estimate is the same to the bit in every run"},
+     .doc = "of an elastic transfer's Fourier transforms: estimate is the same to the bit in every "
+            "run, measure quicker"},
 };
 
 // Cells at steps of their own have one formulation and no method to choose.
@@ -123,6 +133,8 @@ static void check_events(lac_reader *reader, lac_case *c)
 
 void lac_check_solver(lac_reader *reader, lac_case *c)
 {
+    c->method_given = lac_present(reader, "solver.method");
+    c->formulation_given = c->formulation != LAC_FORMULATION_AUTO;
     static const struct {
         const char *name;
         int lowest, highest;
@@ -132,6 +144,9 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
     lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
+    if (!isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT) {
+        lac_blame_key(reader, "solver.accuracy", "is picked for by lacuna run; here rtol counts");
+    }
     if (c->run.fidelity == LAC_FIDELITY_EVENTS) {
         check_events(reader, c);
         return;

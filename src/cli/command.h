@@ -30,7 +30,10 @@ lac_status cli_contact(const cli_request *request, lac_error *err);
 lac_status cli_rg(const cli_request *request, lac_error *err);
 lac_status cli_precursors(const cli_request *request, lac_error *err);
 lac_status cli_fit(const cli_request *request, lac_error *err);
+lac_status cli_trade(const cli_request *request, lac_error *err);
+lac_status cli_report_page(const cli_request *request, lac_error *err);
 lac_status cli_new(const cli_request *request, lac_error *err);
+lac_status cli_completion(const cli_request *request, lac_error *err);
 lac_status cli_describe(const cli_request *request, lac_error *err);
 
 #endif

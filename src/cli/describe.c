@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/parameters.h"
 #include "cli/words.h"
+#include "lacuna/precursor.h"
 
 enum { MAX_NAMES = 64 };
 
@@ -11,8 +12,10 @@ static const lac_kind *find_kind(const char *name)
 {
     const lac_kind *kind;
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        // an option is found by its own name: its section has keys besides
-        bool stands_there = !kind->option && strcmp(kind->section, name) == 0;
+        // an option is found by its own name: its section has keys besides; so is what a command
+        // has
+        bool stands_there =
+            !kind->option && kind->command == NULL && strcmp(kind->section, name) == 0;
         if (strcmp(kind->name, name) == 0 || stands_there) {
             return kind;
         }
@@ -68,12 +71,29 @@ static lac_status unknown_model(const lac_kind *kind, const char *word, lac_erro
     return cli_unknown("describe: ", word, what, names, n, err);
 }
 
+static const lac_precursor_kind *precursor_of(const lac_descriptor *model)
+{
+    const lac_precursor_kind *kind;
+    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
+        if (&kind->about == model) {
+            return kind;
+        }
+    }
+    return NULL;
+}
+
 static void print_kind(const lac_kind *kind)
 {
     const lac_descriptor *model;
-    printf("%s: %s\n", kind->section, kind->summary);
+    printf("%s: %s\n", kind->command != NULL ? kind->name : kind->section, kind->summary);
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
-        cli_row_wrap(model->name, model->summary);
+        const lac_precursor_kind *precursor = precursor_of(model);
+        char text[300];
+        (void)snprintf(text, sizeof text, "%s%s%s%s", model->summary,
+                       precursor != NULL ? " (needs " : "",
+                       precursor != NULL ? lac_needs_name(precursor->needs) : "",
+                       precursor != NULL ? ")" : "");
+        cli_row_wrap(model->name, text);
     }
 }
 
@@ -83,7 +103,15 @@ static void print_overview(void)
     const lac_section *section;
     puts("What a case can choose (lacuna describe KIND NAME has parameters and references):\n");
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        print_kind(kind);
+        if (kind->command == NULL) {
+            print_kind(kind);
+        }
+    }
+    puts("\nWhat lacuna precursors computes:");
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        if (kind->command != NULL) {
+            print_kind(kind);
+        }
     }
     puts("\nSections of plain parameters (lacuna describe SECTION):");
     for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
@@ -94,7 +122,9 @@ static void print_overview(void)
 // How a case names it: a model, the value of a key, or the keys that say it.
 static void print_use(const lac_kind *kind, const lac_descriptor *model)
 {
-    if (!kind->option) {
+    if (kind->command != NULL) {
+        printf("lacuna %s: %s\n", kind->command, model->name);
+    } else if (!kind->option) {
         printf("%s: {%s: {...}}\n", kind->section, model->name);
     } else if (model->param_count == 0) {
         printf("%s: %s\n", kind->section, model->name);
@@ -107,15 +137,63 @@ static void print_use(const lac_kind *kind, const lac_descriptor *model)
     }
 }
 
+// What is computed and from what, of an indicator or a method of forecasting; NULL: neither.
+static const char *estimator_of(const lac_descriptor *model)
+{
+    const lac_precursor_kind *precursor = precursor_of(model);
+    const lac_forecast_kind *forecast;
+    for (size_t i = 0; (forecast = lac_forecast_kind_at(i)) != NULL; i++) {
+        if (&forecast->about == model) {
+            return forecast->estimator;
+        }
+    }
+    return precursor != NULL ? precursor->estimator : NULL;
+}
+
+// What it needs and the numbers that it gives.
+static void print_precursor(const lac_precursor_kind *kind)
+{
+    if (kind == NULL) {
+        return;
+    }
+    printf("  needs %s\n", lac_needs_name(kind->needs));
+    for (size_t i = 0; i < kind->value_count; i++) {
+        const lac_precursor_value *value = &kind->value[i];
+        char text[200];
+        (void)snprintf(text, sizeof text, "%s%s%s", value->text,
+                       strcmp(value->unit, "1") == 0 ? "" : ", ",
+                       strcmp(value->unit, "1") == 0 ? "" : value->unit);
+        cli_row_wrap(value->key, text);
+    }
+}
+
 static void print_model(const lac_kind *kind, const lac_descriptor *model)
 {
     print_use(kind, model);
     cli_wrap("  ", model->summary);
+    if (estimator_of(model) != NULL) {
+        cli_wrap("  ", estimator_of(model));
+    }
+    print_precursor(precursor_of(model));
     cli_parameters_print(model->params, model->param_count);
     if (model->reference != NULL && model->reference[0] != '\0') {
         puts("  reference:");
         cli_wrap("    ", model->reference);
     }
+}
+
+static void write_precursor(cli_json *json, const lac_precursor_kind *kind)
+{
+    cli_json_text(json, "needs", lac_needs_name(kind->needs));
+    cli_json_open(json, "values", '[');
+    for (size_t i = 0; i < kind->value_count; i++) {
+        cli_json_open(json, NULL, '{');
+        cli_json_text(json, "key", kind->value[i].key);
+        cli_json_text(json, "unit", kind->value[i].unit);
+        cli_json_text(json, "text", kind->value[i].text);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
 }
 
 static void write_model(cli_json *json, const lac_descriptor *model)
@@ -125,6 +203,12 @@ static void write_model(cli_json *json, const lac_descriptor *model)
     cli_json_text(json, "summary", model->summary);
     cli_json_text(json, "reference", model->reference);
     cli_parameters_json(json, model->params, model->param_count);
+    if (estimator_of(model) != NULL) {
+        cli_json_text(json, "estimator", estimator_of(model));
+    }
+    if (precursor_of(model) != NULL) {
+        write_precursor(json, precursor_of(model));
+    }
     cli_json_close(json, '}');
 }
 
@@ -137,6 +221,7 @@ static void write_kind(cli_json *json, const lac_kind *kind, const lac_descripto
     cli_json_text(json, "section", kind->section);
     cli_json_text(json, "summary", kind->summary);
     cli_json_boolean(json, "option", kind->option);
+    cli_json_text(json, "command", kind->command);
     cli_json_open(json, "models", '[');
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         if (only == NULL || only == model) {

@@ -17,6 +17,7 @@
 // Everything that a fit holds.
 typedef struct fit_job {
     const cli_request *request;
+    cli_fit_columns columns;
     lac_case *source, *fitted;
     lac_series *series;
     lac_fit *fit;
@@ -32,6 +33,7 @@ static void job_clear(fit_job *job)
     lac_series_free(job->series);
     lac_case_free(job->source);
     lac_case_free(job->fitted);
+    cli_fit_columns_clear(&job->columns);
     free(job->path);
     free(job->case_path);
 }
@@ -41,6 +43,7 @@ static lac_status read_series(fit_job *job, lac_error *err)
     const lac_fit_def *fit = &job->source->fit;
     lac_series_def def = {.path = job->request->argument[1],
                           .time = fit->time,
+                          .time_format = fit->time_format,
                           .displacement = fit->displacement,
                           .displacement_unit = fit->displacement_unit,
                           .velocity = fit->velocity,
@@ -87,10 +90,11 @@ static lac_status name_case(fit_job *job, lac_error *err)
 
 static lac_status prepare(fit_job *job, lac_error *err)
 {
-    const cli_request *request = job->request;
-    const int threads = request->threads > 0 ? request->threads : 1;
+    const int threads = job->request->threads > 0 ? job->request->threads : 1;
     lac_status status;
     lac_case_report report = {0};
+    LAC_TRY(cli_fit_columns_create(job->request, &job->columns, err));
+    const cli_request *request = job->request = &job->columns.request;
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
     LAC_TRY(cli_output_path(request, job->source, NULL, "-fit.nc", &job->path, err));
     LAC_TRY(name_case(job, err));
@@ -141,6 +145,7 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
                          .wall_time = cli_clock() - job->started};
     LAC_TRY(cli_fit_store(job->request, &view, err));
     LAC_TRY(cli_fit_write_case(&view, job->fitted, err));
+    cli_fit_warn(job->request, &job->result);
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_fit_json(&view);
     } else {

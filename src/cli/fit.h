@@ -14,8 +14,22 @@ typedef struct cli_fit_view {
     double wall_time;
 } cli_fit_view;
 
-/// Whether the draws can be relied on: R-hat of every unknown below 1.05.
-bool cli_fit_converged(const lac_fit_result *result);
+enum { CLI_FIT_COLUMNS = 5 };
+
+/// A request whose options for the columns are settings of the case.
+typedef struct cli_fit_columns {
+    cli_request request; ///< borrows from the one it was made of
+    lac_override *overrides;
+    char *text[CLI_FIT_COLUMNS];
+} cli_fit_columns;
+
+/// @return LAC_OK; LAC_ENOMEM. To be cleared whatever the status.
+lac_status cli_fit_columns_create(const cli_request *request, cli_fit_columns *out, lac_error *err);
+void cli_fit_columns_clear(cli_fit_columns *columns);
+
+/// Says on stderr, unless -q is given, that the draws cannot be relied on, which unknown was
+/// sampled worst and what it trades off with.
+void cli_fit_warn(const cli_request *request, const lac_fit_result *result);
 
 /// Prints it on stdout.
 void cli_fit_print(const cli_fit_view *view, bool verbose);

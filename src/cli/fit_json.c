@@ -108,9 +108,9 @@ static void put_sampler(cli_json *json, const cli_fit_view *view)
     cli_json_open(json, "sampler", '{');
     cli_json_integer(json, "walkers", (int64_t)chain->walkers);
     cli_json_integer(json, "steps", (int64_t)chain->steps);
-    cli_json_integer(json, "burn", view->source->fit.burn);
+    cli_json_integer(json, "burn", (int64_t)view->result->dropped);
     cli_json_integer(json, "seed", view->source->fit.seed);
-    cli_json_boolean(json, "converged", cli_fit_converged(view->result));
+    cli_json_boolean(json, "converged", view->result->converged);
     cli_json_number(json, "acceptance", view->result->acceptance);
     cli_json_close(json, '}');
 }
@@ -130,6 +130,7 @@ void cli_fit_json(const cli_fit_view *view)
     cli_json_number(&json, "rms_ln_rate", r->log_rate_rms);
     cli_json_number(&json, "offset_m", r->offset);
     cli_json_number(&json, "log_likelihood", r->log_likelihood);
+    cli_json_number(&json, "bic", r->bic);
     cli_json_number(&json, "residual_autocorrelation", r->autocorrelation);
     cli_json_number(&json, "scatter_m", r->scatter);
     cli_json_boolean(&json, "fits_badly", r->poor);

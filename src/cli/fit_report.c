@@ -138,13 +138,39 @@ static void print_identifiability(const lac_fit_result *r, bool verbose)
     }
 }
 
-bool cli_fit_converged(const lac_fit_result *r)
+// The unknown with the largest R-hat, and the parameter most correlated with it; itself if none is.
+static void find_worst(const lac_fit_result *r, size_t *worst, size_t *partner)
 {
-    bool good = r->sampled;
-    for (size_t k = 0; k < r->unknowns; k++) {
-        good = good && r->unknown[k].converged.rhat < 1.05;
+    *worst = 0;
+    for (size_t k = 1; k < r->unknowns; k++) {
+        *worst = r->unknown[k].converged.rhat > r->unknown[*worst].converged.rhat ? k : *worst;
     }
-    return good;
+    *partner = *worst;
+    double most = 0.0;
+    for (size_t k = 0; *worst < r->parameters && k < r->parameters; k++) {
+        double c = fabs(r->correlation[*worst][k]);
+        if (k != *worst && c > most) {
+            most = c;
+            *partner = k;
+        }
+    }
+}
+
+void cli_fit_warn(const cli_request *request, const lac_fit_result *r)
+{
+    size_t worst, partner;
+    char with[200] = "";
+    if (!r->sampled || r->converged || cli_given(request, CLI_OPT_QUIET)) {
+        return;
+    }
+    find_worst(r, &worst, &partner);
+    if (partner != worst) {
+        (void)snprintf(with, sizeof with, ", whose correlation with %s is %.3f",
+                       r->unknown[partner].key, r->correlation[worst][partner]);
+    }
+    cli_note("warning: the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its "
+             "intervals are not to be relied on: take more fit.rounds, or hold what trades off",
+             r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
 }
 
 static void print_posterior(const lac_case *c, const lac_fit_result *r)
@@ -153,11 +179,11 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     if (!r->sampled) {
         return;
     }
-    cli_row("sampler", "%zu walkers, %zu steps kept, acceptance %.2f", r->chain->walkers,
-            r->chain->steps, r->acceptance);
-    if (!cli_fit_converged(r)) {
-        cli_row("", "has not converged (R-hat above 1.05): take more fit.steps, or fix what trades "
-                    "off");
+    cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f", r->chain->walkers,
+            r->chain->steps, r->dropped, r->acceptance);
+    if (!r->converged) {
+        cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
+                LAC_FIT_RHAT);
     }
     for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
         (void)when(c, r->failures.quantile[q], text[q], sizeof text[q]);

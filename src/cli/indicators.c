@@ -4,44 +4,33 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include "lacuna/store_events.h"
 
 enum { SEED = 1, SURROGATES = 199 };
 
-// What the file of a run holds besides its motion.
-typedef struct run_cells {
-    lac_stored_values event_time, event_duration, event_moment;
-    lac_stored_values time, n_slip, n_tot, length, critical;
-    lac_event_list events;
-    lac_slip_history slip;
-} run_cells;
-
-static void clear(run_cells *r)
+void cli_cells_clear(cli_cells *cells)
 {
-    lac_stored_values *const all[] = {&r->event_time, &r->event_duration, &r->event_moment,
-                                      &r->time,       &r->n_slip,         &r->n_tot,
-                                      &r->length,     &r->critical};
+    lac_stored_values *const all[] = {
+        &cells->event_time, &cells->event_duration, &cells->event_moment, &cells->time,
+        &cells->n_slip,     &cells->n_tot,          &cells->length,       &cells->critical};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         lac_stored_values_clear(all[i]);
     }
 }
 
-static lac_status read_cells(const char *path, run_cells *r, lac_error *err)
+static lac_status read_values(const char *path, cli_cells *c, lac_error *err)
 {
     const struct {
         const char *name;
         lac_stored_values *to;
     } wanted[] = {
-        {"event_time", &r->event_time},
-        {"event_duration", &r->event_duration},
-        {"event_moment", &r->event_moment},
-        {"time", &r->time},
-        {"n_slip", &r->n_slip},
-        {"n_tot", &r->n_tot},
-        {"correlation_length", &r->length},
-        {"critical_fraction", &r->critical},
+        {"event_time", &c->event_time},
+        {"event_duration", &c->event_duration},
+        {"event_moment", &c->event_moment},
+        {"time", &c->time},
+        {"n_slip", &c->n_slip},
+        {"n_tot", &c->n_tot},
+        {"correlation_length", &c->length},
+        {"critical_fraction", &c->critical},
     };
     lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -51,9 +40,9 @@ out:
     return status;
 }
 
-// An event by its start and moment, to be put in the order of starts.
+// An event, to be put in the order of starts.
 typedef struct event {
-    double time, moment;
+    double time, end, moment;
 } event;
 
 static int compare(const void *left, const void *right)
@@ -63,97 +52,82 @@ static int compare(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-// The events that have ended by `now`, in the order of their starts, on the series' clock.
-static lac_status keep_events(run_cells *r, double start, double now, lac_error *err)
+// The events in the order of their starts, on the series' clock.
+static lac_status sort_events(cli_cells *c, double start, lac_error *err)
 {
-    const size_t n = r->event_time.n;
+    const size_t n = c->event_time.n;
     event *list = malloc((n > 0 ? n : 1) * sizeof *list);
     size_t kept = 0;
     if (list == NULL) {
         return lac_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        if (r->event_time.value[i] + r->event_duration.value[i] + start <= now) {
-            list[kept++] = (event){r->event_time.value[i] + start, r->event_moment.value[i]};
+        const double from = c->event_time.value[i] + start;
+        const double to = c->event_time.value[i] + c->event_duration.value[i] + start;
+        if (isfinite(from) && isfinite(to)) {
+            list[kept++] = (event){from, to, c->event_moment.value[i]};
         }
     }
     qsort(list, kept, sizeof *list, compare);
     for (size_t i = 0; i < kept; i++) {
-        r->event_time.value[i] = list[i].time;
-        r->event_moment.value[i] = list[i].moment;
+        c->event_time.value[i] = list[i].time;
+        c->event_duration.value[i] = list[i].end;
+        c->event_moment.value[i] = list[i].moment;
     }
     free(list);
-    r->events = (lac_event_list){kept, r->event_time.value, r->event_moment.value};
+    c->events = (lac_event_list){.n = kept,
+                                 .time = c->event_time.value,
+                                 .moment = c->event_moment.value,
+                                 .end = c->event_duration.value};
     return LAC_OK;
 }
 
-// The records up to `now` that hold slipping blocks.
-static void keep_slip(run_cells *r, double start, double now)
+// The records of slipping blocks, on the series' clock.
+static void take_slip(cli_cells *c, double start)
 {
-    size_t n = r->time.n < r->n_slip.n ? r->time.n : r->n_slip.n;
-    n = n < r->length.n ? n : r->length.n;
+    size_t n = c->time.n < c->n_slip.n ? c->time.n : c->n_slip.n;
+    n = n < c->length.n ? n : c->length.n;
     for (size_t i = 0; i < n; i++) {
-        r->time.value[i] += start;
+        c->time.value[i] += start;
     }
-    while (n > 0 && (!(r->time.value[n - 1] <= now) || isnan(r->length.value[n - 1]))) {
-        n--;
-    }
-    r->slip = (lac_slip_history){.n = n,
-                                 .levels = r->n_slip.width,
-                                 .time = r->time.value,
-                                 .n_slip = r->n_slip.value,
-                                 .n_tot = r->n_tot.value,
-                                 .length = r->length.value,
+    c->slip = (lac_slip_history){.n = n,
+                                 .levels = c->n_slip.width,
+                                 .time = c->time.value,
+                                 .n_slip = c->n_slip.value,
+                                 .n_tot = c->n_tot.value,
+                                 .length = c->length.value,
                                  .critical_fraction =
-                                     r->critical.value != NULL ? r->critical.value[0] : NAN};
+                                     c->critical.value != NULL ? c->critical.value[0] : NAN};
 }
 
-static void set_time_of_failure(const lac_outlook *o, lac_observed *seen)
+lac_status cli_cells_read(const cli_watched *watched, cli_cells *out, lac_error *err)
 {
-    for (size_t k = 0; k < o->count; k++) {
-        const lac_forecast *f = &o->forecast[k];
-        if (strcmp(f->kind->about.name, "log") == 0 && f->issued) {
-            seen->tc = f->time;
-            seen->start = f->window_start;
-        }
-    }
-}
-
-lac_status cli_indicators_look(const cli_watched *watched, const lac_outlook *outlook,
-                               cli_indicators *out, lac_error *err)
-{
-    run_cells r = {0};
-    lac_observed seen = {
-        .motion = outlook->motion, .tc = NAN, .start = NAN, .seed = SEED, .surrogates = SURROGATES};
     lac_status status = LAC_OK;
-    set_time_of_failure(outlook, &seen);
-    if (watched->run) {
-        LAC_TRY(read_cells(watched->path, &r, err));
-        const bool events = r.event_time.value != NULL && r.event_duration.value != NULL &&
-                            r.event_moment.value != NULL;
-        const bool cells = r.time.value != NULL && r.n_slip.value != NULL &&
-                           r.n_tot.value != NULL && r.length.value != NULL;
-        if (events) {
-            LAC_TRY(keep_events(&r, watched->start, outlook->issue_time, err));
-            seen.events = &r.events;
-        }
-        if (cells) {
-            keep_slip(&r, watched->start, outlook->issue_time);
-            seen.slip = &r.slip;
-        }
+    *out = (cli_cells){.evidence = {.seed = SEED, .surrogates = SURROGATES}};
+    if (!watched->run) {
+        return LAC_OK;
     }
-    LAC_TRY(lac_precursors_look(&seen, out->found, &out->count, err));
+    LAC_TRY(read_values(watched->path, out, err));
+    if (out->event_time.value != NULL && out->event_duration.value != NULL &&
+        out->event_moment.value != NULL) {
+        LAC_TRY(sort_events(out, watched->start, err));
+        out->evidence.events = &out->events;
+    }
+    if (out->time.value != NULL && out->n_slip.value != NULL && out->n_tot.value != NULL &&
+        out->length.value != NULL) {
+        take_slip(out, watched->start);
+        out->evidence.slip = &out->slip;
+    }
 out:
-    clear(&r);
     return status;
 }
 
-void cli_indicators_print(const cli_indicators *indicators)
+void cli_indicators_print(size_t count, const lac_precursor *indicator)
 {
     printf("\n  indicator\n");
-    for (size_t k = 0; k < indicators->count; k++) {
-        const lac_fit *found = &indicators->found[k].found;
-        printf("  %-19s", indicators->found[k].kind->about.name);
+    for (size_t k = 0; k < count; k++) {
+        const lac_finding *found = &indicator[k].found;
+        printf("  %-19s", indicator[k].kind->about.name);
         for (size_t i = 0; i < found->count; i++) {
             printf(" %s %.4g", found->value[i].key, found->value[i].value);
         }
@@ -166,21 +140,79 @@ void cli_indicators_print(const cli_indicators *indicators)
     }
 }
 
-static const char *needs_name(lac_needs needs)
+// What a table shows of an indicator; NaN: it has nothing to say.
+static double headline(const lac_precursor *p)
 {
-    static const char *const names[] = {
-        [LAC_NEEDS_MOTION] = "motion", [LAC_NEEDS_EVENTS] = "events", [LAC_NEEDS_CELLS] = "cells"};
-    return names[needs];
+    return lac_precursor_find(p, p->kind->value[p->kind->headline].key);
 }
 
-void cli_indicators_json(cli_json *json, const cli_indicators *indicators)
+// Which kinds a table shows: those that say something at some time.
+static size_t find_shown(const lac_precursor_course *course, size_t *shown)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < course->kinds; k++) {
+        bool any = false;
+        for (size_t i = 0; i < course->issues; i++) {
+            any = any || !isnan(headline(&course->found[i * course->kinds + k]));
+        }
+        if (any) {
+            shown[count++] = k;
+        }
+    }
+    return count;
+}
+
+static void print_heads(size_t count, const size_t *shown)
+{
+    printf("\n  indicators            ");
+    for (size_t k = 0; k < count; k++) {
+        printf(" %18s", lac_precursor_kind_at(shown[k])->about.name);
+    }
+    printf("\n  %-22s", "");
+    for (size_t k = 0; k < count; k++) {
+        const lac_precursor_kind *kind = lac_precursor_kind_at(shown[k]);
+        printf(" %18s", kind->value[kind->headline].key);
+    }
+    printf("\n");
+}
+
+void cli_course_print(const cli_precursors_result *r)
+{
+    const lac_precursor_course *course = r->course;
+    size_t shown[LAC_PRECURSORS_MAX];
+    const size_t count = find_shown(course, shown);
+    char text[40];
+    if (count == 0) {
+        return;
+    }
+    print_heads(count, shown);
+    for (size_t i = 0; i < course->issues; i++) {
+        double value[LAC_PRECURSORS_MAX];
+        bool any = false;
+        for (size_t k = 0; k < count; k++) {
+            value[k] = headline(&course->found[i * course->kinds + shown[k]]);
+            any = any || !isnan(value[k]);
+        }
+        if (!any) {
+            continue;
+        }
+        printf("  %-22s", cli_precursors_when(r, r->rolling->issue_time[i], text, sizeof text));
+        for (size_t k = 0; k < count; k++) {
+            (void)snprintf(text, sizeof text, isnan(value[k]) ? "." : "%.4g", value[k]);
+            printf(" %18s", text);
+        }
+        printf("\n");
+    }
+}
+
+void cli_indicators_json(cli_json *json, size_t count, const lac_precursor *indicator)
 {
     cli_json_open(json, "indicators", '[');
-    for (size_t k = 0; k < indicators->count; k++) {
-        const lac_precursor *p = &indicators->found[k];
+    for (size_t k = 0; k < count; k++) {
+        const lac_precursor *p = &indicator[k];
         cli_json_open(json, NULL, '{');
         cli_json_text(json, "indicator", p->kind->about.name);
-        cli_json_text(json, "needs", needs_name(p->kind->needs));
+        cli_json_text(json, "needs", lac_needs_name(p->kind->needs));
         cli_json_integer(json, "points", (int64_t)p->found.points);
         cli_json_text(json, "reason", p->found.reason[0] != '\0' ? p->found.reason : NULL);
         cli_json_open(json, "values", '{');

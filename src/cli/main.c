@@ -35,16 +35,18 @@ static int exit_status(lac_status status)
 static void print_help(void)
 {
     const cli_command *command;
-    puts("Lacuna: creep, acceleration and failure of rough rock joints.\n\n"
+    // A screen of 24 lines holds it all.
+    puts("Lacuna: creep, acceleration and failure of rough rock joints.\n"
          "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
     for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
-        printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
+        if ((command->options & CLI_OPT_UNLISTED) == 0) {
+            printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
+        }
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
     cli_options_help(CLI_OPT_COMMON);
     puts("example: lacuna new && lacuna run case.yaml\n"
-         "Exit status: 0 done, 1 the computation failed, 2 the request is wrong,\n"
-         "             3 a file could not be read or written, 4 interrupted.");
+         "Exit status: 0 done, 1 computation broke, 2 request wrong, 3 file, 4 interrupted");
 }
 
 static void print_command_help(const cli_command *command)

@@ -8,18 +8,12 @@
 #include "cli/command.h"
 #include "cli/words.h"
 
-typedef struct option {
-    unsigned bit;
-    char letter;       // '\0': none
-    const char *name;  // without the dashes
-    const char *value; // what its value is called; NULL: takes none
-    const char *doc;
-} option;
+typedef cli_option option;
 
 static const option table[] = {
-    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the netCDF file"},
+    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the file"},
     {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
-    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from the file's last checkpoint"},
+    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from what was kept when it was stopped"},
     {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
     {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
     {CLI_OPT_BOXES, '\0', "boxes", "S:S", "sides of boxes that D_box is fitted to: 2:32"},
@@ -27,6 +21,7 @@ static const option table[] = {
     {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
     {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
     {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
+    {CLI_OPT_COMPARE, '\0', "compare", "SERIES", "monitoring data to lay beside the run"},
     {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
     {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
      "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
@@ -42,6 +37,15 @@ static const option table[] = {
     {CLI_OPT_FORECAST, '\0', "issues", "N", "issue times of --rolling at most: 200"},
     {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
     {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
+    {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
+    {CLI_OPT_TRADE, '\0', "quantity", "NAME",
+     "failure, limit, slip, rate, peak-rate, q-crit, events"},
+    {CLI_OPT_TRADE, '\0', "reach", "ERROR", "to reach: 1%, or \"1 h\" of a time of failure"},
+    {CLI_OPT_TRADE, '\0', "spend", "TIME", "that a run may take: \"10 min\""},
+    {CLI_OPT_TRADE, '\0', "dials", "LIST", "rtol,method, or positions: rtol=1e-3:1e-6,levels"},
+    {CLI_OPT_TRADE, '\0', "crossed", NULL, "every position of a dial with every other"},
+    {CLI_OPT_TRADE, '\0', "jobs", "N", "runs at a time (default: one a processor)"},
+    {CLI_OPT_ACCURACY, '\0', "accuracy", "ERROR", "to keep: 1%; pilot runs pick the settings"},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -60,6 +64,7 @@ static const struct {
     const char *name;
     size_t offset;
 } places[] = {
+    {"compare", offsetof(cli_request, compare)},
     {"time", offsetof(cli_request, series.time)},
     {"time-format", offsetof(cli_request, series.time_format)},
     {"displacement", offsetof(cli_request, series.displacement)},
@@ -73,6 +78,13 @@ static const struct {
     {"issues", offsetof(cli_request, forecast.issues)},
     {"failed-at", offsetof(cli_request, forecast.failed_at)},
     {"horizon", offsetof(cli_request, forecast.horizon)},
+    {"case", offsetof(cli_request, forecast.case_file)},
+    {"quantity", offsetof(cli_request, trade.quantity)},
+    {"reach", offsetof(cli_request, trade.reach)},
+    {"spend", offsetof(cli_request, trade.spend)},
+    {"dials", offsetof(cli_request, trade.dials)},
+    {"crossed", offsetof(cli_request, trade.crossed)},
+    {"jobs", offsetof(cli_request, trade.jobs)},
 };
 
 static void keep_word(cli_request *request, const option *o, const char *value)
@@ -84,6 +96,8 @@ static void keep_word(cli_request *request, const option *o, const char *value)
         }
     }
 }
+
+const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
 
 void cli_options_help(unsigned mask)
 {
@@ -140,26 +154,31 @@ static lac_status unknown_name(const char *name, size_t length, lac_error *err)
     return cli_unknown("", given, "option", names, OPTIONS, err);
 }
 
-static lac_status add_override(cli_request *request, const char *text, lac_error *err)
+static lac_status keep_override(cli_request *request, const char *key, size_t length,
+                                const char *value, lac_error *err)
 {
-    const char *equals = strchr(text, '=');
-    if (equals == NULL || equals == text) {
-        return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", text);
-    }
     size_t n = request->set_count;
     lac_override *grown = realloc(request->overrides, (n + 1) * sizeof *grown);
     if (grown == NULL) {
         return lac_fail_memory(err);
     }
     request->overrides = grown;
-    char *copy = strdup(text);
+    char *copy = strndup(key, length);
     if (copy == NULL) {
         return lac_fail_memory(err);
     }
-    copy[equals - text] = '\0';
-    grown[n] = (lac_override){.key = copy, .value = copy + (equals - text) + 1};
+    grown[n] = (lac_override){.key = copy, .value = value};
     request->set_count = n + 1;
     return LAC_OK;
+}
+
+static lac_status add_override(cli_request *request, const char *text, lac_error *err)
+{
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text) {
+        return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", text);
+    }
+    return keep_override(request, text, (size_t)(equals - text), equals + 1, err);
 }
 
 static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
@@ -208,6 +227,8 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         break;
     case CLI_OPT_SET:
         return add_override(request, value, err);
+    case CLI_OPT_ACCURACY:
+        return keep_override(request, "solver.accuracy", strlen("solver.accuracy"), value, err);
     case CLI_OPT_THREADS:
         return set_threads(request, value, err);
     default:

@@ -30,6 +30,10 @@ enum {
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
+    CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
+    CLI_OPT_ACCURACY = 1 << 27, ///< of a run
+    CLI_OPT_COMPARE = 1 << 28,
+    CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
@@ -37,14 +41,30 @@ enum {
 
 enum { CLI_MAX_ARGUMENTS = 2 };
 
+/// One option.
+typedef struct cli_option {
+    unsigned bit;
+    char letter;       ///< '\0': none
+    const char *name;  ///< without the dashes
+    const char *value; ///< what its value is called; NULL: takes none
+    const char *doc;
+} cli_option;
+
+/// The index-th option, NULL past the end.
+const cli_option *cli_option_at(size_t index);
+
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {
     const char *time, *time_format, *displacement, *velocity, *sigma;
 } cli_series_words;
 
 typedef struct cli_forecast_words {
-    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon;
+    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file;
 } cli_forecast_words;
+
+typedef struct cli_trade_words {
+    const char *quantity, *reach, *spend, *dials, *crossed, *jobs;
+} cli_trade_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
 typedef struct cli_request {
@@ -55,11 +75,13 @@ typedef struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
+    const char *compare;                               ///< a series laid beside a run
     cli_series_words series;
     cli_forecast_words forecast;
+    cli_trade_words trade;
     int threads;             ///< 0: not given
     size_t set_count;        ///< --set, in order
-    lac_override *overrides; ///< [set_count]; keys owned, values point into them
+    lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     char *command_line;      ///< owned
 } cli_request;
 

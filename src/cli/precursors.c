@@ -16,11 +16,15 @@
 typedef struct precursors_job {
     const cli_request *request;
     lac_units *units;
+    cli_foreseer foreseer;
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
-    cli_indicators indicators;
+    cli_cells cells;
+    size_t indicators;
+    lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_rolling *rolling;
+    lac_precursor_course *course;
     lac_skill *skill;
 } precursors_job;
 
@@ -33,8 +37,11 @@ static bool go_on(void *context, size_t done, size_t all)
 static lac_status roll(precursors_job *job, lac_error *err)
 {
     const cli_watched *w = &job->watched;
-    const lac_rolling_watch watch = {NULL, go_on};
+    const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
     lac_status status;
+    LAC_TRY(lac_precursor_course_create(&job->cells.evidence, most, &job->course, err));
+    const lac_rolling_watch watch = {
+        .go_on = go_on, .seer = job->course, .see = lac_precursor_course_see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
     LAC_TRY(lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
@@ -66,6 +73,8 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .failed_at = job->watched.failed_at,
         .outlook = job->outlook,
         .rolling = job->rolling,
+        .indicators = job->course != NULL ? job->course->kinds : job->indicators,
+        .indicator = job->course != NULL ? job->course->found : job->indicator,
     };
     return lac_store_forecast(job->request->output, cli_given(job->request, CLI_OPT_FORCE),
                               &provenance, &file, err);
@@ -76,13 +85,23 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     precursors_job job = {.request = request};
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
-    LAC_TRY(cli_watched_read(request, job.units, &job.watched, err));
+    LAC_TRY(cli_foreseer_read(request, &job.foreseer, err));
+    LAC_TRY(cli_watched_read(&job.foreseer.named, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
+    if (job.foreseer.source != NULL) {
+        job.foreseer.how.dated = job.watched.dated;
+        job.plan.def.model = &job.foreseer.model;
+        cli_signals_hold();
+        cli_say(request, "fitting %s to %zu readings", job.foreseer.source->path,
+                job.watched.readings.n);
+    }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
-    LAC_TRY(cli_indicators_look(&job.watched, job.outlook, &job.indicators, err));
+    LAC_TRY(cli_cells_read(&job.watched, &job.cells, err));
+    LAC_TRY(
+        lac_precursors_at(&job.cells.evidence, job.outlook, job.indicator, &job.indicators, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
@@ -92,8 +111,10 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     const cli_precursors_result result = {.watched = &job.watched,
                                           .plan = &job.plan,
                                           .outlook = job.outlook,
-                                          .indicators = &job.indicators,
+                                          .indicators = job.indicators,
+                                          .indicator = job.indicator,
                                           .rolling = job.rolling,
+                                          .course = job.course,
                                           .skill = job.skill,
                                           .output = request->output};
     if (cli_given(request, CLI_OPT_JSON)) {
@@ -104,8 +125,11 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
 out:
     free(job.skill);
     lac_rolling_free(job.rolling);
+    lac_precursor_course_free(job.course);
+    cli_cells_clear(&job.cells);
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
+    cli_foreseer_clear(&job.foreseer);
     lac_units_free(job.units);
     return status;
 }

@@ -28,12 +28,21 @@ static void write_interval(cli_json *json, const char *key, double low, double h
 
 static void write_forecast(cli_json *json, const cli_precursors_result *r, const lac_forecast *f)
 {
-    const lac_fit *fit = &f->fit;
+    const lac_finding *fit = &f->fit;
     cli_json_open(json, NULL, '{');
     cli_json_text(json, "method", f->kind->about.name);
     write_time(json, r, "tc_s", "tc_date", f->time);
     write_interval(json, "interval50_s", f->low50, f->high50);
     write_interval(json, "interval90_s", f->low90, f->high90);
+    if (fit->posterior) {
+        cli_json_open(json, "posterior_s", '[');
+        for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
+            cli_json_number(json, NULL, f->issue_time + exp(fit->quantile[q]));
+        }
+        cli_json_close(json, ']');
+    } else {
+        cli_json_null(json, "posterior_s");
+    }
     cli_json_boolean(json, "issued", f->issued);
     cli_json_text(json, "reason", f->issued ? NULL : fit->reason);
     cli_json_number(json, "rms", fit->rms);
@@ -125,6 +134,7 @@ static void write_rolling(cli_json *json, const cli_precursors_result *r)
         write_time(json, r, "issue_time_s", "issue_date", roll->issue_time[i]);
         write_time(json, r, "window_start_s", "window_start_date", f->window_start);
         write_forecasts(json, r, roll->methods, f);
+        cli_indicators_json(json, r->course->kinds, &r->course->found[i * r->course->kinds]);
         cli_json_close(json, '}');
     }
     cli_json_close(json, ']');
@@ -151,7 +161,7 @@ void cli_precursors_json(const cli_precursors_result *r)
                o->accelerating ? o->window_start : NAN);
     cli_json_boolean(&json, "accelerating", o->accelerating);
     write_forecasts(&json, r, o->count, o->forecast);
-    cli_indicators_json(&json, r->indicators);
+    cli_indicators_json(&json, r->indicators, r->indicator);
     if (r->rolling != NULL) {
         write_rolling(&json, r);
     }

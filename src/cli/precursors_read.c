@@ -26,8 +26,9 @@ static double read_number(const char *path, const char *name)
                : NAN;
 }
 
-static bool is_run(const cli_request *request, const char *path)
+bool cli_watched_is_run(const cli_request *request)
 {
+    const char *path = request->argument[0];
     char text[32];
     return request->series.displacement == NULL && request->series.velocity == NULL &&
            lac_store_read_attribute(path, "lacuna_format_version", text, sizeof text, NULL) ==
@@ -112,7 +113,7 @@ lac_status cli_watched_read(const cli_request *request, const lac_units *units, 
 {
     const char *failed_at = request->forecast.failed_at;
     *out = (cli_watched){.path = request->argument[0], .failed_at = NAN};
-    out->run = is_run(request, out->path);
+    out->run = cli_watched_is_run(request);
     lac_status status = out->run ? read_run(out, err) : read_series(request, units, out, err);
     LAC_TRY(status);
     LAC_TRY(cut(request, units, out, err));

@@ -10,8 +10,7 @@
 
 static const double day = 86400.0;
 
-// "2015-07-05 09:54", or seconds with the unit that reads best; "-" where there is none.
-static const char *when(const cli_precursors_result *r, double t, char *text, size_t size)
+const char *cli_precursors_when(const cli_precursors_result *r, double t, char *text, size_t size)
 {
     if (!isfinite(t)) {
         (void)snprintf(text, size, "-");
@@ -28,6 +27,11 @@ static const char *when(const cli_precursors_result *r, double t, char *text, si
         (void)snprintf(text, size, "-");
     }
     return text;
+}
+
+static const char *when(const cli_precursors_result *r, double t, char *text, size_t size)
+{
+    return cli_precursors_when(r, t, text, size);
 }
 
 static void print_input(const cli_precursors_result *r)
@@ -115,7 +119,7 @@ static void print_lives(const cli_precursors_result *r)
     char text[40];
     printf("\n  life expectancy (days) %s", isfinite(r->watched->failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
-        printf(" %11s", lac_forecast_kind_at(k)->about.name);
+        printf(" %11s", roll->forecast[k].kind->about.name);
     }
     printf("\n");
     for (size_t i = 0; i < roll->issues; i++) {
@@ -192,9 +196,10 @@ void cli_precursors_print(const cli_precursors_result *r, bool verbose)
         print_values(r->outlook);
         print_methods(r->outlook);
     }
-    cli_indicators_print(r->indicators);
+    cli_indicators_print(r->indicators, r->indicator);
     if (r->rolling != NULL) {
         print_lives(r);
+        cli_course_print(r);
     }
     if (r->skill != NULL) {
         print_skill(r);

@@ -67,34 +67,51 @@ static void draw(cli_progress *progress, double part, const char *text)
     progress->drawn = true;
 }
 
-// Whether the bar is due again; prints a line first where one was asked for.
-static bool is_due(cli_progress *progress, const char *text)
+// What is due: a line that was asked for, the bar.
+typedef struct due {
+    bool line, bar;
+} due;
+
+// Asked after every step: nothing is written or formatted before it is known to be due.
+static due what_is_due(cli_progress *progress)
 {
     const double interval = 0.1;
-    double clock = cli_clock();
-    if (cli_signals_take_report()) {
-        cli_progress_clear(progress);
-        cli_note("%s, %.1f s so far", text, clock - progress->started);
+    due now = {.line = cli_signals_take_report()};
+    if (progress->bar) {
+        const double clock = cli_clock();
+        now.bar = clock - progress->last >= interval;
+        progress->last = now.bar ? clock : progress->last;
     }
-    bool due = progress->bar && clock - progress->last >= interval;
-    progress->last = due ? clock : progress->last;
-    return due;
+    return now;
+}
+
+static void put_out(cli_progress *progress, due now, double part, const char *text)
+{
+    if (now.line) {
+        cli_progress_clear(progress);
+        cli_note("%s, %.1f s so far", text, cli_clock() - progress->started);
+    }
+    if (now.bar) {
+        draw(progress, part, text);
+    }
 }
 
 void cli_progress_show(cli_progress *progress, const lac_progress *now)
 {
     char text[160];
-    if (is_due(progress, describe(now, text, sizeof text))) {
-        draw(progress, fraction(now), text);
+    const due wanted = what_is_due(progress);
+    if (wanted.line || wanted.bar) {
+        put_out(progress, wanted, fraction(now), describe(now, text, sizeof text));
     }
 }
 
 void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total)
 {
     char text[64];
-    (void)snprintf(text, sizeof text, "%zu of %zu %s", done, total, what);
-    if (is_due(progress, text)) {
-        draw(progress, total > 0 ? (double)done / (double)total : 0.0, text);
+    const due wanted = what_is_due(progress);
+    if (wanted.line || wanted.bar) {
+        (void)snprintf(text, sizeof text, "%zu of %zu %s", done, total, what);
+        put_out(progress, wanted, total > 0 ? (double)done / (double)total : 0.0, text);
     }
 }
 

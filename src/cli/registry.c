@@ -11,7 +11,7 @@ static const cli_command commands[] = {
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
      "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET, cli_run},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY, cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
@@ -27,22 +27,39 @@ static const cli_command commands[] = {
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
-     "Of monitoring data, whose columns --displacement and --velocity name, or of a run. -o FILE "
-     "writes netCDF, which tools/plot_precursors.py draws.\n",
+     "", // all the lines that a screen has are the options'
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST, cli_precursors},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
+     cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
-     "The case's section fit says what is estimated, from which columns. Writes the draws, the "
+     "The case's section fit says what is estimated, from which columns unless options name them. "
+     "Writes the draws, the "
      "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
      "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
-     CLI_OPT_WRITES | CLI_OPT_SET, cli_fit},
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
+    {"trade", "CASE", "error against cost, and the settings to choose",
+     "Runs the case at other settings, each in a process of its own, and lays error against CPU "
+     "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
+     "precision; of the cascade (--quantity q-crit) contacts, shifts, field. Writes to -o FILE, "
+     "else CASE-trade.nc here; tools/plot_trade.py draws it.\n",
+     "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
+    {"report", "RUN.nc", "a run as one HTML page to look at",
+     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
+     "beside the run; --displacement and --velocity name their columns, unless the run's case "
+     "does.\n",
+     "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
     {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
      "lacuna describe friction aging", 0, 2, 0, cli_describe},
+    {"completion", "SHELL", "completion of commands and options for a shell",
+     "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
+     "source <(lacuna completion bash)", 1, 1, CLI_OPT_UNLISTED, cli_completion},
 };
 
 const cli_command *cli_command_at(size_t index)

@@ -10,6 +10,7 @@
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/resume.h"
+#include "cli/run_accuracy.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/words.h"
@@ -30,6 +31,7 @@ typedef struct run_job {
     char *path, *case_text, *inputs;
     char libraries[256];
     lac_kept_checkpoint resume; // with --resume
+    lac_accuracy_pick accuracy; // with solver.accuracy; else it has no pilots
     double started;
 } run_job;
 
@@ -87,6 +89,18 @@ static lac_status read_checkpoint(run_job *job, lac_error *err)
     return status;
 }
 
+// The case as it is run, and what a run before this one has kept of it.
+static lac_status settle(run_job *job, lac_error *err)
+{
+    job->case_text = lac_case_text(job->source);
+    job->inputs = cli_inputs_sums(job->source);
+    if (job->case_text == NULL || job->inputs == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    return cli_given(job->request, CLI_OPT_RESUME) ? read_checkpoint(job, err) : LAC_OK;
+}
+
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
@@ -103,14 +117,8 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
     LAC_TRY(cli_compare_read(job->source, &job->compare, err));
-    job->case_text = lac_case_text(job->source);
-    job->inputs = cli_inputs_sums(job->source);
-    if (job->case_text == NULL || job->inputs == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    (void)cli_libraries(job->libraries, sizeof job->libraries);
-    if (cli_given(job->request, CLI_OPT_RESUME)) {
-        LAC_TRY(read_checkpoint(job, err));
+    if (isnan(job->source->accuracy)) {
+        LAC_TRY(settle(job, err));
     }
 out:
     return status;
@@ -131,11 +139,18 @@ static lac_status open_store(run_job *job, lac_error *err)
         .hierarchy = job->scene->hierarchy,
         .fields = c->fields,
         .compression = c->compression,
+        .single = c->single != 0,
         .sync_every = RECORDS_BETWEEN_SYNCS,
         .events = lac_analysis_has_events(job->analysis),
         .inputs = job->inputs,
         .resume = goes_on(job) ? &job->resume : NULL,
     };
+    char accuracy[CLI_ACCURACY_TEXT];
+    if (job->accuracy.pilots > 0) {
+        def.provenance.accuracy = cli_accuracy_text(&job->accuracy, accuracy, sizeof accuracy);
+        def.provenance.accuracy_asked = job->accuracy.asked;
+        def.provenance.accuracy_estimated = job->accuracy.estimated;
+    }
     def.provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     const double *once = NULL;
     if (job->analysis != NULL) {
@@ -253,6 +268,7 @@ static lac_status compute(run_job *job, lac_error *err)
         .analysis = job->analysis,
         .path = job->path,
         .resumed = goes_on(job) ? &job->resume.from : NULL,
+        .accuracy = job->accuracy.pilots > 0 ? &job->accuracy : NULL,
     };
     cli_say(job->request, "integrating to %g s", job->source->run.end);
     status = integrate(job, &outcome.result, err);
@@ -275,6 +291,13 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
     cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
             cli_clock() - job.started);
+    if (!isnan(job.source->accuracy)) {
+        LAC_TRY(cli_blame(
+            job.source,
+            cli_accuracy_pick(&job.progress, request, job.scene, job.source, &job.accuracy, err),
+            err));
+        LAC_TRY(settle(&job, err));
+    }
     if (job.source->analysis.count > 0) {
         cli_say(request, "preparing the indicators");
     }

@@ -9,6 +9,7 @@
 #include "base/date.h"
 #include "base/units.h"
 #include "cli/measures.h"
+#include "cli/run_accuracy.h"
 #include "cli/run_analysis.h"
 #include "cli/words.h"
 
@@ -116,6 +117,7 @@ static void print_cost(const cli_outcome *outcome)
     char wall[32], cpu[32];
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
+    cli_accuracy_print(outcome->accuracy);
     cli_row("fidelity", "%s", fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
@@ -201,6 +203,7 @@ void cli_outcome_json(const cli_outcome *outcome)
     write_failure(&json, outcome);
     cli_measures_json(&json, &outcome->scene->contact);
     write_results(&json, outcome);
+    cli_accuracy_json(&json, outcome->accuracy);
     cli_analysis_json(&json, outcome->analysis);
     write_cost(&json, outcome);
     if (outcome->resumed != NULL) {

@@ -4,6 +4,7 @@
 
 #include "cli/compare.h"
 #include "cli/history.h"
+#include "lacuna/accuracy.h"
 #include "lacuna/analysis.h"
 #include "lacuna/scene.h"
 
@@ -15,10 +16,11 @@ typedef struct cli_outcome {
     const cli_compare *compare;
     const lac_analysis *analysis; ///< NULL: none
     lac_run_result result;
-    const char *status;            ///< as in the file: complete, failed, interrupted
-    const lac_checkpoint *resumed; ///< what the run went on from; NULL: from the start
-    const char *path;              ///< of the file
-    double wall_time;              ///< [s]
+    const char *status;                ///< as in the file: complete, failed, interrupted
+    const lac_checkpoint *resumed;     ///< what the run went on from; NULL: from the start
+    const char *path;                  ///< of the file
+    const lac_accuracy_pick *accuracy; ///< what pilot runs picked; NULL: nothing
+    double wall_time;                  ///< [s]
 } cli_outcome;
 
 /// CPU time of the program so far [s].

@@ -165,7 +165,7 @@ static void blank(lac_fit_result *result)
     double *numbers[] = {&result->displacement_rms, &result->log_rate_rms, &result->offset,
                          &result->autocorrelation,  &result->failure,      &result->failure_error,
                          &result->log_likelihood,   &result->acceptance,   &result->shape_sigma,
-                         &result->failing,          &result->scatter};
+                         &result->failing,          &result->scatter,      &result->bic};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         *numbers[i] = NAN;
     }

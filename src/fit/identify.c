@@ -72,15 +72,6 @@ out:
     return status;
 }
 
-// Whether the case is a block under the aging law and no load of its own that changes: then
-// dv/dt = (m/dc) (1 - x^(m-1)) v^2 at the start.
-static bool is_one_block(const lac_case *c)
-{
-    return strcmp(c->friction.about->name, "aging") == 0 && c->surface.about == NULL &&
-           c->domain.about == NULL && c->friction_spread.count == 0 &&
-           c->initial.state == LAC_STATE_RATIO && !isnan(c->initial.slip_rate);
-}
-
 // (m/dc)(1 - x^(m-1)) of the case at coordinates u.
 static double shape_at(const lac_fit *fit, const double *u)
 {
@@ -94,7 +85,7 @@ static double shape_at(const lac_fit *fit, const double *u)
 static lac_status find_shape(const lac_fit *fit, lac_fit_result *result, lac_error *err)
 {
     const lac_chain *chain = fit->chain;
-    result->one_block = is_one_block(fit->source);
+    result->one_block = lac_fit_is_one_block(fit->source);
     if (!result->one_block) {
         return LAC_OK;
     }

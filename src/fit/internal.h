@@ -53,8 +53,16 @@ typedef struct lac_fit_seen {
 // What the readings' errors come to.
 typedef struct lac_fit_misfit {
     double log_likelihood;
+    double peak;   // ln of the likelihood with the best offset, not integrated over it
     double offset; // best zero of the displacements [m]
 } lac_fit_misfit;
+
+// Which unknowns the sampler straightens, and what it needs of the law for it (line.c).
+typedef struct lac_fit_straight {
+    bool used;
+    int dc, x, a, b;       // index among the unknowns; -1: held
+    double held_a, held_b; // where held
+} lac_fit_straight;
 
 struct lac_fit {
     const lac_case *source;
@@ -71,6 +79,7 @@ struct lac_fit {
     double covariance[LAC_MOST_FITTED][LAC_MOST_FITTED];      // of the least squares
     int by[LAC_MOST_FITTED];
     int64_t runs;
+    lac_fit_straight straight;
     lac_chain *chain;
     double *kept; // arrays of the result
     double *draws;
@@ -120,6 +129,14 @@ lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *e
 // Errors at the unknowns x.
 lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x);
 
+// errors.c: sets the unknown errors among the coordinates x to those for which residuals are
+// likeliest.
+// @param r            [n] of displacements, before the offset
+// @param by_log_rate  [n] of ln v; NaN where not given
+// @param scratch      [2 n]
+void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double *by_log_rate,
+                              double *scratch, double *x);
+
 // ln of the prior, up to a constant; -INFINITY outside the ranges.
 double lac_fit_log_prior(const lac_fit *fit, const double *x);
 
@@ -136,6 +153,14 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
 // identify.c: correlations, principal axes and the shape of one block.
 lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err);
+
+// line.c: the coordinates that walkers live in, z, all of them over the whole line.
+// Whether the case is a block under the aging law whose rate and ratio at the start are given.
+bool lac_fit_is_one_block(const lac_case *c);
+lac_fit_straight lac_fit_straighten(const lac_fit *fit);
+// @return ln of |du/dz|
+double lac_fit_from_line(const lac_fit *fit, const double *z, double *u);
+void lac_fit_to_line(const lac_fit *fit, const double *u, double *z);
 
 // posterior.c: the sampler, its quantiles and what follows from the draws.
 lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,

@@ -48,14 +48,24 @@ static double find_scatter(const lac_fit_data *data)
 }
 
 // White errors are so related, or so much larger than the readings' own scatter, in one of a
-// hundred series.
-static void judge_residuals(const lac_fit_data *data, const double *r, lac_fit_result *result)
+// hundred series. Correlated ones are judged by what is left of them once whitened; they exceed
+// that scatter by their nature.
+static void judge_residuals(const lac_fit_data *data, const lac_fit_errors_at *errors, double *r,
+                            lac_fit_result *result)
 {
     double spread = 2.33 / sqrt((double)data->displacements);
-    result->autocorrelation = find_memory(data, r);
+    bool related = errors->time > 0.0;
     result->scatter = find_scatter(data);
     double ratio = result->displacement_rms / result->scatter;
-    result->poor = result->autocorrelation > spread || ratio * ratio > 1.0 + 2.0 * spread;
+    if (related) {
+        (void)lac_fit_whiten(data, errors, r, r);
+        for (size_t i = 0; i < data->n; i++) {
+            r[i] = isnan(data->displacement[i]) ? NAN : r[i] * data->sigma[i];
+        }
+    }
+    result->autocorrelation = find_memory(data, r);
+    result->poor =
+        result->autocorrelation > spread || (!related && ratio * ratio > 1.0 + 2.0 * spread);
 }
 
 static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result *result)
@@ -64,10 +74,11 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     double squares = 0.0;
     double log_squares = 0.0;
     lac_fit_errors_at errors = lac_fit_errors_of(fit, fit->best);
-    errors.time = 0.0;
     lac_fit_misfit misfit =
         lac_fit_likelihood(fit, &errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
+    double free = (double)fit->unknowns + (fit->def->offset && data->displacements > 0 ? 1.0 : 0.0);
     result->log_likelihood = misfit.log_likelihood;
+    result->bic = free * log((double)(data->displacements + data->velocities)) - 2.0 * misfit.peak;
     result->offset = misfit.offset;
     for (size_t i = 0; i < data->n; i++) {
         double by = data->log_rate[i] - log_rate[i];
@@ -77,7 +88,7 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     }
     if (data->displacements > 0) {
         result->displacement_rms = sqrt(squares / (double)data->displacements);
-        judge_residuals(data, slip, result);
+        judge_residuals(data, &errors, slip, result);
     }
     if (data->velocities > 0) {
         result->log_rate_rms = sqrt(log_squares / (double)data->velocities);

@@ -11,7 +11,7 @@
 #include "base/rng.h"
 #include "fit/internal.h"
 
-enum { BEST_STARTS = 3, MOST_ITERATIONS = 100, MOST_ROUNDS = 4 };
+enum { BEST_STARTS = 3, MOST_ITERATIONS = 100, MOST_ROUNDS = 8 };
 
 // A residual where the run fails early: whatever comes back is better.
 static const double nowhere = 1e8;
@@ -21,8 +21,8 @@ typedef struct search {
     lac_fit *fit;
     lac_fit_errors_at errors;
     lac_fit_seen seen;
-    double *room; // what seen points into
-    double *r, *white, *one;
+    double *room;                 // what seen points into
+    double *r, *by, *white, *one; // white and one lie side by side
     size_t rows;
     const lac_fit_watch *watch;
 } search;
@@ -184,13 +184,13 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
     size_t n = fit->data.n;
     size_t count = fit->def->count;
     *s = (search){.fit = fit, .watch = watch};
-    s->room = calloc((5 + 2 * count) * n, sizeof *s->room);
+    s->room = calloc((6 + 2 * count) * n, sizeof *s->room);
     if (s->room == NULL) {
         return lac_fail_memory(err);
     }
     double *at = s->room;
-    double **parts[] = {&s->seen.slip, &s->seen.log_rate, &s->r, &s->white, &s->one};
-    for (size_t i = 0; i < 5; i++, at += n) {
+    double **parts[] = {&s->seen.slip, &s->seen.log_rate, &s->r, &s->by, &s->white, &s->one};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++, at += n) {
         *parts[i] = at;
     }
     s->seen.slip_by = at;
@@ -202,49 +202,24 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
     return LAC_OK;
 }
 
-// The errors for which the residuals would be likeliest, those that the case fixes aside.
-// Correlation is left to the sampler.
-static void set_errors(search *s, const double *u_errors)
+static void set_errors(search *s, const double *x)
 {
-    const lac_fit_data *data = &s->fit->data;
-    s->errors = lac_fit_errors_of(s->fit, u_errors);
-    s->errors.time = 0.0;
-    for (size_t i = 0; i < data->n; i++) {
+    s->errors = lac_fit_errors_of(s->fit, x);
+    for (size_t i = 0; i < s->fit->data.n; i++) {
         s->white[i] = 1.0;
     }
-    (void)lac_fit_whiten(data, &s->errors, s->white, s->one);
+    (void)lac_fit_whiten(&s->fit->data, &s->errors, s->white, s->one);
 }
 
-// Root mean squares of the residuals with errors of one, as the unknown errors' coordinates.
+// Unknown errors as the residuals of a run have them.
 static void estimate_errors(search *s, const double *slip, const double *log_rate, double *x)
 {
-    const lac_fit *fit = s->fit;
-    const lac_fit_data *data = &fit->data;
-    double squares = 0.0;
-    double log_squares = 0.0;
-    if (fit->unknown_displacement >= 0) {
-        x[fit->unknown_displacement] = 0.0;
-    }
-    set_errors(s, x);
+    const lac_fit_data *data = &s->fit->data;
     for (size_t i = 0; i < data->n; i++) {
         s->r[i] = data->displacement[i] - slip[i];
-        double by = data->log_rate[i] - log_rate[i];
-        log_squares += isnan(by) ? 0.0 : by * by;
+        s->by[i] = data->log_rate[i] - log_rate[i];
     }
-    project(s, s->r, s->white);
-    for (size_t i = 0; i < data->n; i++) {
-        squares += s->white[i] * s->white[i];
-    }
-    if (fit->unknown_displacement >= 0) {
-        size_t k = (size_t)fit->unknown_displacement;
-        double rms = sqrt(squares / (double)data->displacements);
-        x[k] = fmin(fmax(log(rms), fit->low[k]), fit->high[k]);
-    }
-    if (fit->unknown_velocity >= 0) {
-        size_t k = (size_t)fit->unknown_velocity;
-        double rms = sqrt(log_squares / (double)data->velocities);
-        x[k] = fmin(fmax(log(rms), fit->low[k]), fit->high[k]);
-    }
+    lac_fit_likeliest_errors(s->fit, s->r, s->by, s->white, x);
     set_errors(s, x);
 }
 

@@ -73,8 +73,7 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
         r[i] = data->displacement[i] - slip[i];
     }
     double log_det = lac_fit_whiten(data, errors, r, w);
-    lac_fit_misfit out = {.log_likelihood =
-                              -0.5 * (log_det + (double)data->displacements * log_two_pi)};
+    lac_fit_misfit out = {.peak = -0.5 * (log_det + (double)data->displacements * log_two_pi)};
     if (fit->def->offset) {
         double ew = 0.0;
         double ee = 0.0;
@@ -90,11 +89,12 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
         for (size_t i = 0; i < n; i++) {
             w[i] -= out.offset * e[i];
         }
-        out.log_likelihood += 0.5 * (log_two_pi - log(ee));
+        out.log_likelihood = 0.5 * (log_two_pi - log(ee));
     }
     for (size_t i = 0; i < n; i++) {
-        out.log_likelihood -= 0.5 * w[i] * w[i];
+        out.peak -= 0.5 * w[i] * w[i];
     }
+    out.log_likelihood += out.peak;
     return out;
 }
 
@@ -109,7 +109,9 @@ lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *e
     for (size_t i = 0; i < data->n && data->velocities > 0; i++) {
         if (!isnan(data->log_rate[i])) {
             double z = (data->log_rate[i] - log_rate[i]) / errors->velocity;
-            out.log_likelihood -= 0.5 * (z * z + log_two_pi) + log(errors->velocity);
+            double term = 0.5 * (z * z + log_two_pi) + log(errors->velocity);
+            out.log_likelihood -= term;
+            out.peak -= term;
         }
     }
     return out;

@@ -12,7 +12,7 @@ enum { MOST_STEPS = 200000, MOST_BREAKS = 100000 };
 // Of derivatives, and of everything else: what a run's error moves the slip by is far below what is
 // read.
 static const double tight = 1e-8;
-static const double loose = 1e-6;
+static const double loose = 1e-7;
 
 // Half differences of a coordinate: between nudged problems, and between runs, whose own errors
 // are larger.

@@ -109,38 +109,11 @@ typedef struct relay {
     const lac_fit_watch *watch;
 } relay;
 
-// The walkers live where a bounded coordinate goes over the whole line, u = low + width/(1 +
-// exp(-z)): no move is lost beyond an end, and valleys that run along one are straighter.
-// @return ln of |du/dz|
-static double from_line(const lac_fit *fit, const double *z, double *u)
-{
-    double log_slope = 0.0;
-    for (size_t k = 0; k < fit->unknowns; k++) {
-        double width = fit->high[k] - fit->low[k];
-        u[k] = z[k];
-        if (isfinite(width)) {
-            double e = exp(-fabs(z[k]));
-            double share = (z[k] > 0.0 ? 1.0 : e) / (1.0 + e);
-            u[k] = fit->low[k] + share * width;
-            log_slope += log(width) - fabs(z[k]) - 2.0 * log1p(e);
-        }
-    }
-    return log_slope;
-}
-
-static void to_line(const lac_fit *fit, const double *u, double *z)
-{
-    for (size_t k = 0; k < fit->unknowns; k++) {
-        double width = fit->high[k] - fit->low[k];
-        z[k] = isfinite(width) ? log((u[k] - fit->low[k]) / (fit->high[k] - u[k])) : u[k];
-    }
-}
-
 static double relay_density(void *context, int thread, const double *z)
 {
     double u[LAC_FIT_UNKNOWNS];
     lac_fit *fit = ((relay *)context)->fit;
-    double log_slope = from_line(fit, z, u);
+    double log_slope = lac_fit_from_line(fit, z, u);
     return lac_fit_log_posterior(fit, thread, u) + log_slope;
 }
 
@@ -151,7 +124,7 @@ static void return_chain(const lac_fit *fit)
     for (size_t i = 0; i < chain->walkers * chain->steps; i++) {
         double u[LAC_FIT_UNKNOWNS];
         double *x = chain->x + i * chain->dimension;
-        chain->log_density[i] -= from_line(fit, x, u);
+        chain->log_density[i] -= lac_fit_from_line(fit, x, u);
         memcpy(x, u, chain->dimension * sizeof *x);
     }
 }
@@ -170,31 +143,88 @@ static void relay_progress(void *context, size_t done, size_t total)
     }
 }
 
-// Quantiles and convergence of every unknown.
+// Quantiles of every unknown.
 static lac_status sum_up(const lac_fit *fit, lac_fit_result *result, lac_error *err)
 {
     const lac_chain *chain = fit->chain;
     size_t n = chain->walkers * chain->steps;
-    lac_status status = LAC_OK;
     double *x = calloc(n, sizeof *x);
     if (x == NULL) {
         return lac_fail_memory(err);
     }
-    for (size_t k = 0; status == LAC_OK && k < fit->unknowns; k++) {
+    for (size_t k = 0; k < fit->unknowns; k++) {
         lac_fit_unknown *of = &result->unknown[k];
         for (size_t i = 0; i < n; i++) {
             x[i] = lac_fit_value(of->log, chain->x[i * chain->dimension + k]);
         }
         lac_fit_quantiles(n, x, of->quantile);
-        if (!isfinite(of->best) || k >= fit->def->count) {
-            of->best = of->quantile[2];
-        }
-        status = lac_chain_converged(chain, k, &of->converged, err);
     }
     result->acceptance = gsl_stats_mean(chain->acceptance, 1, chain->walkers);
     result->chain = chain;
     result->sampled = true;
     free(x);
+    return LAC_OK;
+}
+
+// R-hat of every unknown, and whether all are near 1.
+static lac_status judge_chain(const lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    result->converged = true;
+    for (size_t k = 0; status == LAC_OK && k < fit->unknowns; k++) {
+        lac_convergence *of = &result->unknown[k].converged;
+        status = lac_chain_converged(fit->chain, k, of, err);
+        result->converged = result->converged && of->rhat < LAC_FIT_RHAT;
+    }
+    return status;
+}
+
+// One chain; it takes the place of the one before, unless it was interrupted when still shorter.
+static lac_status walk(lac_fit *fit, const lac_sampler_def *def, double *start, lac_error *err)
+{
+    lac_chain *chain = NULL;
+    lac_status status = lac_sampler_run(def, start, &chain, err);
+    if (chain == NULL) {
+        return status;
+    }
+    fit->runs += (int64_t)((chain->steps + def->burn + 1) * def->walkers);
+    if (fit->chain != NULL && chain->steps < fit->chain->steps) {
+        lac_chain_free(chain);
+        return status;
+    }
+    size_t row = def->walkers * def->dimension;
+    if (chain->steps > 0) {
+        memcpy(start, chain->x + (chain->steps - 1) * row, row * sizeof *start);
+    }
+    lac_chain_free(fit->chain);
+    fit->chain = chain;
+    return_chain(fit);
+    return status;
+}
+
+// Chains until one has converged: one that has not is dropped, as what leads up to the next, which
+// is twice as long.
+static lac_status walk_on(lac_fit *fit, lac_sampler_def *def, double *start, lac_fit_result *result,
+                          lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (int64_t round = 0; round <= fit->def->rounds; round++) {
+        status = walk(fit, def, start, err);
+        if (fit->chain == NULL || fit->chain->steps < 8) {
+            return status;
+        }
+        if (status == LAC_OK || round == 0) {
+            result->dropped = def->first + def->burn;
+        }
+        lac_status judged = judge_chain(fit, result, status == LAC_OK ? err : NULL);
+        status = status == LAC_OK ? judged : status;
+        if (status != LAC_OK || result->converged) {
+            return status;
+        }
+        def->first += def->burn + def->steps;
+        def->burn = 0;
+        def->steps *= 2;
+    }
     return status;
 }
 
@@ -208,7 +238,8 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
                            .steps = (size_t)fit->def->steps,
                            .burn = (size_t)fit->def->burn,
                            .seed = (uint64_t)fit->def->seed,
-                           .stretching = 0.5,
+                           .drawing = 0.7,
+                           .stretching = 0.15,
                            .threads = fit->threads,
                            .log_density = relay_density,
                            .interrupted = relay_interrupted,
@@ -218,17 +249,14 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
     if (start == NULL) {
         return lac_fail_memory(err);
     }
+    fit->straight = lac_fit_straighten(fit);
     LAC_TRY(find_starts(fit, start, err));
     for (size_t w = 0; w < def.walkers; w++) {
         double u[LAC_FIT_UNKNOWNS];
         memcpy(u, start + w * def.dimension, def.dimension * sizeof *u);
-        to_line(fit, u, start + w * def.dimension);
+        lac_fit_to_line(fit, u, start + w * def.dimension);
     }
-    status = lac_sampler_run(&def, start, &fit->chain, err);
-    fit->runs += (int64_t)((def.steps + def.burn + 1) * def.walkers);
-    if (fit->chain != NULL) {
-        return_chain(fit);
-    }
+    status = walk_on(fit, &def, start, result, err);
     bool enough = fit->chain != NULL && fit->chain->steps >= 8;
     if (status == LAC_OK || (status == LAC_EINTERRUPT && enough)) {
         lac_status summed = sum_up(fit, result, status == LAC_OK ? err : NULL);

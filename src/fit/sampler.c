@@ -7,9 +7,13 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "fit/kernel.h"
 
 // Proposals reach from 1/a to a times the distance to another walker.
 static const double stretch = 2.0;
+
+// Walkers that a density is made of: so many tell it, and more cost.
+enum { MOST_KERNELS = 128 };
 
 // An ensemble on its way.
 typedef struct ensemble {
@@ -18,6 +22,8 @@ typedef struct ensemble {
     double *log_density; // [walkers]
     double *proposal;    // [walkers][dimension]
     bool *moved;         // [walkers] in the step just made
+    lac_kernels kernels; // of the half that stands still
+    double *scratch;     // [walkers][3 dimension + 1]
 } ensemble;
 
 void lac_chain_free(lac_chain *chain)
@@ -103,8 +109,25 @@ static void differ_by(const ensemble *e, const uint64_t bits[4], size_t k, size_
     }
 }
 
-// One walker's move, taken with probability min(1, p(Y)/p(X_k)), of a stretch with z^(d-1) before.
-// The walkers of the other half do not move meanwhile.
+// Y from the density q made of the other half, wherever the walker stands.
+// @return ln q(X_k) - ln q(Y), by which the chance is raised
+static double draw_anew(const ensemble *e, const uint64_t bits[4], const uint64_t choice[4],
+                        uint64_t step, size_t k)
+{
+    const uint64_t apart = UINT64_C(1) << 60; // from the numbers of the other moves
+    size_t d = e->def->dimension;
+    double *z = e->scratch + k * (3 * d + 1);
+    double *y = e->proposal + k * d;
+    const double share[2] = {uniform(choice[2]), uniform(choice[3])};
+    for (size_t i = 0; i < d; i += 2) { // z has room for an odd last one
+        lac_random_normal(e->def->seed, LAC_STREAM_SAMPLER, apart + step, (k << 16) + i, z + i);
+    }
+    lac_kernels_draw(&e->kernels, (size_t)(bits[0] % e->kernels.count), z, share, y);
+    return lac_kernels_log(&e->kernels, e->x + k * d, z) - lac_kernels_log(&e->kernels, y, z);
+}
+
+// One walker's move, taken with probability min(1, p(Y)/p(X_k)), of a stretch with z^(d-1) before,
+// of a draw with q(X_k)/q(Y). The walkers of the other half do not move meanwhile.
 static void move(ensemble *e, uint64_t step, size_t k, size_t other)
 {
     const lac_sampler_def *def = e->def;
@@ -114,7 +137,10 @@ static void move(ensemble *e, uint64_t step, size_t k, size_t other)
     double bonus = 0.0;
     lac_random(def->seed, LAC_STREAM_SAMPLER, step, 2 * k, bits);
     lac_random(def->seed, LAC_STREAM_SAMPLER, step, 2 * k + 1, choice);
-    if (uniform(choice[0]) < def->stretching) {
+    double kind = uniform(choice[0]);
+    if (kind < def->drawing && e->kernels.usable) {
+        bonus = draw_anew(e, bits, choice, step, k);
+    } else if (kind < def->drawing + def->stretching) {
         bonus = stretch_to(e, bits, k, other, proposal);
     } else {
         differ_by(e, bits, k, other, proposal);
@@ -131,6 +157,9 @@ static void move_half(ensemble *e, uint64_t step, size_t first, size_t other)
 {
     size_t d = e->def->dimension;
     const int half = (int)(e->def->walkers / 2);
+    if (e->def->drawing > 0.0) {
+        lac_kernels_set(&e->kernels, e->x + other * d);
+    }
 #pragma omp parallel for schedule(dynamic) num_threads(e->def->threads > 1 ? e->def->threads : 1)
     for (int i = 0; i < half; i++) {
         move(e, step, first + (size_t)i, other);
@@ -151,7 +180,9 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
     e->proposal = malloc(def->walkers * d * sizeof *e->proposal);
     e->log_density = malloc(def->walkers * sizeof *e->log_density);
     e->moved = calloc(def->walkers, sizeof *e->moved);
-    if (e->x == NULL || e->proposal == NULL || e->log_density == NULL || e->moved == NULL) {
+    e->scratch = malloc(def->walkers * (3 * d + 1) * sizeof *e->scratch);
+    if (e->x == NULL || e->proposal == NULL || e->log_density == NULL || e->moved == NULL ||
+        e->scratch == NULL) {
         return lac_fail_memory(err);
     }
     memcpy(e->x, start, def->walkers * d * sizeof *e->x);
@@ -186,8 +217,8 @@ static lac_status walk(ensemble *e, lac_chain *chain, lac_error *err)
     size_t half = def->walkers / 2;
     size_t total = def->burn + def->steps;
     for (size_t step = 0; step < total; step++) {
-        move_half(e, step, 0, half);
-        move_half(e, step, half, 0);
+        move_half(e, def->first + step, 0, half);
+        move_half(e, def->first + step, half, 0);
         if (step >= def->burn) {
             keep(e, chain);
         }
@@ -209,6 +240,9 @@ lac_status lac_sampler_run(const lac_sampler_def *def, const double *start, lac_
     *out = NULL;
     LAC_TRY(check(def, err));
     LAC_TRY(chain_create(def, out, err));
+    size_t half = def->walkers / 2;
+    size_t kernels = half < MOST_KERNELS ? half : MOST_KERNELS;
+    LAC_TRY(lac_kernels_create(kernels, def->dimension, &e.kernels, err));
     LAC_TRY(begin(&e, start, err));
     status = walk(&e, *out, err);
     for (size_t k = 0; k < def->walkers && (*out)->steps > 0; k++) {
@@ -219,6 +253,8 @@ out:
         lac_chain_free(*out);
         *out = NULL;
     }
+    lac_kernels_clear(&e.kernels);
+    free(e.scratch);
     free(e.x);
     free(e.proposal);
     free(e.log_density);

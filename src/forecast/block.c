@@ -9,11 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "forecast/project.h"
+#include "forecast/posterior.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
 static const double first_s = -12.0, last_s = 12.0;
 static const double width_of_state = 3.0; // prior of ln(theta_ss/window)
+static const double negligible = 9.0;     // ln of a likelihood ratio
 
 // s as a function of ln of the time left, at even steps of s.
 typedef struct table {
@@ -88,95 +89,97 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static void offer_grid(lac_projection *law, lac_starts *starts)
+static double place(const lac_projection *self, size_t shape, double part)
 {
-    double p[LAC_SHAPES_MAX];
-    for (size_t i = 0; i < GRID; i++) {
-        for (size_t j = 0; j < STATES; j++) {
-            p[0] = lac_projection_start(law->window, i, GRID);
-            p[1] = log(-law->window->time[0]) + 8.0 * ((double)j + 0.5) / STATES - 4.0;
-            lac_starts_offer(starts, 2, p, lac_projection_at(law, p));
-        }
-    }
+    (void)shape;
+    return log(-self->window->time[0]) + 8.0 * part - 4.0;
 }
 
-static void describe(const lac_projection *law, const double *p, lac_fit *fit)
+// A block of one strength, fitted.
+typedef struct block {
+    table law;
+    lac_projection curve;
+    double centre[2], width[2]; // prior of ln remaining and ln theta_ss
+    double p[LAC_SHAPES_MAX];
+    lac_finding fit;
+} block;
+
+static void describe(block *b)
 {
-    const table *b = law->context;
-    const double s = look_up(b, p[0] - p[1]);
-    lac_fit_add(fit, "m", b->m);
-    lac_fit_add(fit, "dc_m", law->c[1]);
-    lac_fit_add(fit, "theta_ss_s", exp(p[1]));
-    lac_fit_add(fit, "combination_1_m", b->m / law->c[1] / (1.0 + exp(-s)));
+    const lac_projection *law = &b->curve;
+    const double s = look_up(&b->law, b->p[0] - b->p[1]);
+    lac_finding_add(&b->fit, "m", b->law.m);
+    lac_finding_add(&b->fit, "dc_m", law->c[1]);
+    lac_finding_add(&b->fit, "theta_ss_s", exp(b->p[1]));
+    lac_finding_add(&b->fit, "combination_1_m", b->law.m / law->c[1] / (1.0 + exp(-s)));
     if (!(law->c[1] > 0.0)) {
-        (void)lac_fit_refuse(fit, "the slope does not accelerate");
+        (void)lac_finding_refuse(&b->fit, "the slope does not accelerate");
     }
 }
 
-static lac_status fit_strength(const lac_window *w, const table *b, lac_fit *fit, lac_error *err)
+static lac_status fit_strength(const lac_window *w, double m, block *b, lac_error *err)
 {
-    const double centre[2] = {0.0, log(-w->time[0])};
-    const double width[2] = {INFINITY, width_of_state};
-    lac_projection law = {.window = w,
-                          .columns = 2,
-                          .shapes = 2,
-                          .curve = curve,
-                          .context = b,
-                          .centre = centre,
-                          .width = width};
-    lac_starts starts = {0};
-    double p[LAC_SHAPES_MAX];
-    lac_status status;
-    LAC_TRY(lac_projection_create(&law, err));
-    offer_grid(&law, &starts);
-    law.scale = sqrt(starts.sum[0] / fmax(1.0, (double)w->n - 4.0));
-    law.scale = w->noise > 0.0 ? fmin(law.scale, w->noise) : law.scale; // the grid is coarse
-    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
-    describe(&law, p, fit);
-out:
-    lac_projection_clear(&law);
+    fill(&b->law, m);
+    b->fit = (lac_finding){.remaining = NAN, .error = NAN, .rms = INFINITY, .misfit = NAN};
+    b->centre[1] = log(-w->time[0]);
+    b->width[0] = INFINITY;
+    b->width[1] = width_of_state;
+    b->curve = (lac_projection){.window = w,
+                                .columns = 2,
+                                .shapes = 2,
+                                .curve = curve,
+                                .place = place,
+                                .grid = {GRID, STATES},
+                                .context = &b->law,
+                                .centre = b->centre,
+                                .width = b->width};
+    lac_status status = lac_projection_fit(&b->curve, b->p, &b->fit, err);
+    if (status == LAC_OK && isfinite(b->fit.rms)) {
+        describe(b);
+    }
     return status;
 }
 
-// The error holds what the strengths that fit about as well say apart.
-static void combine(size_t n, const lac_fit *each, lac_fit *fit)
+// The posterior of all strengths, each as likely before the readings, but those that fit far worse.
+static void draw(const lac_window *w, block *b, const block *best, lac_draw *draws,
+                 lac_finding *fit)
 {
-    size_t best = 0;
-    double weights = 0.0;
-    double variance = 0.0;
-    for (size_t k = 1; k < n; k++) {
-        best = each[k].rms < each[best].rms ? k : best;
-    }
-    *fit = each[best];
-    const double free = fmax(1.0, (double)fit->points - 4.0);
-    for (size_t k = 0; k < n; k++) {
-        const double ratio = each[k].rms / fit->rms;
-        const double weight = fit->rms > 0.0 ? exp(-0.5 * free * (ratio * ratio - 1.0)) : k == best;
-        const double off = log(each[k].remaining / fit->remaining);
-        if (weight > 0.0 && isfinite(off) && isfinite(each[k].error)) {
-            weights += weight;
-            variance += weight * (each[k].error * each[k].error + off * off);
+    const double n = (double)w->n;
+    const double effective = best->curve.effective;
+    size_t count = 0;
+    for (size_t k = 0; k < STRENGTHS; k++) {
+        const double worse = b[k].fit.rms / best->fit.rms;
+        if (isfinite(b[k].fit.rms) && (&b[k] == best || effective * log(worse) < negligible)) {
+            lac_posterior_draw(&b[k].curve, b[k].p, effective, n * best->fit.rms * best->fit.rms,
+                               draws + count);
+            count += LAC_POSTERIOR_DRAWS;
         }
     }
-    fit->error = weights > 0.0 ? sqrt(variance / weights) : fit->error;
+    lac_posterior_finish(count, draws, fit);
 }
 
-static lac_status fit_block(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_block(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     static const double strengths[STRENGTHS] = {1.1, 1.2, 1.35, 1.6, 2.0, 3.0};
-    lac_fit each[STRENGTHS] = {{0}};
-    table *b = malloc(sizeof *b);
-    lac_status status = b != NULL ? LAC_OK : lac_fail_memory(err);
+    block *b = calloc(STRENGTHS, sizeof *b);
+    lac_draw *draws = malloc((size_t)STRENGTHS * LAC_POSTERIOR_DRAWS * sizeof *draws);
+    size_t best = 0;
+    lac_status status = b != NULL && draws != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     for (size_t k = 0; k < STRENGTHS; k++) {
-        fill(b, strengths[k]);
-        each[k].rms = INFINITY;
-        each[k].remaining = NAN;
-        LAC_TRY(fit_strength(w, b, &each[k], err));
+        LAC_TRY(fit_strength(w, strengths[k], &b[k], err));
+        best = b[k].fit.rms < b[best].fit.rms ? k : best;
     }
-    combine(STRENGTHS, each, fit);
+    *fit = b[best].fit;
+    if (isfinite(fit->rms)) {
+        draw(w, b, &b[best], draws, fit);
+    }
 out:
+    for (size_t k = 0; b != NULL && k < STRENGTHS; k++) {
+        lac_projection_clear(&b[k].curve);
+    }
     free(b);
+    free(draws);
     return status;
 }
 
@@ -188,10 +191,12 @@ const lac_forecast_kind lac_forecast_block = {
     .estimator =
         "the exact displacement of an aging-law block with b/a in {1.1, 1.2, 1.35, 1.6, 2, "
         "3}: tc and theta_ss by nonlinear least squares over all displacements of the "
-        "window, ln theta_ss with a normal prior of width 3 about ln of the window",
+        "window, ln theta_ss with a normal prior of width 3 about ln of the window; "
+        "intervals by the posterior of tc over all of these",
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.15, -0.824, -0.193, 0.513, 1.174},
+    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+                    1.6448536269514722},
     .fit = fit_block,
 };

@@ -40,35 +40,35 @@ static line fit_line(size_t n, const double *t, const double *v)
     return l;
 }
 
-static lac_status fit_last(const lac_window *w, size_t n, lac_fit *fit)
+static lac_status fit_last(const lac_window *w, size_t n, lac_finding *fit)
 {
     const double *t = w->velocity_time + (w->velocities - n);
     const double *v = w->velocity + (w->velocities - n);
     for (size_t i = 0; i < n; i++) {
         if (!(v[i] > 0.0)) {
-            return lac_fit_refuse(fit, "a velocity of the %zu is not above 0", n);
+            return lac_finding_refuse(fit, "a velocity of the %zu is not above 0", n);
         }
     }
     const line l = fit_line(n, t, v);
     if (!(l.b < 0.0)) {
-        return lac_fit_refuse(fit, "inverse velocity does not fall");
+        return lac_finding_refuse(fit, "inverse velocity does not fall");
     }
     fit->remaining = -l.a / l.b;
     // Var ln(a/b), to first order
     fit->error =
         sqrt(fmax(0.0, l.aa / (l.a * l.a) + l.bb / (l.b * l.b) - 2.0 * l.ab / (l.a * l.b)));
-    lac_fit_judge_inverse(n, t, v, -1.0 / l.b, fit);
-    lac_fit_add(fit, "scale_m", -1.0 / l.b);
+    lac_finding_judge_inverse(n, t, v, -1.0 / l.b, fit);
+    lac_finding_add(fit, "scale_m", -1.0 / l.b);
     return LAC_OK;
 }
 
-static lac_status fit_eight(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_eight(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     (void)err;
     return fit_last(w, LAST, fit);
 }
 
-static lac_status fit_all(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_all(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     (void)err;
     return fit_last(w, w->velocities, fit);
@@ -84,7 +84,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {1.2, -0.608, -0.321, -0.062, 0.150},
+    .calibration = {0.8, -0.901, -0.496, -0.120, 0.222},
     .fit = fit_eight,
 };
 
@@ -97,6 +97,6 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {1.2, -1.617, -0.953, -0.282, 0.006},
+    .calibration = {1.2, -1.631, -1.031, -0.344, -0.016},
     .fit = fit_all,
 };

@@ -8,8 +8,12 @@ extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast
     lac_forecast_saito, lac_forecast_log, lac_forecast_voight, lac_forecast_block,
     lac_forecast_lppls, lac_forecast_persistence;
 
+/// The methods that a definition asks: the registry's, its own model last but one.
+size_t lac_forecast_count(const lac_forecast_def *def);
+const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index);
+
 /// Misfit of v = B/(remaining - t) to velocities as inverse velocities: rms and misfit.
-void lac_fit_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
-                           lac_fit *fit);
+void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
+                               lac_finding *fit);
 
 #endif

@@ -16,22 +16,16 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static lac_status fit_log(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_log(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    lac_projection law = {.window = w, .columns = 2, .shapes = 1, .curve = curve};
-    lac_starts starts = {0};
+    lac_projection law = {.window = w, .columns = 2, .shapes = 1, .curve = curve, .grid = {GRID}};
     double p[LAC_SHAPES_MAX];
     lac_status status;
-    LAC_TRY(lac_projection_create(&law, err));
-    for (size_t i = 0; i < GRID; i++) {
-        p[0] = lac_projection_start(w, i, GRID);
-        lac_starts_offer(&starts, 1, p, lac_projection_at(&law, p));
-    }
-    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    LAC_TRY(lac_projection_fit(&law, p, fit, err));
     if (!(law.c[1] > 0.0)) {
-        status = lac_fit_refuse(fit, "the slope does not accelerate");
+        status = lac_finding_refuse(fit, "the slope does not accelerate");
     }
-    lac_fit_add(fit, "scale_m", law.c[1]);
+    lac_finding_add(fit, "scale_m", law.c[1]);
 out:
     lac_projection_clear(&law);
     return status;
@@ -46,6 +40,6 @@ const lac_forecast_kind lac_forecast_log = {
     .least = 6,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.15, -7.195, -4.460, -1.104, 0.106},
+    .calibration = {1.2, -1.153, -0.676, -0.211, 0.016},
     .fit = fit_log,
 };

@@ -15,8 +15,6 @@ static double within(double low, double high, double p)
     return low + (high - low) / (1.0 + exp(-p));
 }
 
-static double inverse(double part) { return log(part / (1.0 - part)); }
-
 // z in windows, so that the power of it is of order 1
 static void curve(const lac_projection *self, const double *p, double *columns)
 {
@@ -34,37 +32,30 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static void offer_grid(lac_projection *law, lac_starts *starts)
+static double place(const lac_projection *self, size_t shape, double part)
 {
-    double p[LAC_SHAPES_MAX];
-    for (size_t i = 0; i < GRID; i++) {
-        p[0] = lac_projection_start(law->window, i, GRID);
-        for (size_t j = 0; j < POWERS; j++) {
-            p[1] = inverse(((double)j + 0.5) / POWERS);
-            for (size_t k = 0; k < FREQUENCIES; k++) {
-                p[2] = inverse(((double)k + 0.5) / FREQUENCIES);
-                lac_starts_offer(starts, 3, p, lac_projection_at(law, p));
-            }
-        }
-    }
+    (void)self, (void)shape;
+    return log(part / (1.0 - part));
 }
 
-static lac_status fit_lppls(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_lppls(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    lac_projection law = {.window = w, .columns = 4, .shapes = 3, .curve = curve};
-    lac_starts starts = {0};
+    lac_projection law = {.window = w,
+                          .columns = 4,
+                          .shapes = 3,
+                          .curve = curve,
+                          .place = place,
+                          .grid = {GRID, POWERS, FREQUENCIES}};
     double p[LAC_SHAPES_MAX];
     lac_status status;
-    LAC_TRY(lac_projection_create(&law, err));
-    offer_grid(&law, &starts);
-    LAC_TRY(lac_projection_refine(&law, &starts, p, fit, err));
+    LAC_TRY(lac_projection_fit(&law, p, fit, err));
     const double omega = within(low_omega, high_omega, p[2]);
-    lac_fit_add(fit, "m", within(low_m, high_m, p[1]));
-    lac_fit_add(fit, "omega", omega);
-    lac_fit_add(fit, "lambda", exp(2.0 * pi / omega));
-    lac_fit_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
+    lac_finding_add(fit, "m", within(low_m, high_m, p[1]));
+    lac_finding_add(fit, "omega", omega);
+    lac_finding_add(fit, "lambda", exp(2.0 * pi / omega));
+    lac_finding_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
     if (!(law.c[1] < 0.0)) {
-        status = lac_fit_refuse(fit, "the slope does not accelerate");
+        status = lac_finding_refuse(fit, "the slope does not accelerate");
     }
 out:
     lac_projection_clear(&law);
@@ -82,6 +73,6 @@ const lac_forecast_kind lac_forecast_lppls = {
     .least = 15,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.6, -0.245, 0.170, 0.895, 2.000},
+    .calibration = {0.6, -0.392, 0.186, 0.988, 1.993},
     .fit = fit_lppls,
 };

@@ -27,57 +27,74 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
     return LAC_OK;
 }
 
+// Where an interval ends: q errors from the fit, or from the posterior's median by the error that
+// its quantile at `level` stands for.
+static double end_of(const lac_finding *fit, double spread, int level, double q)
+{
+    static const double normal[LAC_FORECAST_LEVELS] = {1.6448536269514722, 0.6744897501960817, 1.0,
+                                                       0.6744897501960817, 1.6448536269514722};
+    if (!fit->posterior) {
+        return fit->remaining * exp(hypot(fit->error, spread) * q);
+    }
+    const double e = (fit->quantile[level] - fit->quantile[2]) / normal[level];
+    return exp(fit->quantile[2] + hypot(e, spread) * q);
+}
+
 static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast *f)
 {
     const lac_calibration *c = &kind->calibration;
-    const double e = hypot(f->fit.error, c->spread);
-    f->low90 = now + f->fit.remaining * exp(e * c->low90);
-    f->low50 = now + f->fit.remaining * exp(e * c->low50);
-    f->high50 = now + f->fit.remaining * exp(e * c->high50);
-    f->high90 = now + f->fit.remaining * exp(e * c->high90);
+    f->low90 = now + end_of(&f->fit, c->spread, 0, c->low90);
+    f->low50 = now + end_of(&f->fit, c->spread, 1, c->low50);
+    f->high50 = now + end_of(&f->fit, c->spread, 3, c->high50);
+    f->high90 = now + end_of(&f->fit, c->spread, 4, c->high90);
     f->issued = isfinite(f->low90) && isfinite(f->high90);
     if (!f->issued) {
-        (void)lac_fit_refuse(&f->fit, "its error is not finite");
+        (void)lac_finding_refuse(&f->fit, "its error is not finite");
     }
 }
 
-static void judge(const lac_forecast_kind *kind, lac_forecast *f)
+static void judge(const lac_forecast_kind *kind, double nearest, lac_forecast *f)
 {
-    lac_fit *fit = &f->fit;
+    lac_finding *fit = &f->fit;
     if (fit->reason[0] != '\0') {
         return;
     }
-    if (!isfinite(fit->remaining) || !(fit->remaining > 0.0)) {
-        (void)lac_fit_refuse(fit, "points to a time that is over");
+    if (!isfinite(fit->remaining) || !(fit->remaining > nearest)) {
+        (void)lac_finding_refuse(fit, "points to a time that is over");
     } else if (!(fit->misfit <= kind->worst)) {
-        (void)lac_fit_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
-                             fit->misfit, kind->worst);
+        (void)lac_finding_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
+                                 fit->misfit, kind->worst);
     } else if (!(fit->error <= vaguest)) {
-        (void)lac_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
-                             exp(fit->error), exp(vaguest));
+        (void)lac_finding_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
+                                 exp(fit->error), exp(vaguest));
     } else {
         set_interval(kind, f->issue_time, f);
     }
 }
 
-static lac_status ask(const lac_forecast_kind *kind, const lac_window *w, lac_forecast *f,
-                      lac_error *err)
+static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const lac_window *w,
+                      lac_forecast *f, lac_error *err)
 {
+    const lac_forecast_kind *kind = f->kind;
     const size_t points = w->n < w->velocities ? w->n : w->velocities;
     f->issue_time = w->now;
     f->window_start = w->start;
     if (points < kind->least) {
-        return lac_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu", points,
-                              kind->least);
+        return lac_finding_refuse(&f->fit, "too few points: %zu in the window, at least %zu",
+                                  points, kind->least);
     }
     if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
-        return lac_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d", w->n,
-                              (int)INTEGRABLE);
+        return lac_finding_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
+                                  w->n, (int)INTEGRABLE);
     }
-    lac_status status = kind->fit(w, &f->fit, err);
+    lac_status status = kind->fit != NULL
+                            ? kind->fit(w, &f->fit, err)
+                            : def->model->fit(def->model->context, m, w->now, &f->fit, err);
     if (status == LAC_OK) {
         f->time = w->now + f->fit.remaining;
-        judge(kind, f);
+        // what is a thousandth of the last interval away, the last reading only just does not
+        // forbid
+        judge(kind, w->n > 1 ? -1e-3 * w->time[w->n - 2] : 0.0, f);
     }
     return status;
 }
@@ -94,7 +111,7 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
     }
     for (size_t k = 0; k < o->count; k++) {
         lac_forecast *f = &o->forecast[k];
-        *f = (lac_forecast){.kind = lac_forecast_kind_at(k),
+        *f = (lac_forecast){.kind = lac_forecast_kind_of(def, k),
                             .issue_time = o->issue_time,
                             .window_start = NAN,
                             .time = NAN,
@@ -105,7 +122,7 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
                             .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
         memcpy(f->fit.reason, reason, sizeof reason);
         if (o->accelerating) {
-            LAC_TRY(ask(f->kind, w, f, err));
+            LAC_TRY(ask(def, o->motion, w, f, err));
         }
     }
 out:
@@ -122,9 +139,7 @@ lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *r
     LAC_TRY(check(def, readings, err));
     o = calloc(1, sizeof *o);
     LAC_TRY(o != NULL ? LAC_OK : lac_fail_memory(err));
-    while (lac_forecast_kind_at(o->count) != NULL) {
-        o->count++;
-    }
+    o->count = lac_forecast_count(def);
     o->forecast = calloc(o->count, sizeof *o->forecast);
     LAC_TRY(o->forecast != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_motion_create(&def->motion, readings, &o->motion, err));

@@ -5,7 +5,7 @@
 
 #include "forecast/kinds.h"
 
-static lac_status fit_nothing(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_nothing(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     (void)err;
     fit->remaining = -w->time[0];

@@ -9,8 +9,17 @@
 enum { STARTS = 4, ITERATIONS = 100 };
 static const double farthest = 20.0; // remaining time over the window's length
 static const double most_alike = 0.95;
+static const double at_an_end = 1e-4; // of the steepest shape: one that has no say is held
 
-lac_status lac_projection_create(lac_projection *self, lac_error *err)
+// The best places so far, in the order of their sums.
+typedef struct places {
+    size_t count;
+    double sum[STARTS], p[STARTS][LAC_SHAPES_MAX];
+} places;
+
+double lac_projection_farthest(void) { return farthest; }
+
+static lac_status allocate(lac_projection *self, lac_error *err)
 {
     const size_t n = self->window->n;
     self->column = malloc(self->columns * n * sizeof *self->column);
@@ -41,7 +50,7 @@ double lac_projection_at(lac_projection *self, const double *p)
     return isfinite(sum) ? sum : INFINITY;
 }
 
-void lac_starts_offer(lac_starts *s, size_t shapes, const double *p, double sum)
+static void offer(places *s, size_t shapes, const double *p, double sum)
 {
     if (s->count == STARTS && !(sum < s->sum[STARTS - 1])) {
         return;
@@ -55,11 +64,31 @@ void lac_starts_offer(lac_starts *s, size_t shapes, const double *p, double sum)
     memcpy(s->p[at], p, shapes * sizeof *p);
 }
 
-double lac_projection_start(const lac_window *w, size_t index, size_t count)
+// ln of the remaining time at `part` of the way.
+static double place_time(const lac_window *w, double part)
 {
     const double low = log(-w->time[w->n - 2] / 30.0);
     const double high = log(-w->time[0] * 30.0);
-    return low + (high - low) * ((double)index + 0.5) / (double)count;
+    return low + (high - low) * part;
+}
+
+// Looks at every place of the grid.
+static void look_around(lac_projection *self, places *best)
+{
+    size_t all = 1;
+    double p[LAC_SHAPES_MAX];
+    for (size_t j = 0; j < self->shapes; j++) {
+        all *= self->grid[j];
+    }
+    for (size_t k = 0; k < all; k++) {
+        size_t rest = k;
+        for (size_t j = self->shapes; j-- > 0;) {
+            const double part = ((double)(rest % self->grid[j]) + 0.5) / (double)self->grid[j];
+            p[j] = j == 0 ? place_time(self->window, part) : self->place(self, j, part);
+            rest /= self->grid[j];
+        }
+        offer(best, self->shapes, p, lac_projection_at(self, p));
+    }
 }
 
 // Residuals, then one for each shape that has a prior.
@@ -78,7 +107,7 @@ static int residuals(const gsl_vector *x, void *context, gsl_vector *f)
         gsl_vector_set(f, i, self->residual[i]);
     }
     for (size_t j = 0; j < self->shapes; j++) {
-        const bool free = self->scale == 0.0 || isinf(self->width[j]);
+        const bool free = self->width == NULL || isinf(self->width[j]);
         const double off = free ? 0.0 : (p[j] - self->centre[j]) / self->width[j];
         gsl_vector_set(f, n + j, off * self->scale);
     }
@@ -100,7 +129,7 @@ static double alike(const lac_projection *self)
 }
 
 static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,
-                  gsl_matrix *covariance, const double *p, lac_fit *fit)
+                  gsl_matrix *covariance, const double *p, lac_finding *fit)
 {
     const lac_window *w = self->window;
     const double sum = lac_projection_at(self, p);
@@ -112,17 +141,23 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
         low = fmin(low, w->displacement[i]);
         high = fmax(high, w->displacement[i]);
     }
-    (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), 0.0, covariance);
+    (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), at_an_end, covariance);
+    self->effective = (double)w->n * (1.0 - r) / (1.0 + r);
     const double variance = sum / free * (1.0 + r) / (1.0 - r);
+    for (size_t i = 0; i < self->shapes; i++) {
+        for (size_t j = 0; j < self->shapes; j++) {
+            self->covariance[i][j] = variance * gsl_matrix_get(covariance, i, j);
+        }
+    }
     fit->remaining = exp(p[0]);
-    fit->error = sqrt(fmax(0.0, variance * gsl_matrix_get(covariance, 0, 0)));
+    fit->error = sqrt(fmax(0.0, self->covariance[0][0]));
     fit->points = w->n;
     fit->rms = sqrt(sum / (double)w->n);
     fit->rms_unit = "m";
     fit->misfit = fit->rms / (high - low);
     if (fit->remaining > -farthest * w->time[0]) {
-        (void)lac_fit_refuse(fit, "no finite time fits better than one %.0f windows away",
-                             farthest);
+        (void)lac_finding_refuse(fit, "no finite time fits better than one %.0f windows away",
+                                 farthest);
     }
 }
 
@@ -152,8 +187,8 @@ static bool descend(lac_projection *self, gsl_multifit_nlinear_workspace *work, 
     return isfinite(cost(work));
 }
 
-lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts, double *p,
-                                 lac_fit *fit, lac_error *err)
+static lac_status refine(lac_projection *self, const places *starts, double *p, lac_finding *fit,
+                         lac_error *err)
 {
     const size_t rows = self->window->n + self->shapes;
     const gsl_multifit_nlinear_parameters settings = gsl_multifit_nlinear_default_parameters();
@@ -171,7 +206,7 @@ lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts,
         }
     }
     if (!isfinite(best) || !descend(self, work, starts->p[chosen])) {
-        (void)lac_fit_refuse(fit, "no fit was found");
+        (void)lac_finding_refuse(fit, "no fit was found");
         goto out;
     }
     for (size_t j = 0; j < self->shapes; j++) {
@@ -182,4 +217,21 @@ out:
     gsl_multifit_nlinear_free(work);
     gsl_matrix_free(covariance);
     return status;
+}
+
+lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit, lac_error *err)
+{
+    const lac_window *w = self->window;
+    places best = {0};
+    lac_status status = allocate(self, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    look_around(self, &best);
+    if (self->width != NULL) {
+        const double free = (double)w->n - (double)(self->shapes + self->columns);
+        self->scale = sqrt(best.sum[0] / fmax(1.0, free));
+        self->scale = w->noise > 0.0 ? fmin(self->scale, w->noise) : self->scale; // a coarse grid
+    }
+    return refine(self, &best, p, fit, err);
 }

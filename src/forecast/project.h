@@ -15,38 +15,32 @@ typedef struct lac_projection {
     size_t columns, shapes; ///< number of c_j, of p_j
     /// Writes the columns at p.
     void (*curve)(const struct lac_projection *self, const double *p, double *columns);
+    /// Where the search starts along a shape but the first: at `part` of the way, in (0, 1).
+    double (*place)(const struct lac_projection *self, size_t shape, double part);
+    size_t grid[LAC_SHAPES_MAX]; ///< [shapes] number of places along each
     const void *context;
-    const double *centre, *width; ///< [shapes] normal prior of p; a width of INFINITY: none
+    const double *centre, *width; ///< [shapes] normal prior of p, INFINITY: none; NULL: of no shape
     double scale;                 ///< residual that one width of the prior weighs [m]; 0: no prior
     double *column;               ///< [columns][n] work
     double *residual;             ///< [n] of the last curve looked at, weighted [m]
     double c[LAC_LEAST_SQUARES_MAX]; ///< of it
+    double effective;                ///< number of residuals, as many as white ones would tell
+    double covariance[LAC_SHAPES_MAX][LAC_SHAPES_MAX]; ///< of p at the best, linearised
 } lac_projection;
 
+/// Fits it: from the best four places of the grid by Levenberg-Marquardt (GSL). ln of the remaining
+/// time starts from a thirtieth of the last interval to thirty windows. Fills in remaining, its
+/// error (linearised; residuals taken as a first-order autoregression), rms, misfit, points.
+/// @param self  afterwards at the best; lac_projection_clear frees its work, whatever the status
+/// @param p     [shapes] the best
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_projection_create(lac_projection *self, lac_error *err);
+lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit, lac_error *err);
 void lac_projection_clear(lac_projection *self);
 
 /// Sum of squared weighted residuals at p, without the prior; residual and c are of p afterwards.
 double lac_projection_at(lac_projection *self, const double *p);
 
-/// Keeps p where it is better than the worst of the best so far, which are in the order of their
-/// sums.
-typedef struct lac_starts {
-    size_t count;
-    double sum[4], p[4][LAC_SHAPES_MAX];
-} lac_starts;
-void lac_starts_offer(lac_starts *starts, size_t shapes, const double *p, double sum);
-
-/// Refines the starts (GSL, Levenberg-Marquardt), takes the best, and fills in the fit: remaining,
-/// its error (linearised; residuals taken as a first-order autoregression), rms, misfit, points.
-/// @param p  [shapes] the best
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_projection_refine(lac_projection *self, const lac_starts *starts, double *p,
-                                 lac_fit *fit, lac_error *err);
-
-/// ln remaining times to start from: `count` values, from a thirtieth of the last interval to
-/// thirty times the window, evenly.
-double lac_projection_start(const lac_window *window, size_t index, size_t count);
+/// The longest remaining time that is a forecast, over the window's length.
+double lac_projection_farthest(void);
 
 #endif

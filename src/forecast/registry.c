@@ -7,7 +7,22 @@ static const lac_forecast_kind *const kinds[] = {
     &lac_forecast_block, &lac_forecast_lppls, &lac_forecast_persistence,
 };
 
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
 const lac_forecast_kind *lac_forecast_kind_at(size_t index)
 {
-    return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
+    return index < KINDS ? kinds[index] : NULL;
+}
+
+size_t lac_forecast_count(const lac_forecast_def *def)
+{
+    return KINDS + (def->model != NULL ? 1 : 0);
+}
+
+const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index)
+{
+    if (def->model == NULL || index < KINDS - 1) {
+        return lac_forecast_kind_at(index);
+    }
+    return index == KINDS - 1 ? def->model->kind : lac_forecast_kind_at(KINDS - 1);
 }

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forecast/kinds.h"
 #include "lacuna/hindcast.h"
 
 // Readings that issue k of `issues` <= n may see; the last sees all.
@@ -11,7 +12,7 @@ static size_t seen(size_t n, size_t issues, size_t k)
 }
 
 static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_readings *readings,
-                        size_t k, lac_error *err)
+                        size_t k, const lac_rolling_watch *watch, lac_error *err)
 {
     lac_readings past = *readings;
     lac_outlook *outlook = NULL;
@@ -20,6 +21,9 @@ static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_r
     if (status == LAC_OK) {
         r->issue_time[k] = outlook->issue_time;
         memcpy(&r->forecast[k * r->methods], outlook->forecast, r->methods * sizeof *r->forecast);
+        if (watch != NULL && watch->see != NULL) {
+            status = watch->see(watch->seer, outlook, err);
+        }
     }
     lac_outlook_free(outlook);
     return status;
@@ -38,9 +42,7 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
     LAC_TRY(status);
     r->start = readings->time[0];
     r->issues = readings->n < most ? readings->n : most;
-    while (lac_forecast_kind_at(r->methods) != NULL) {
-        r->methods++;
-    }
+    r->methods = lac_forecast_count(def);
     r->issue_time = malloc(r->issues * sizeof *r->issue_time);
     r->forecast = malloc(r->issues * r->methods * sizeof *r->forecast);
     if (r->issue_time == NULL || r->forecast == NULL) {
@@ -51,7 +53,7 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
             LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu issue times", k,
                              r->issues));
         }
-        LAC_TRY(issue(r, def, readings, k, err));
+        LAC_TRY(issue(r, def, readings, k, watch, err));
     }
     *out = r;
     r = NULL;

@@ -50,7 +50,7 @@ static size_t middle_reading(const lac_window *w)
 }
 
 // Rms of all readings of the window about the curve through the three.
-static void judge(const lac_window *w, double scale, lac_fit *fit)
+static void judge(const lac_window *w, double scale, lac_finding *fit)
 {
     const double *d = w->displacement;
     double squares = 0.0;
@@ -65,7 +65,7 @@ static void judge(const lac_window *w, double scale, lac_fit *fit)
     fit->misfit = fit->rms / fabs(d[w->n - 1] - d[0]);
 }
 
-static lac_status fit_three(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     const double *t = w->time;
     const double *d = w->displacement;
@@ -73,12 +73,12 @@ static lac_status fit_three(const lac_window *w, lac_fit *fit, lac_error *err)
     const double end = d[w->n - 1];
     (void)err;
     if (!(t[w->n - 1] == 0.0)) {
-        return lac_fit_refuse(fit, "the last reading has no displacement");
+        return lac_finding_refuse(fit, "the last reading has no displacement");
     }
     fit->remaining = solve(t[0], t[k], d[0], d[k], end);
     if (isnan(fit->remaining)) {
-        return lac_fit_refuse(fit,
-                              "the second half of the displacement took longer than the first");
+        return lac_finding_refuse(fit,
+                                  "the second half of the displacement took longer than the first");
     }
     const double scale = (end - d[0]) / log1p(-t[0] / fit->remaining);
     judge(w, scale, fit);
@@ -94,7 +94,7 @@ static lac_status fit_three(const lac_window *w, lac_fit *fit, lac_error *err)
         variance += step * step;
     }
     fit->error = sqrt(variance);
-    lac_fit_add(fit, "scale_m", scale);
+    lac_finding_add(fit, "scale_m", scale);
     return LAC_OK;
 }
 
@@ -108,6 +108,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.3, -3.693, -2.232, -0.590, 0.064},
+    .calibration = {1.2, -1.093, -0.661, -0.210, 0.013},
     .fit = fit_three,
 };

@@ -84,7 +84,7 @@ static void measure(const lac_rolling *r, size_t k, double failed_at, double hor
 {
     double *const error = work;
     double *const ratio = work + r->issues;
-    *s = (lac_skill){.kind = lac_forecast_kind_at(k)};
+    *s = (lac_skill){.kind = r->forecast[k].kind};
     for (size_t i = 0; i < r->issues; i++) {
         const lac_forecast *f = &r->forecast[i * r->methods + k];
         const lac_forecast *baseline = &r->forecast[(i + 1) * r->methods - 1];

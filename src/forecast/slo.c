@@ -4,7 +4,7 @@
 
 #include "forecast/kinds.h"
 
-static lac_status fit_slope(const lac_window *w, lac_fit *fit, lac_error *err)
+static lac_status fit_slope(const lac_window *w, lac_finding *fit, lac_error *err)
 {
     const size_t n = w->velocities;
     const double *t = w->velocity_time;
@@ -17,7 +17,7 @@ static lac_status fit_slope(const lac_window *w, lac_fit *fit, lac_error *err)
     (void)err;
     for (size_t i = 0; i < n; i++) {
         if (!(v[i] > 0.0)) {
-            return lac_fit_refuse(fit, "a velocity of the window is not above 0");
+            return lac_finding_refuse(fit, "a velocity of the window is not above 0");
         }
         mean += v[i] / (double)n;
         product += t[i] * v[i] / (double)n;
@@ -34,11 +34,11 @@ static lac_status fit_slope(const lac_window *w, lac_fit *fit, lac_error *err)
     }
     fit->remaining = slope;
     if (!(intercept < 0.0)) {
-        return lac_fit_refuse(fit, "t v does not fall with v as that of a finite time does");
+        return lac_finding_refuse(fit, "t v does not fall with v as that of a finite time does");
     }
     fit->error = sqrt(left / (double)(n - 2) / vv) / fabs(slope);
-    lac_fit_judge_inverse(n, t, v, -intercept, fit);
-    lac_fit_add(fit, "scale_m", -intercept);
+    lac_finding_judge_inverse(n, t, v, -intercept, fit);
+    lac_finding_add(fit, "scale_m", -intercept);
     return LAC_OK;
 }
 
@@ -51,6 +51,6 @@ const lac_forecast_kind lac_forecast_slo = {
                  "slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.3, -3.941, -2.320, -0.559, 0.252},
+    .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},
     .fit = fit_slope,
 };

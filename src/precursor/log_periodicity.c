@@ -4,48 +4,97 @@
 #include <stdlib.h>
 
 #include "base/least_squares.h"
-#include "base/rng.h"
 #include "precursor/kinds.h"
+#include "precursor/surrogates.h"
 
-enum { LEAST = 20, MOST = 200, FREQUENCIES = 60, SMOOTH = 2, ALL = 4, SURROGATES = 99 };
+enum { LEAST = 20, MOST = 200, FREQUENCIES = 60, SMOOTH = 2, SURROGATES = 99 };
+static const size_t first_surrogate = 1U << 20; // none of another indicator's
 static const double pi = 3.14159265358979323846;
 static const double highest = 20.0, turns = 1.5; // least turns of the lowest frequency
+
+static const lac_precursor_value numbers[] = {
+    {"omega", "1", "angular frequency in ln(tc - t) of the largest peak"},
+    {"lambda", "1", "ratio of scales, exp(2 pi/omega)"},
+    {"power", "1", "part of the squares that the oscillation takes"},
+    {"p", "1", "part of autoregressive surrogates with as large a peak"},
+};
 
 typedef struct lomb {
     size_t n;
     double u[MOST], d[MOST], r[MOST]; // ln(tc - t), displacement, what the log law leaves
-    double column[ALL * MOST], y[MOST];
-    double low; // frequency
+    double column[SMOOTH * MOST];
+    double low;                        // frequency
+    double wave[FREQUENCIES][2][MOST]; // orthonormal, and to 1 and u
 } lomb;
 
-// What is left of `from` after 1, u, and with `columns` = 4 the oscillation of omega.
-static double rest(lomb *l, const double *from, size_t columns, double omega)
+// x -= c_0 + c_1 u by least squares; returns what is left of its squares.
+static double straighten(lomb *l, double *x)
 {
-    double c[ALL];
+    double c[SMOOTH];
     for (size_t i = 0; i < l->n; i++) {
         l->column[i] = 1.0;
         l->column[l->n + i] = l->u[i];
-        l->y[i] = from[i];
-        if (columns == ALL) {
-            l->column[2 * l->n + i] = cos(omega * l->u[i]);
-            l->column[3 * l->n + i] = sin(omega * l->u[i]);
-        }
     }
-    return lac_least_squares(l->n, columns, l->column, l->y, c);
+    return lac_least_squares(l->n, SMOOTH, l->column, x, c);
 }
 
-// Largest share of the squares that one frequency takes.
-static double peak(lomb *l, const double *from, double *omega)
+static double product(size_t n, const double *x, const double *y)
 {
-    const double all = rest(l, from, SMOOTH, 0.0);
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i] * y[i];
+    }
+    return sum;
+}
+
+// To length 1; to nothing where hardly anything is left of it.
+static void normalise(size_t n, double *x)
+{
+    const double length = sqrt(product(n, x, x) / (double)n);
+    for (size_t i = 0; i < n; i++) {
+        x[i] = length > 1e-9 ? x[i] / (length * sqrt((double)n)) : 0.0;
+    }
+}
+
+static double frequency(const lomb *l, size_t k)
+{
+    return l->low + (highest - l->low) * ((double)k + 0.5) / FREQUENCIES;
+}
+
+// cos and sin of each frequency, made orthogonal to 1, u and each other.
+static void make_waves(lomb *l)
+{
+    for (size_t k = 0; k < FREQUENCIES; k++) {
+        double *even = l->wave[k][0];
+        double *odd = l->wave[k][1];
+        for (size_t i = 0; i < l->n; i++) {
+            even[i] = cos(frequency(l, k) * l->u[i]);
+            odd[i] = sin(frequency(l, k) * l->u[i]);
+        }
+        (void)straighten(l, even);
+        (void)straighten(l, odd);
+        normalise(l->n, even);
+        const double along = product(l->n, even, odd);
+        for (size_t i = 0; i < l->n; i++) {
+            odd[i] -= along * even[i];
+        }
+        normalise(l->n, odd);
+    }
+}
+
+// Largest share of the squares of x that one frequency takes; x is straightened.
+static double peak(lomb *l, double *x, double *omega)
+{
+    const double all = straighten(l, x);
     double best = 0.0;
     *omega = NAN;
-    for (size_t k = 0; k < FREQUENCIES; k++) {
-        const double at = l->low + (highest - l->low) * ((double)k + 0.5) / FREQUENCIES;
-        const double power = all > 0.0 ? 1.0 - rest(l, from, ALL, at) / all : 0.0;
+    for (size_t k = 0; k < FREQUENCIES && all > 0.0; k++) {
+        const double even = product(l->n, l->wave[k][0], x);
+        const double odd = product(l->n, l->wave[k][1], x);
+        const double power = (even * even + odd * odd) / all;
         if (power > best) {
             best = power;
-            *omega = at;
+            *omega = frequency(l, k);
         }
     }
     return best;
@@ -53,13 +102,9 @@ static double peak(lomb *l, const double *from, double *omega)
 
 static double autocorrelation(const lomb *l)
 {
-    double square = 0.0;
-    double product = 0.0;
-    for (size_t i = 0; i < l->n; i++) {
-        square += l->r[i] * l->r[i];
-        product += i > 0 ? l->r[i] * l->r[i - 1] : 0.0;
-    }
-    return square > 0.0 ? fmin(0.99, fmax(-0.99, product / square)) : 0.0;
+    const double square = product(l->n, l->r, l->r);
+    const double lagged = product(l->n - 1, l->r, l->r + 1);
+    return square > 0.0 ? fmin(0.99, fmax(-0.99, lagged / square)) : 0.0;
 }
 
 static double significance(lomb *l, const lac_observed *seen, double power)
@@ -68,14 +113,8 @@ static double significance(lomb *l, const lac_observed *seen, double power)
     const size_t surrogates = seen->surrogates < SURROGATES ? seen->surrogates : SURROGATES;
     size_t above = 0;
     double omega;
-    double pair[2];
     for (size_t s = 0; s < surrogates; s++) {
-        double before = 0.0;
-        for (size_t i = 0; i < l->n; i++) {
-            lac_random_normal(seen->seed, LAC_STREAM_SURROGATE, s, (1U << 20) + i, pair);
-            before = i == 0 ? pair[0] / sqrt(1.0 - phi * phi) : phi * before + pair[0];
-            l->d[i] = before;
-        }
+        lac_surrogate_red(l->n, phi, seen->seed, first_surrogate + s, l->d);
         above += peak(l, l->d, &omega) >= power ? 1 : 0;
     }
     return (double)(1 + above) / (double)(1 + surrogates);
@@ -99,11 +138,11 @@ static void gather(lomb *l, const lac_observed *seen)
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     double omega = NAN;
     if (!isfinite(seen->tc)) {
-        return lac_fit_refuse(found, "the log law has no time of failure to count from");
+        return lac_finding_refuse(found, "the log law has no time of failure to count from");
     }
     lomb *l = calloc(1, sizeof *l);
     if (l == NULL) {
@@ -114,18 +153,18 @@ static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;
     l->low = 2.0 * pi * turns / span;
     if (l->n < LEAST || !(l->low < highest)) {
-        (void)lac_fit_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few", l->n,
-                             span);
+        (void)lac_finding_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few",
+                                 l->n, span);
     } else {
-        (void)rest(l, l->d, SMOOTH, 0.0);
+        make_waves(l);
         for (size_t i = 0; i < l->n; i++) {
-            l->r[i] = l->y[i];
+            l->r[i] = l->d[i];
         }
         const double power = peak(l, l->r, &omega);
-        lac_fit_add(found, "omega", omega);
-        lac_fit_add(found, "lambda", exp(2.0 * pi / omega));
-        lac_fit_add(found, "power", power);
-        lac_fit_add(found, "p", significance(l, seen, power));
+        lac_finding_add(found, "omega", omega);
+        lac_finding_add(found, "lambda", exp(2.0 * pi / omega));
+        lac_finding_add(found, "power", power);
+        lac_finding_add(found, "p", significance(l, seen, power));
     }
     free(l);
     return LAC_OK;
@@ -140,5 +179,7 @@ const lac_precursor_kind lac_precursor_log_periodicity = {
     .estimator = "least-squares spectrum in u = ln(tc - t) beside 1 and u, tc of the log law, of "
                  "the displacements since the onset, at most 200; power: the largest share of the "
                  "squares; p among first-order autoregressions",
+    LAC_PRECURSOR_VALUES(numbers),
+    .headline = 3,
     .look = look,
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "precursor/kinds.h"
 
@@ -15,6 +16,23 @@ const lac_precursor_kind *lac_precursor_kind_at(size_t index)
     return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
 }
 
+const char *lac_needs_name(lac_needs needs)
+{
+    static const char *const names[] = {
+        [LAC_NEEDS_MOTION] = "series", [LAC_NEEDS_EVENTS] = "events", [LAC_NEEDS_CELLS] = "cells"};
+    return names[needs];
+}
+
+double lac_precursor_find(const lac_precursor *found, const char *key)
+{
+    for (size_t i = 0; i < found->found.count; i++) {
+        if (strcmp(found->found.value[i].key, key) == 0) {
+            return found->found.value[i].value;
+        }
+    }
+    return NAN;
+}
+
 lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
                                lac_error *err)
 {
@@ -24,11 +42,11 @@ lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, siz
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
         if (kind->needs == LAC_NEEDS_EVENTS && seen->events == NULL) {
-            (void)lac_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
-                                            "with analysis: {events: ...}");
+            (void)lac_finding_refuse(&p->found, "needs a catalogue of events: a run of a case "
+                                                "with analysis: {events: ...}");
         } else if (kind->needs == LAC_NEEDS_CELLS && seen->slip == NULL) {
-            (void)lac_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
-                                            "{rg: ...}");
+            (void)lac_finding_refuse(&p->found, "needs cells: a run of a case with analysis: "
+                                                "{rg: ...}");
         } else {
             LAC_TRY(kind->look(seen, &p->found, err));
         }

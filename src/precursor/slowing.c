@@ -4,19 +4,51 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/least_squares.h"
-#include "base/rng.h"
 #include "precursor/kinds.h"
+#include "precursor/surrogates.h"
 
-enum { LEAST = 24, MOST = 200 };
+enum { LEAST = 24, MOST = 200, COLUMNS = 3, HALVINGS = 20 };
+static const double steepest = 0.99;
+
+static const lac_precursor_value numbers[] = {
+    {"variance_m2_s2", "m2 s-2", "variance of the last window"},
+    {"variance_tau", "1", "Kendall's tau of the variance"},
+    {"variance_p", "1", "part of autoregressive surrogates with as high a tau"},
+    {"variance_phase_p", "1", "part of phase-randomised surrogates with as high a tau"},
+    {"autocorrelation", "1", "lag-1 autocorrelation of the last window"},
+    {"autocorrelation_tau", "1", "Kendall's tau of the autocorrelation"},
+    {"autocorrelation_p", "1", "part of autoregressive surrogates with as high a tau"},
+    {"autocorrelation_phase_p", "1", "part of phase-randomised surrogates with as high a tau"},
+};
 
 // One series on its way: what is left of it, and the two indicators of its windows.
 typedef struct passage {
     size_t n, window;
     double *rest;                // [n]
-    double *column;              // [3 n]
+    double *smooth;              // [3][n] orthonormal parabolas
     double *variance, *relation; // [n - window + 1]
 } passage;
+
+static double product(size_t n, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i] * y[i];
+    }
+    return sum;
+}
+
+// x -= its part along the orthonormal columns
+static void straighten(const passage *p, size_t columns, double *x)
+{
+    for (size_t k = 0; k < columns; k++) {
+        const double *q = p->smooth + k * p->n;
+        const double along = product(p->n, q, x);
+        for (size_t i = 0; i < p->n; i++) {
+            x[i] -= along * q[i];
+        }
+    }
+}
 
 static lac_status create(passage *p, size_t n, lac_error *err)
 {
@@ -25,23 +57,21 @@ static lac_status create(passage *p, size_t n, lac_error *err)
     if (p->rest == NULL) {
         return lac_fail_memory(err);
     }
-    p->column = p->rest + n;
-    p->variance = p->column + 3 * n;
+    p->smooth = p->rest + n;
+    p->variance = p->smooth + COLUMNS * n;
     p->relation = p->variance + n;
-    return LAC_OK;
-}
-
-// rest -= the parabola through it
-static void straighten(passage *p)
-{
-    double c[3];
-    for (size_t i = 0; i < p->n; i++) {
-        const double t = 2.0 * (double)i / (double)(p->n - 1) - 1.0;
-        p->column[i] = 1.0;
-        p->column[p->n + i] = t;
-        p->column[2 * p->n + i] = t * t;
+    for (size_t k = 0; k < COLUMNS; k++) { // 1, t, t^2 made orthonormal
+        double *q = p->smooth + k * n;
+        for (size_t i = 0; i < n; i++) {
+            q[i] = pow(2.0 * (double)i / (double)(n - 1) - 1.0, (double)k);
+        }
+        straighten(p, k, q);
+        const double length = sqrt(product(n, q, q));
+        for (size_t i = 0; i < n; i++) {
+            q[i] /= length;
+        }
     }
-    (void)lac_least_squares(p->n, 3, p->column, p->rest, c);
+    return LAC_OK;
 }
 
 // Variance of n values and their correlation with those one later.
@@ -64,7 +94,7 @@ static void relate(size_t n, const double *x, double *variance, double *relation
 static void pass(passage *p, double *variance_tau, double *relation_tau)
 {
     const size_t windows = p->n - p->window + 1;
-    straighten(p);
+    straighten(p, COLUMNS, p->rest);
     for (size_t i = 0; i < windows; i++) {
         relate(p->window, p->rest + i, &p->variance[i], &p->relation[i]);
     }
@@ -72,35 +102,107 @@ static void pass(passage *p, double *variance_tau, double *relation_tau)
     *relation_tau = lac_kendall(windows, p->relation);
 }
 
-// Autocorrelation less its bias in short series (Kendall 1954): r = phi - (1 + 4 phi)/n with a mean
-// and trend taken off.
-static double without_bias(double r, size_t n)
+// w = C q with C_ij = phi^|i - j|, forth and back.
+static void correlate(size_t n, double phi, const double *q, double *w)
 {
-    const double count = (double)n;
-    const double phi = (r + 1.0 / count) / (1.0 - 4.0 / count);
-    return fmax(-0.99, fmin(0.99, phi));
+    double carry = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        carry = q[i] + phi * carry;
+        w[i] = carry;
+    }
+    carry = 0.0;
+    for (size_t i = n; i-- > 0;) {
+        w[i] += phi * carry; // w(i) = sum over j <= i, and phi times that over j > i
+        carry = q[i] + phi * carry;
+    }
 }
 
-static void fill_surrogate(passage *p, double phi, uint64_t seed, size_t index)
+// Mean lagged product over mean square of what is left of a first-order autoregression when a
+// parabola is taken off: with M = 1 - Q Q^T, sum_i (M C M)_(i,i+1)/tr(M C).
+static double expected_relation(const passage *p, double phi, double *w)
 {
-    double before = 0.0;
-    double pair[2];
-    for (size_t i = 0; i < p->n; i++) {
-        if (i % 2 == 0) {
-            lac_random_normal(seed, LAC_STREAM_SURROGATE, index, i / 2, pair);
+    double square = (double)p->n;
+    double lagged = phi * (double)(p->n - 1);
+    for (size_t k = 0; k < COLUMNS; k++) {
+        const double *q = p->smooth + k * p->n;
+        correlate(p->n, phi, q, w);
+        square -= product(p->n, q, w);
+        lagged -= product(p->n - 1, q, w + 1) + product(p->n - 1, w, q + 1);
+        for (size_t l = 0; l < COLUMNS; l++) {
+            const double *other = p->smooth + l * p->n;
+            lagged += product(p->n, other, w) * product(p->n - 1, other, q + 1);
         }
-        before = i == 0 ? pair[0] / sqrt(1.0 - phi * phi) : phi * before + pair[i % 2];
-        p->rest[i] = before;
     }
+    return lagged / square;
+}
+
+// The coefficient of which that is expected: an autocorrelation without its bias in short series.
+static double without_bias(const passage *p, double relation, double *w)
+{
+    double low = -steepest;
+    double high = steepest;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (low + high);
+        if (expected_relation(p, middle, w) < relation) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+// How many surrogates have a tau as high, of either indicator.
+typedef struct ranks {
+    size_t variance, relation;
+} ranks;
+
+static void compare(passage *p, const lac_slowing *with, ranks *above)
+{
+    double variance_tau;
+    double relation_tau;
+    pass(p, &variance_tau, &relation_tau);
+    above->variance += variance_tau >= with->variance_tau ? 1 : 0;
+    above->relation += relation_tau >= with->autocorrelation_tau ? 1 : 0;
+}
+
+static double share(size_t above, size_t surrogates)
+{
+    return (double)(1 + above) / (double)(1 + surrogates);
+}
+
+// p among both kinds of surrogates of the residuals that p->rest holds.
+static lac_status rank(passage *p, uint64_t seed, size_t surrogates, lac_slowing *out,
+                       lac_error *err)
+{
+    ranks red = {0};
+    ranks phase = {0};
+    double all = 0.0;
+    double relation = 0.0;
+    lac_phases phases;
+    lac_status status = lac_phases_create(p->n, p->rest, &phases, err);
+    LAC_TRY(status);
+    relate(p->n, p->rest, &all, &relation);
+    const double phi = without_bias(p, relation, p->variance); // as scratch
+    for (size_t s = 0; s < surrogates; s++) {
+        lac_surrogate_red(p->n, phi, seed, s, p->rest);
+        compare(p, out, &red);
+        lac_phases_draw(&phases, seed, s, p->rest);
+        compare(p, out, &phase);
+    }
+    out->variance_p = share(red.variance, surrogates);
+    out->variance_phase_p = share(phase.variance, surrogates);
+    out->autocorrelation_p = share(red.relation, surrogates);
+    out->autocorrelation_phase_p = share(phase.relation, surrogates);
+out:
+    lac_phases_clear(&phases);
+    return status;
 }
 
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err)
 {
     passage p;
-    double all = 0.0;
-    double relation = 0.0;
-    size_t above[2] = {0, 0};
     lac_status status = create(&p, n, err);
     if (status != LAC_OK) {
         return status;
@@ -111,18 +213,9 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
     pass(&p, &out->variance_tau, &out->autocorrelation_tau);
     out->variance = p.variance[n - p.window];
     out->autocorrelation = p.relation[n - p.window];
-    relate(n, p.rest, &all, &relation);
-    for (size_t s = 0; s < surrogates; s++) {
-        double tau[2];
-        fill_surrogate(&p, without_bias(relation, n), seed, s);
-        pass(&p, &tau[0], &tau[1]);
-        above[0] += tau[0] >= out->variance_tau ? 1 : 0;
-        above[1] += tau[1] >= out->autocorrelation_tau ? 1 : 0;
-    }
-    out->variance_p = (double)(1 + above[0]) / (double)(1 + surrogates);
-    out->autocorrelation_p = (double)(1 + above[1]) / (double)(1 + surrogates);
+    status = rank(&p, seed, surrogates, out, err);
     free(p.rest);
-    return LAC_OK;
+    return status;
 }
 
 // Velocities at even times, linear between those there are, from the first to the last.
@@ -142,26 +235,28 @@ static void resample(const lac_motion *m, size_t n, double *even)
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_fit *found, lac_error *err)
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
 {
     const lac_motion *m = seen->motion;
     double even[MOST];
     lac_slowing slowing;
     if (m->velocities < LEAST) {
-        return lac_fit_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
-                              (int)LEAST);
+        return lac_finding_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
+                                  (int)LEAST);
     }
     found->points = m->velocities < MOST ? m->velocities : MOST;
     resample(m, found->points, even);
     lac_status status =
         lac_slowing_measure(found->points, even, seen->seed, seen->surrogates, &slowing, err);
     if (status == LAC_OK) {
-        lac_fit_add(found, "variance_m2_s2", slowing.variance);
-        lac_fit_add(found, "variance_tau", slowing.variance_tau);
-        lac_fit_add(found, "variance_p", slowing.variance_p);
-        lac_fit_add(found, "autocorrelation", slowing.autocorrelation);
-        lac_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
-        lac_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
+        lac_finding_add(found, "variance_m2_s2", slowing.variance);
+        lac_finding_add(found, "variance_tau", slowing.variance_tau);
+        lac_finding_add(found, "variance_p", slowing.variance_p);
+        lac_finding_add(found, "variance_phase_p", slowing.variance_phase_p);
+        lac_finding_add(found, "autocorrelation", slowing.autocorrelation);
+        lac_finding_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
+        lac_finding_add(found, "autocorrelation_p", slowing.autocorrelation_p);
+        lac_finding_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
     }
     return status;
 }
@@ -170,9 +265,12 @@ const lac_precursor_kind lac_precursor_slowing = {
     .about = {.name = "slowing",
               .summary = "variance and autocorrelation of the velocity, with Kendall's tau",
               .reference = "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
-                           "10.1073/pnas.0802430105"},
+                           "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"},
     .needs = LAC_NEEDS_MOTION,
     .estimator = "velocities at as many even times, at most 200, less a parabola; trailing windows "
-                 "of half of them; tau over the windows; p among first-order autoregressions",
+                 "of half of them; tau over the windows; p among first-order autoregressions, "
+                 "phase_p among series of the same spectrum",
+    LAC_PRECURSOR_VALUES(numbers),
+    .headline = 6,
     .look = look,
 };

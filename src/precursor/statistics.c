@@ -63,3 +63,47 @@ double lac_kendall(size_t n, const double *values)
     }
     return n > 1 ? score / (0.5 * (double)n * (double)(n - 1)) : NAN;
 }
+
+// The largest value in each of equal parts of the time, values holding until the next.
+static void largest_of_parts(size_t n, const double *time, const double *values, double *largest)
+{
+    const double length = time[n - 1] - time[0];
+    double before = -INFINITY;
+    size_t i = 0;
+    for (size_t part = 0; part < LAC_RISE_PARTS; part++) {
+        const double end = (double)(part + 1) / LAC_RISE_PARTS;
+        largest[part] = before;
+        for (; i < n && (part + 1 == LAC_RISE_PARTS || (time[i] - time[0]) / length <= end); i++) {
+            if (isfinite(values[i])) {
+                before = values[i];
+                largest[part] = fmax(largest[part], before);
+            }
+        }
+    }
+}
+
+double lac_rise_p(size_t n, const double *time, const double *values)
+{
+    double largest[LAC_RISE_PARTS];
+    size_t as_large = 0;
+    if (n == 0 || !(time[n - 1] > time[0])) {
+        return NAN;
+    }
+    largest_of_parts(n, time, values, largest);
+    for (size_t part = 0; part < LAC_RISE_PARTS; part++) { // the last is as large as itself
+        as_large += largest[part] >= largest[LAC_RISE_PARTS - 1] ? 1 : 0;
+    }
+    return (double)as_large / LAC_RISE_PARTS;
+}
+
+double lac_half_p(size_t n, size_t late)
+{
+    const double ln_2 = 0.69314718055994530942;
+    double ln_ways = 0.0; // of choosing k of n
+    double p = 0.0;
+    for (size_t k = n + 1; k-- > late;) {
+        p += exp(ln_ways - (double)n * ln_2);
+        ln_ways += k > 0 ? log((double)k / (double)(n - k + 1)) : 0.0;
+    }
+    return fmin(1.0, p);
+}

@@ -200,6 +200,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
                                .hierarchy = scene->hierarchy,
                                .shear_modulus = c->material.shear_modulus,
                                .poisson = c->material.poisson,
+                               .measure = c->fft_planning != 0,
                                .line = c->interface.shape == LAC_LINE};
     status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
     if (status != LAC_OK) {

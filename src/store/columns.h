@@ -25,9 +25,11 @@ typedef struct lac_field {
     size_t offset;
 } lac_field;
 
-enum { LAC_COLUMNS = 14, LAC_FIELDS = 4, LAC_COLUMN_TIME = 0 };
+enum { LAC_COLUMNS = 14, LAC_FIELDS = 4, LAC_EVENT_COLUMNS = 10, LAC_COLUMN_TIME = 0 };
 
 extern const lac_column lac_columns[LAC_COLUMNS]; ///< `time` is the first
 extern const lac_field lac_fields[LAC_FIELDS];
+/// Offsets are those in a lac_event; `event_time` is the first and wants its origin added.
+extern const lac_column lac_event_columns[LAC_EVENT_COLUMNS];
 
 #endif

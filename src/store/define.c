@@ -2,6 +2,7 @@
 // The header of a run's file: dimensions, variables, and the values that do not change.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/date.h"
 #include "store/store.h"
@@ -155,7 +156,7 @@ out:
     return status;
 }
 
-static lac_status define_columns(lac_store *s, lac_error *err)
+static lac_status define_columns(lac_store *s, const lac_store_def *def, lac_error *err)
 {
     const size_t chunk = RECORD_CHUNK;
     lac_status status = LAC_OK;
@@ -168,6 +169,9 @@ static lac_status define_columns(lac_store *s, lac_error *err)
             // CF's `time` is a date; seconds since an undated start have no standard name.
             var.standard_name = s->dated ? "time" : NULL;
         }
+        if (def->single && var.type == NC_DOUBLE && strncmp(var.name, "time", 4) != 0) {
+            var.type = NC_FLOAT;
+        }
         LAC_TRY(lac_nc_define(&s->file, &var, 1, &dim, &chunk, 0, &s->columns[c], err));
     }
     if (s->dated) {
@@ -179,7 +183,8 @@ out:
     return status;
 }
 
-static lac_status define_fields(lac_store *s, int cell_dim, int deflate, lac_error *err)
+static lac_status define_fields(lac_store *s, const lac_store_def *def, int cell_dim,
+                                lac_error *err)
 {
     const lac_nc_var time = {.name = "snapshot_time",
                              .unit = s->time_unit,
@@ -200,7 +205,9 @@ static lac_status define_fields(lac_store *s, int cell_dim, int deflate, lac_err
         if ((s->fields & lac_fields[f].flag) == 0) {
             continue;
         }
-        LAC_TRY(lac_nc_define(&s->file, &lac_fields[f].var, 2, dims, chunk, deflate,
+        lac_nc_var var = lac_fields[f].var;
+        var.type = def->single ? NC_FLOAT : NC_DOUBLE;
+        LAC_TRY(lac_nc_define(&s->file, &var, 2, dims, chunk, (int)def->compression,
                               &s->field_ids[f], err));
         LAC_TRY(lac_nc_text(&s->file, s->field_ids[f], "cell_measures", "area: cell_area", err));
     }
@@ -227,14 +234,14 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
     LAC_TRY(lac_nc_provenance(&s->file, &def->provenance, summary, err));
     LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY(put_coverage(s, err));
-    LAC_TRY(define_columns(s, err));
+    LAC_TRY(define_columns(s, def, err));
     if (def->domain != NULL) {
         int dim = 0;
         LAC_TRY(put_grid(s, &def->domain->grid, err));
         LAC_TRY(lac_nc_dim(&s->file, "cell", s->cells, &dim, err));
         LAC_TRY(put_cells(s, def->domain, dim, err));
         if (s->fields != 0) {
-            LAC_TRY(define_fields(s, dim, (int)def->compression, err));
+            LAC_TRY(define_fields(s, def, dim, err));
         }
     }
     if (def->hierarchy != NULL && def->domain != NULL) {

@@ -9,16 +9,10 @@
 
 enum { EVENT_CHUNK = 512, TIME = 0 };
 
-// What the variables of an event take from it.
-typedef struct event_column {
-    lac_nc_var var;
-    size_t offset;
-} event_column;
-
 #define AT(member) offsetof(lac_event, member)
 #define PLACES "event_time event_x event_y"
 
-static const event_column table[LAC_EVENT_COLUMNS] = {
+const lac_column lac_event_columns[LAC_EVENT_COLUMNS] = {
     {{.name = "event_time",
       .long_name = "start of the event since the start of the run",
       .comment = "its first cell comes to the slip rate of analysis.events; lines are in the order "
@@ -98,7 +92,7 @@ lac_status lac_store_define_events(lac_store *s, lac_error *err)
     int dim = 0;
     LAC_TRY(lac_nc_dim(&s->file, "event", NC_UNLIMITED, &dim, err));
     for (size_t c = 0; c < LAC_EVENT_COLUMNS; c++) {
-        lac_nc_var var = table[c].var;
+        lac_nc_var var = lac_event_columns[c].var;
         var.appended = true;
         if (c == TIME) {
             var.unit = s->time_unit;
@@ -124,8 +118,8 @@ static int put_column(const lac_store *s, size_t c, double *reals, long long *in
     const size_t *count = &s->events_buffered;
     for (size_t i = 0; i < *count; i++) {
         const lac_event *event = &s->events[i];
-        const char *at = (const char *)event + table[c].offset;
-        if (table[c].var.type == NC_INT64) {
+        const char *at = (const char *)event + lac_event_columns[c].offset;
+        if (lac_event_columns[c].var.type == NC_INT64) {
             int64_t value;
             memcpy(&value, at, sizeof value);
             integers[i] = value;
@@ -139,7 +133,7 @@ static int put_column(const lac_store *s, size_t c, double *reals, long long *in
             reals[i] = NC_FILL_DOUBLE;
         }
     }
-    return table[c].var.type == NC_INT64
+    return lac_event_columns[c].var.type == NC_INT64
                ? nc_put_vara_longlong(s->file.id, s->event_ids[c], start, count, integers)
                : nc_put_vara_double(s->file.id, s->event_ids[c], start, count, reals);
 }
@@ -159,7 +153,7 @@ lac_status lac_store_write_events(lac_store *s, lac_error *err)
     for (size_t c = 0; c < LAC_EVENT_COLUMNS; c++) {
         errno = 0;
         LAC_TRY(lac_nc_check(s->file.path, put_column(s, c, reals, integers), err, "write",
-                             table[c].var.name));
+                             lac_event_columns[c].var.name));
     }
     s->events_written += s->events_buffered;
     s->events_buffered = 0;

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/date.h"
-#include "store/nc.h"
+#include "store/indicators.h"
 
 enum { READING, VELOCITY, ISSUE, METHOD, DIMENSIONS, MEANINGS = 512 };
 
@@ -217,7 +217,7 @@ static lac_status put_methods(const writer *w, lac_error *err)
         const size_t used = strlen(meanings);
         values[k] = (int)k;
         (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", k > 0 ? " " : "",
-                       lac_forecast_kind_at(k)->about.name);
+                       forecast(w, k)->kind->about.name);
     }
     LAC_TRY(lac_nc_define(w->file, &var, 1, &w->dim[METHOD], NULL, 0, &id, err));
     LAC_TRY(lac_nc_check(
@@ -267,6 +267,7 @@ static lac_status put_all(writer *w, lac_error *err)
     for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++) {
         LAC_TRY(put(w, &variables[i], err));
     }
+    LAC_TRY(lac_nc_indicators(w->file, w->content, w->dim[ISSUE], w->length[ISSUE], err));
     LAC_TRY(put_attributes(w, err));
 out:
     return status;
@@ -292,7 +293,7 @@ lac_status lac_store_forecast(const char *path, bool force, const lac_provenance
     LAC_TRY(lac_nc_create(&file, path, force, err));
     LAC_TRY(lac_nc_provenance(&file, provenance,
                               "Forecasts of the time of failure of a slope, by several methods, "
-                              "from what was known at each issue time.",
+                              "and indicators of it, from what was known at each issue time.",
                               err));
     LAC_TRY(put_all(&w, err));
     LAC_TRY(lac_nc_close(&file, err));

@@ -2,6 +2,9 @@
 #ifndef LACUNA_STORE_INPUT_H
 #define LACUNA_STORE_INPUT_H
 
+#include <stddef.h>
+
+#include "lacuna/store_events.h"
 #include "store/nc.h"
 
 /// A file being read.
@@ -39,5 +42,18 @@ bool lac_input_has_status(const lac_input *in, const char *status);
 /// @return LAC_OK, also where it is not there; LAC_EINPUT
 lac_status lac_input_must_be(const lac_input *in, const char *name, const char *unit,
                              lac_error *err);
+
+/// A global attribute as text.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_input_attribute(const lac_input *in, const char *name, char *text, size_t size,
+                               lac_error *err);
+
+/// Numbers of a variable; nothing where there is none of that name.
+/// @param row  one place along its first dimension, or all
+/// @param out  empty; cleared by the caller
+/// @return LAC_OK; LAC_EINPUT (no such row); LAC_EIO; LAC_ENOMEM
+enum { LAC_INPUT_ALL = -1 };
+lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
+                            lac_stored_values *out, lac_error *err);
 
 #endif

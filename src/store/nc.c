@@ -64,10 +64,13 @@ lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long lo
 static int define_fill(int file, int id, nc_type type)
 {
     const double real = NC_FILL_DOUBLE;
+    const float single = NC_FILL_FLOAT;
     const int integer = NC_FILL_INT;
     switch (type) {
     case NC_DOUBLE:
         return nc_def_var_fill(file, id, NC_FILL, &real);
+    case NC_FLOAT:
+        return nc_def_var_fill(file, id, NC_FILL, &single);
     case NC_INT:
         return nc_def_var_fill(file, id, NC_FILL, &integer);
     default:

@@ -69,6 +69,12 @@ lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenanc
     if (provenance->fidelity != NULL) {
         LAC_TRY(lac_nc_text(file, NC_GLOBAL, "fidelity", provenance->fidelity, err));
     }
+    if (provenance->accuracy != NULL) {
+        LAC_TRY(lac_nc_text(file, NC_GLOBAL, "accuracy", provenance->accuracy, err));
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "accuracy_asked", provenance->accuracy_asked, err));
+        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "accuracy_estimated", provenance->accuracy_estimated,
+                            err));
+    }
     LAC_TRY(put_history(file, date, provenance->command_line, err));
     LAC_TRY(put_libraries(file, provenance->libraries, err));
     if (provenance->seed != INT64_MIN) {

@@ -277,28 +277,33 @@ static lac_status read_number(const lac_input *in, const char *name, char *text,
     return LAC_OK;
 }
 
+lac_status lac_input_attribute(const lac_input *in, const char *name, char *text, size_t size,
+                               lac_error *err)
+{
+    nc_type type = NC_NAT;
+    size_t length = 0;
+    if (nc_inq_att(in->id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: has no attribute %s", in->path, name);
+    }
+    if (type == NC_CHAR) {
+        return read_text(in, name, length, text, size, err);
+    }
+    if (length != 1) {
+        return lac_fail(err, LAC_EIO, "%s: the attribute %s is not one value", in->path, name);
+    }
+    return type == NC_STRING ? read_string(in, name, text, size, err)
+                             : read_number(in, name, text, size, err);
+}
+
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err)
 {
-    text[0] = '\0';
     lac_input in;
-    nc_type type = NC_NAT;
-    size_t length = 0;
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_input_open(&in, path, err));
-    if (nc_inq_att(in.id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: has no attribute %s", path, name));
+    text[0] = '\0';
+    lac_status status = lac_input_open(&in, path, err);
+    if (status == LAC_OK) {
+        status = lac_input_attribute(&in, name, text, size, err);
     }
-    if (type == NC_CHAR) {
-        LAC_TRY(read_text(&in, name, length, text, size, err));
-    } else if (length != 1) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: the attribute %s is not one value", path, name));
-    } else if (type == NC_STRING) {
-        LAC_TRY(read_string(&in, name, text, size, err));
-    } else {
-        LAC_TRY(read_number(&in, name, text, size, err));
-    }
-out:
     lac_input_close(&in);
     return status;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -32,8 +33,27 @@ static lac_status measure(const lac_input *in, int id, const char *name, lac_sto
     return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
 }
 
-static lac_status read_all(const lac_input *in, const char *name, lac_stored_values *out,
-                           lac_error *err)
+static int get(const lac_input *in, int id, ptrdiff_t row, double *values)
+{
+    size_t start[NC_MAX_VAR_DIMS] = {0};
+    size_t count[NC_MAX_VAR_DIMS];
+    int dims[NC_MAX_VAR_DIMS];
+    int rank = 0;
+    if (row == LAC_INPUT_ALL) {
+        return nc_get_var_double(in->id, id, values);
+    }
+    int code = nc_inq_varndims(in->id, id, &rank);
+    code = code == NC_NOERR ? nc_inq_vardimid(in->id, id, dims) : code;
+    for (int i = 0; code == NC_NOERR && i < rank; i++) {
+        code = nc_inq_dimlen(in->id, dims[i], &count[i]);
+    }
+    start[0] = (size_t)row;
+    count[0] = 1;
+    return code == NC_NOERR ? nc_get_vara_double(in->id, id, start, count, values) : code;
+}
+
+lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
+                            lac_stored_values *out, lac_error *err)
 {
     int id = 0;
     nc_type type = NC_NAT;
@@ -44,6 +64,13 @@ static lac_status read_all(const lac_input *in, const char *name, lac_stored_val
     if (status != LAC_OK) {
         return status;
     }
+    if (row != LAC_INPUT_ALL) {
+        if ((size_t)row >= out->n) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
+                            out->n);
+        }
+        out->n = 1;
+    }
     const size_t count = out->n * out->width;
     out->value = malloc((count > 0 ? count : 1) * sizeof *out->value);
     if (out->value == NULL) {
@@ -51,7 +78,7 @@ static lac_status read_all(const lac_input *in, const char *name, lac_stored_val
     }
     int code = nc_inq_vartype(in->id, id, &type);
     if (code == NC_NOERR && count > 0) {
-        code = nc_get_var_double(in->id, id, out->value);
+        code = get(in, id, row, out->value);
     }
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
@@ -70,7 +97,7 @@ lac_status lac_store_read_values(const char *path, const char *variable, lac_sto
     *out = (lac_stored_values){0};
     lac_status status = lac_input_open(&in, path, err);
     if (status == LAC_OK) {
-        status = read_all(&in, variable, out, err);
+        status = lac_input_values(&in, variable, LAC_INPUT_ALL, out, err);
     }
     lac_input_close(&in);
     if (status != LAC_OK) {

@@ -4,8 +4,6 @@
 
 #include "store/columns.h"
 
-enum { LAC_EVENT_COLUMNS = 10 };
-
 struct lac_store {
     lac_nc file;
     unsigned fields;

@@ -48,6 +48,7 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
         c->at[i] = y * c->fft->nx + x;
     }
     LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
+    c->fft->measure = rock->measure;
     LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
     *out = c;
     c = NULL;

@@ -179,6 +179,7 @@ static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene 
                        .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
                        .antiplane = p->mode == ANTIPLANE,
                        .line = scene->line,
+                       .measure = scene->measure,
                        .creeping = p->outside == CREEPING};
     e->n = scene->domain->n;
     e->h = scene->hierarchy;

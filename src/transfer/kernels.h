@@ -13,6 +13,7 @@ typedef struct lac_rock {
     bool antiplane;   ///< the scalar problem; differs from nu = 0 in slabs only
     bool line;        ///< a row of cells is a line in plane strain or antiplane, not a strip
     bool creeping;    ///< beyond a free border slip is uniform instead of free of traction
+    bool measure;     ///< transforms are planned by measuring
 } lac_rock;
 
 /// Stiffness of a wave of slip along x, with its traction along x held in mind:

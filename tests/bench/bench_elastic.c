@@ -60,7 +60,7 @@ static scene scene_of(lac_domain *domain)
     lac_transfer_elastic params = {
         .thickness = NAN, .tolerance = apply_tolerance, .newton_tolerance = solve_tolerance};
     lac_slot slot = {about, &params};
-    lac_transfer_scene from = {domain, s.h, 1, 0.25, false};
+    lac_transfer_scene from = {domain, s.h, 1, 0.25, false, false};
     if (lac_transfer_create(&slot, &from, &s.transfer, NULL) != LAC_OK) {
         abort();
     }

@@ -15,6 +15,7 @@
 
 #include "base/units.h"
 #include "lacuna/case.h"
+#include "lacuna/precursor.h"
 
 #define CASES LACUNA_SOURCE_DIR "/cases"
 
@@ -156,7 +157,7 @@ static void some_case_shows_every_model(void **state)
     int missing = 0;
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
         for (size_t k = 0; (model = kind->at(k)) != NULL; k++) {
-            bool shown = false;
+            bool shown = kind->command != NULL; // by any series; runs below
             for (size_t j = 0; j < cases.count; j++) {
                 shown |= kind->option ? has_option(cases.item[j], kind, model)
                                       : has_model(cases.item[j], model);
@@ -168,6 +169,26 @@ static void some_case_shows_every_model(void **state)
         }
     }
     assert_int_equal(missing, 0);
+}
+
+// Events and cells are those of a run whose case asks for them.
+static void some_case_has_what_indicators_need(void **state)
+{
+    (void)state;
+    static const char *const analysis[] = {[LAC_NEEDS_EVENTS] = "events", [LAC_NEEDS_CELLS] = "rg"};
+    const lac_precursor_kind *kind;
+    for (size_t k = 0; (kind = lac_precursor_kind_at(k)) != NULL; k++) {
+        bool shown = kind->needs == LAC_NEEDS_MOTION;
+        for (size_t j = 0; j < cases.count && !shown; j++) {
+            const lac_slot_list *asked = &cases.item[j]->analysis;
+            for (size_t i = 0; i < asked->count; i++) {
+                shown |= strcmp(asked->item[i].about->name, analysis[kind->needs]) == 0;
+            }
+        }
+        if (!shown) {
+            fail_msg("no case under cases/ has what %s needs", kind->about.name);
+        }
+    }
 }
 
 static bool is_number(const lac_param *row)
@@ -291,6 +312,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(some_case_shows_every_model),
+        cmocka_unit_test(some_case_has_what_indicators_need),
         cmocka_unit_test(every_row_is_documented),
         cmocka_unit_test(every_choice_of_an_option_is_described),
     };

@@ -164,7 +164,8 @@ class Usage(Case):
             self.assertRegex(out, library + r" \d+\.\d+")
 
     def test_help_fits_a_screen_and_has_an_example(self):
-        commands = ["run", "check", "contact", "rg", "precursors", "fit", "new", "describe"]
+        commands = ["run", "check", "contact", "rg", "precursors", "fit", "trade", "new",
+                    "describe"]
         texts = [self.expect(0, "--help").stdout]
         texts += [self.expect(0, command, "--help").stdout for command in commands]
         self.assertEqual(self.expect(0, "help", "run").stdout, texts[1])
@@ -668,6 +669,11 @@ class Describe(Case):
             self.assertIn(model["name"], listing)
             text = self.expect(0, "describe", kind["name"], model["name"]).stdout
             self.check_parameters(model, text)
+            if kind["command"] is not None:
+                self.assertTrue(model["estimator"])
+            for value in model.get("values", []):
+                self.assertIn(value["key"], text)
+                self.assertIn(f"needs {model['needs']}", text)
 
     def check_parameters(self, owner, text):
         for parameter in owner["parameters"]:

@@ -22,7 +22,8 @@ PROGRAM, SOURCE = "", ""
 CASE, SERIES = "cases/fit/block.yaml", "cases/data/creep.csv"
 CENTURY, PRISM = "cases/fit/century.yaml", "cases/data/century_prism_31-2008.csv"
 CHAMBON = "/work/shared/data/monitoring/chambon_2015_C15.csv"  # may not be shipped
-SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30"]
+SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30",
+         "--set", "fit.walkers=16", "--set", "fit.rounds=0"]
 BEST = ["--set", "fit.steps=0", "--set", "fit.starts=8"]
 
 
@@ -74,8 +75,8 @@ class Fit(unittest.TestCase):
 
     def test_truth(self):
         """Rate, errors and time of failure of the made-up readings are within the intervals."""
-        said = self.fit(CASE, SERIES, "--set", "fit.steps=600", "--set", "fit.burn=300",
-                        "--set", "fit.starts=8")
+        said = self.fit(CASE, SERIES, "--set", "fit.walkers=32", "--set", "fit.steps=300", "--set",
+                        "fit.burn=150", "--set", "fit.starts=8", "--set", "fit.rounds=0")
         by = {p["key"]: p for p in said["parameters"]}
         low, high = by["initial.slip_rate"]["interval90"]
         self.assertTrue(low < 3e-3 / 86400 < high)
@@ -86,6 +87,42 @@ class Fit(unittest.TestCase):
         self.assertTrue(said["interval90_s"][0] < 102.72 * 86400 < said["interval90_s"][1])
         self.assertFalse(said["fits_badly"])
         self.assertEqual(by["friction.aging.dc"]["derivatives"], "sensitivities")
+
+    def test_columns(self):
+        """Options name the columns in place of the case, which is written so; times have a format."""
+        other = os.path.join(self.folder, "other.csv")
+        with open(os.path.join(SOURCE, SERIES), encoding="utf-8") as file:
+            rows = [line.strip().split(",") for line in file if line[0] not in "#d"]
+        with open(other, "w", encoding="utf-8") as file:
+            file.write("d'x [cm],when\n")
+            for date, reading in rows:
+                day = date[8:10] + "/" + date[5:7] + "/" + date[:4] + date[10:].replace("T", " ")
+                file.write(f"{0.1 * float(reading):.9g},{day}\n")
+        told = ["--time", "when", "--displacement", "d'x [cm]:cm", "--time-format", "%d/%m/%Y %H:%M"]
+        same = self.fit(CASE, SERIES, *BEST)
+        said = self.fit(CASE, other, *BEST, *told)
+        self.assertAlmostEqual(said["rms_m"] / same["rms_m"], 1.0, places=6)
+        again = self.fit(said["case_output"], other, "--set", "fit.starts=1", "-o",
+                         os.path.join(self.folder, "again.nc"))
+        self.assertAlmostEqual(again["rms_m"] / same["rms_m"], 1.0, places=4)
+        self.assertIn("fit.displacement", self.fit(CASE, SERIES, "--displacement", "disp_mm:s",
+                                                   status=2))
+
+    def test_convergence(self):
+        """A chain that has not converged says so; with rounds it goes on until it has."""
+        args = ["--set", "fit.starts=8", "--set", "fit.walkers=20", "--set", "fit.burn=0", "--set",
+                "fit.steps=20"]
+        done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
+                                "--set", "fit.rounds=0")
+        self.assertIn("warning: the sampler has not converged", done.stderr)
+        self.assertFalse(json.loads(done.stdout)["sampler"]["converged"])
+        done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
+                                "--set", "fit.rounds=8")
+        said = json.loads(done.stdout)
+        self.assertEqual(done.stderr.count("converged"), 0)
+        self.assertTrue(said["sampler"]["converged"])
+        self.assertEqual(said["sampler"]["burn"], said["sampler"]["steps"] - 20)
+        self.assertLess(max(p["rhat"] for p in said["parameters"]), 1.05)
 
     def test_threads(self):
         """The same numbers for any number of threads."""
@@ -170,7 +207,7 @@ class Fit(unittest.TestCase):
     def test_interrupt(self):
         """SIGINT: what was drawn is written whole, exit 4."""
         with subprocess.Popen([PROGRAM, "fit", CASE, SERIES, "-o", self.out, "--set", "fit.starts=4",
-                               "--set", "fit.burn=0", "--set", "fit.steps=1000000"], cwd=SOURCE,
+                               "--set", "fit.burn=0", "--set", "fit.steps=100000"], cwd=SOURCE,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
             time.sleep(4)
             program.send_signal(signal.SIGINT)

@@ -29,6 +29,26 @@ def seconds(text):
     return at.timestamp()
 
 
+def b_value(size, least):
+    """b of the sizes from `least` on, its error, and how many they are."""
+    above = size[size >= least - 1e-9] - least
+    if len(above) < 2:
+        return math.nan, math.nan, len(above)
+    b = math.log10(math.e) / above.mean()
+    return b, math.log(10) * b ** 2 * above.std(ddof=1) / math.sqrt(len(above)), len(above)
+
+
+def complete_from(size):
+    """The fullest bin of 0.1 and 0.2, and on until b is stable over the next half magnitude."""
+    lowest = 0.1 * math.floor(size.min() / 0.1)
+    first = lowest + 0.1 * numpy.argmax(numpy.bincount(((size - lowest) / 0.1).astype(int))) + 0.2
+    for k in range(20):
+        found = [b_value(size, first + 0.1 * k + 0.1 * j) for j in range(5)]
+        if found[-1][2] >= 50 and abs(numpy.mean([b for b, _, _ in found]) - found[0][0]) <= found[0][1]:
+            return first + 0.1 * k
+    return first
+
+
 class Precursors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -91,6 +111,65 @@ class Precursors(unittest.TestCase):
             self.assertIn(says, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
+    def block(self, *words):
+        """The made-up block of cases/fit and its readings."""
+        return (os.path.join(SOURCE, "cases/data/creep.csv"), "--case",
+                os.path.join(SOURCE, "cases/fit/block.yaml"), "--onset", "5,20", *words)
+
+    def fitted(self, *words, case=None):
+        done = subprocess.run([PROGRAM, "fit", case or os.path.join(SOURCE, "cases/fit/block.yaml"),
+                               os.path.join(SOURCE, "cases/data/creep.csv"), "-o", "fit.nc", "--force",
+                               "--json", *words], text=True, capture_output=True, cwd=self.folder, check=True)
+        return json.loads(done.stdout)
+
+    def test_a_case_forecasts(self):
+        answer = self.ask(*self.block("--set", "fit.steps=0", "-o", "case.nc"))
+        self.assertEqual([f["method"] for f in answer["forecasts"]],
+                         METHODS[:-1] + ["case", "persistence"])
+        found, fit = self.of(answer, "case"), self.fitted("--set", "fit.steps=0")
+        start = seconds("2020-05-01T09:00")
+        self.assertTrue(found["issued"], found["reason"])
+        self.assertAlmostEqual(found["tc_s"], start + fit["best_failure_time_s"], delta=1.0)
+        self.assertAlmostEqual(found["relative_error"] * (found["tc_s"] - answer["issue_time_s"]),
+                               fit["best_failure_error_s"], delta=1.0)
+        low, high = found["interval90_s"]
+        self.assertTrue(low < seconds("2020-08-12") < high)  # when it did fail
+        self.assertEqual(found["points"], answer["series"]["readings"])
+        with netCDF4.Dataset(os.path.join(self.folder, "case.nc")) as data:
+            self.assertIn("case", data["method"].flag_meanings.split())
+
+    def test_a_case_forecasts_by_its_draws(self):
+        with open(os.path.join(SOURCE, "cases/fit/block.yaml"), encoding="utf-8") as case:
+            lines = [line for line in case.read().split("\n")
+                     if "range: [0.3" not in line and "../data" not in line and "compare" not in line]
+        self.write("two.yaml", "\n".join(lines))
+        words = ("--set", "fit.steps=200", "--set", "fit.burn=100", "--set", "initial.state.ratio_to_steady=0.6")
+        data, _, _, *rest = self.block(*words)
+        found = self.of(self.ask(data, "--case", "two.yaml", *rest), "case")
+        fit = self.fitted(*words, case="two.yaml")
+        self.assertIsNotNone(found["posterior_s"], found["reason"])
+        start = seconds("2020-05-01T09:00")
+        told = fit["interval90_s"] + fit["interval50_s"] + [fit["tc_s"]]
+        for drawn, of_fit in zip(found["posterior_s"], sorted(told)):
+            self.assertAlmostEqual(drawn, start + of_fit, delta=1.0)
+        self.assertTrue(found["interval90_s"][0] < seconds("2020-08-12") < found["interval90_s"][1])
+
+    def test_a_case_that_cannot_forecast_says_why(self):
+        for words, says in (
+                (["--set", "time.end=60 day"], "the best fit does not fail by time.end"),
+                (["--set", "time.start=2020-06-17"], "too few readings between time.start and time.end")):
+            data, *rest = self.block("--set", "fit.steps=0", *words)
+            forecasts = self.ask(data, *rest)["forecasts"]
+            self.assertIn(says, next(f for f in forecasts if f["method"] == "case")["reason"])
+        data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
+        case = os.path.join(SOURCE, "cases/fit/block.yaml")
+        for words, says in (
+                (data + ["--set", "fit.steps=0"], "--set: overrides a case: --case names one"),
+                (data + ["--case", os.path.join(SOURCE, "cases/block.yaml")], "fit"),
+                (data + ["--case", case, "--set", "fit.walkers=1"], "fit.walkers"),
+                (list(self.block("--set", "time.start=0")), "so time.start of")):
+            self.assertIn(says, self.call(*words, status=2).stderr)
+
     def test_a_log_law(self):
         answer = self.ask("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
                           "--failed-at", "40 day", "-o", "log.nc")
@@ -124,10 +203,27 @@ class Precursors(unittest.TestCase):
                     stored = data["failure_time"][i, k]
                     self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
                                      f["tc_s"])
+            self.check_indicators(data, answer)
         done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tests/support/check_cf.py"),
                                "--status", "complete", path], text=True, capture_output=True,
                               check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
+
+    def check_indicators(self, data, answer):
+        """INDICATOR_KEY(issue) of the file is what the JSON says at each issue time."""
+        said = {}
+        for i, issue in enumerate(answer["rolling"]["issues"]):
+            for found in issue["indicators"]:
+                for key, value in found["values"].items():
+                    said.setdefault(f"{found['indicator']}_{key}", {})[i] = value
+        names = {i["indicator"] for i in answer["indicators"]}
+        stored = {name for name in data.variables if any(name.startswith(n + "_") for n in names)}
+        self.assertEqual({name for name in stored if not name.endswith("_points")}, set(said))
+        for name, values in said.items():
+            self.assertTrue(data[name].units and data[name].long_name)
+            for i in range(len(data["issue_time"])):
+                number = data[name][i]
+                self.assertEqual(None if numpy.ma.is_masked(number) else float(number), values.get(i), name)
 
     def test_rolling_is_what_was_known(self):
         words = ("log.csv", "--displacement", "d:m", "--time-format", "day")
@@ -136,6 +232,7 @@ class Precursors(unittest.TestCase):
             alone = self.ask(*words, "--until", f"{i} day")
             self.assertEqual(alone["issue_time_s"], i * 86400)
             self.assertEqual(alone["forecasts"], rolling[i]["forecasts"])
+            self.assertEqual(alone["indicators"], rolling[i]["indicators"])
         some = self.ask(*words, "--rolling", "--issues", "5")["rolling"]["issues"]
         self.assertEqual([round(issue["issue_time_s"] / 86400) for issue in some], [6, 13, 21, 28, 35])
 
@@ -179,25 +276,57 @@ class Precursors(unittest.TestCase):
 
     def test_indicators_of_a_run(self):
         case = os.path.join(SOURCE, "cases/events.yaml")
-        subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--until", "4 s"], cwd=self.folder,
-                       check=True, capture_output=True)
+        subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--set", "time.end=16",
+                        "--set", "analysis.events.slip_rate=1e-2",
+                        "--set", "analysis.rg={rule: fix, field: equal, beta: 0.6}"],
+                       cwd=self.folder, check=True, capture_output=True)
         with netCDF4.Dataset(os.path.join(self.folder, "events.nc")) as data:
-            ends = data["event_time"][:] + data["event_duration"][:]
-            start, moment = data["event_time"][:].filled(), data["event_moment"][:].filled()
-            last = float(data["time"][:][data["time"][:] <= 3][-1])
-        answer = self.ask("events.nc", "--until", "3 s")
-        found = {i["indicator"]: i for i in answer["indicators"]}
-        known = ends <= last
-        order = numpy.argsort(start[known])
-        self.assertEqual(found["event_rate"]["points"], known.sum())
-        self.assertAlmostEqual(found["moment"]["values"]["moment_N_m"] / moment[known].sum(), 1)
-        steps = numpy.diff(2 / 3 * (numpy.log10(moment[known][order]) - 9.1))
+            time, slip = data["time"][:].filled(), data["n_slip"][:].filled() / data["n_tot"][:].filled()
+            length = data["correlation_length"][:].filled(numpy.nan)
+            starts, moment = data["event_time"][:].filled(), data["event_moment"][:].filled()
+            ends = starts + data["event_duration"][:].filled()
+        answer = self.ask("events.nc", "--rolling", "--issues", "12", "-o", "events-course.nc")
+        with netCDF4.Dataset(os.path.join(self.folder, "events-course.nc")) as data:
+            self.check_indicators(data, answer)
+        b_values = 0
+        for issue in answer["rolling"]["issues"]:
+            found = {i["indicator"]: i["values"] for i in issue["indicators"]}
+            now = issue["issue_time_s"]
+            record = numpy.flatnonzero(time <= now)[-1]
+            for level in range(slip.shape[1]):
+                self.assertAlmostEqual(found["slip_fraction"][f"level_{level}"], slip[record, level])
+            self.assertAlmostEqual(found["correlation_length"]["length_m"], length[record])
+            known = ends <= now
+            order = numpy.argsort(starts[known], kind="stable")
+            b_values += self.check_events(found, now, starts[known][order], moment[known][order])
+        self.assertGreater(b_values, 2)
+        text = self.call("events.nc", "--rolling", "--issues", "12").stdout
+        self.assertRegex(text, r"indicators +slip_fraction +correlation_length +event_rate")
+
+    def check_events(self, found, now, starts, moment):
+        """The numbers of events against numpy; whether there is a b-value."""
+        if len(starts) < 5:
+            self.assertEqual(found["event_rate"], {})
+            return 0
+        late = starts > 0.5 * now
+        self.assertAlmostEqual(found["event_rate"]["rate_1_s"], len(starts) / now)
+        self.assertAlmostEqual(found["event_rate"]["rise_p"], sum(
+            math.comb(len(starts), k) for k in range(late.sum(), len(starts) + 1)) / 2 ** len(starts))
+        self.assertAlmostEqual(found["moment"]["moment_N_m"] / moment.sum(), 1)
+        self.assertAlmostEqual(found["moment"]["share_of_the_last_half"], moment[late].sum() / moment.sum())
+        size = 2 / 3 * (numpy.log10(moment) - 9.1)
+        least = complete_from(size)
+        size = size[size >= least]
+        steps = numpy.diff(size)
         steps = steps[steps >= 0.2]
-        self.assertEqual(found["b_positive"]["points"], len(steps))
-        self.assertAlmostEqual(found["b_positive"]["values"]["b"],
-                               math.log10(math.e) / (steps.mean() - 0.2), delta=1e-9)
-        self.assertIn("analysis: {rg", found["slip_fraction"]["reason"])
-        self.assertEqual(found["slowing"]["points"], 200)
+        self.assertEqual(len(size) >= 20, "b" in found["b_value"])
+        if len(size) >= 20:
+            self.assertAlmostEqual(found["b_value"]["complete_from"], least)
+            self.assertAlmostEqual(found["b_value"]["b"], b_value(size, least)[0])
+        self.assertEqual(len(steps) >= 20, "b" in found["b_positive"])
+        if len(steps) >= 20:
+            self.assertAlmostEqual(found["b_positive"]["b"], math.log10(math.e) / (steps.mean() - 0.2), delta=1e-9)
+        return len(size) >= 20
 
     def test_indicators_know_no_future(self):
         words = ("--displacement", "d:m", "--time-format", "day")
@@ -205,6 +334,9 @@ class Precursors(unittest.TestCase):
         self.write("wild.csv", "\n".join(LOG_LAW[:32] + ["31,-5", "32,77", "33,NA", "34,1e6"]))
         past = self.ask("past.csv", *words)
         self.assertIsNone(next(i for i in past["indicators"] if i["indicator"] == "slowing")["reason"])
+        for found in past["indicators"]:
+            says = {"events": "needs a catalogue of events: a run", "cells": "needs cells: a run"}.get(found["needs"])
+            self.assertTrue(says is None or found["reason"].startswith(says), found)
         for name in ("log.csv", "wild.csv"):
             until = self.ask(name, *words, "--until", "30 day")
             for key in ("indicators", "forecasts"):

@@ -35,10 +35,28 @@ static void fill(void)
     }
 }
 
+// A model that a caller brings: it says what it was shown.
+static lac_status tell_what_is_seen(void *context, const lac_motion *m, double now,
+                                    lac_finding *found, lac_error *err)
+{
+    (void)context, (void)err;
+    assert_true(m->time[m->n - 1] == now);
+    found->remaining = 1e5 + fabs(m->displacement[m->n - 1]);
+    found->error = 0.1;
+    found->misfit = 0.0;
+    found->points = m->n;
+    return m->n > 12 ? LAC_OK : lac_finding_refuse(found, "%zu readings", m->n);
+}
+
+static const lac_forecast_kind own_kind = {
+    .about = {.name = "own"}, .least = 1, .worst = 1.0, .calibration = {0.1, -2.0, -1.0, 1.0, 2.0}};
+static const lac_forecast_model own = {.kind = &own_kind, .fit = tell_what_is_seen};
+
 static lac_rolling *roll(size_t n)
 {
     const lac_readings readings = {.n = n, .time = times, .displacement = displacement};
-    const lac_forecast_def def = lac_forecast_default();
+    lac_forecast_def def = lac_forecast_default();
+    def.model = &own;
     lac_rolling *r = NULL;
     assert_int_equal(lac_rolling_create(&def, &readings, n, NULL, &r, NULL), LAC_OK);
     return r;
@@ -90,6 +108,20 @@ static void assert_in_order(const lac_forecast *f)
         assert_true(f->fit.reason[0] != '\0');
         assert_true(isnan(f->low90));
     }
+}
+
+static void a_model_stands_before_the_baseline(void **state)
+{
+    (void)state;
+    fill();
+    lac_rolling *r = roll(N);
+    const lac_forecast *last = &r->forecast[(N - 1) * r->methods];
+    assert_true(last[r->methods - 2].kind == &own_kind && last[r->methods - 2].issued);
+    assert_int_equal(last[r->methods - 2].fit.points, N);
+    assert_true(last[r->methods - 1].kind == lac_forecast_kind_at(r->methods - 2));
+    assert_true(last[0].kind == lac_forecast_kind_at(0));
+    assert_null(lac_forecast_kind_at(r->methods - 1));
+    lac_rolling_free(r);
 }
 
 static void the_future_changes_nothing(void **state)
@@ -210,6 +242,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_whole),
+        cmocka_unit_test(a_model_stands_before_the_baseline),
         cmocka_unit_test(the_future_changes_nothing),
         cmocka_unit_test(clock_and_metre_do_not_matter),
         cmocka_unit_test(any_numbers_are_survived),

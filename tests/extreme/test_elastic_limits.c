@@ -48,7 +48,7 @@ static void scene_create(lac_grid grid, rock_def rock, const size_t *cells, size
         s->slot.about = strcmp(about->name, "elastic") == 0 ? about : s->slot.about;
     }
     s->slot.params = &s->params;
-    s->from = (lac_transfer_scene){s->domain, s->h, rock.g, rock.nu, rock.line};
+    s->from = (lac_transfer_scene){s->domain, s->h, rock.g, rock.nu, rock.line, false};
     if (lac_transfer_create(&s->slot, &s->from, &s->transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }

@@ -20,27 +20,32 @@ lac_status whole_forecast(const char *path, lac_error *err)
         moment[i] = 1e9 * (double)(1 + i % 7);
     }
     const lac_readings readings = {.n = N, .time = time, .displacement = displacement};
-    const lac_event_list events = {N, time, moment};
+    const lac_event_list events = {.n = N, .time = time, .moment = moment};
     const lac_forecast_def def = lac_forecast_default();
     lac_outlook *outlook = NULL;
     lac_rolling *rolling = NULL;
     lac_skill skill[16];
-    lac_precursor found[LAC_PRECURSORS_MAX];
+    lac_precursor_course *course = NULL;
     lac_slowing slowing;
-    size_t count = 0;
     lac_status status;
     LAC_TRY(lac_outlook_create(&def, &readings, &outlook, err));
-    LAC_TRY(lac_rolling_create(&def, &readings, 1, NULL, &rolling, err));
+    const lac_evidence evidence = {.events = &events, .seed = 1, .surrogates = 3};
+    LAC_TRY(lac_precursor_course_create(&evidence, 1, &course, err));
+    const lac_rolling_watch watch = {.seer = course, .see = lac_precursor_course_see};
+    LAC_TRY(lac_rolling_create(&def, &readings, 1, &watch, &rolling, err));
     LAC_TRY(lac_rolling_measure(rolling, 18.0, 5.0, skill, err));
-    const lac_observed seen = {outlook->motion, &events, NULL, 18.0, 0.0, 1, 3};
-    LAC_TRY(lac_precursors_look(&seen, found, &count, err));
     LAC_TRY(lac_slowing_measure(N, displacement, 1, 3, &slowing, err));
     const lac_provenance provenance = {.title = "a forecast", .seed = 1};
-    const lac_forecast_file file = {
-        .source = "here", .failed_at = 18.0, .outlook = outlook, .rolling = rolling};
+    const lac_forecast_file file = {.source = "here",
+                                    .failed_at = 18.0,
+                                    .outlook = outlook,
+                                    .rolling = rolling,
+                                    .indicators = course->kinds,
+                                    .indicator = course->found};
     LAC_TRY(lac_store_forecast(path, true, &provenance, &file, err));
 out:
     lac_rolling_free(rolling);
+    lac_precursor_course_free(course);
     lac_outlook_free(outlook);
     return status;
 }

@@ -341,6 +341,7 @@ static void one_fails(void **state)
 {
     (void)state;
     every_allocation_fails(whole_run, false);
+    every_allocation_fails(whole_recording, false);
     every_allocation_fails(whole_contact, false);
     every_allocation_fails(whole_resumed, false);
     every_allocation_fails(whole_shear, false);

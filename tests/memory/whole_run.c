@@ -99,6 +99,20 @@ out:
     return status;
 }
 
+// Case file to a recording in memory.
+lac_status whole_recording(const char *path, lac_error *err)
+{
+    const char *const sets[] = {"solver.method=bdf", "friction.composite.f0=0.6"};
+    lac_recording *recording = NULL;
+    FILE *file = fopen(path, "w");
+    if (file == NULL || fputs(text, file) == EOF || fclose(file) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: not written", path);
+    }
+    lac_status status = lac_record_case(path, 2, sets, NULL, &recording, err);
+    lac_recording_free(recording);
+    return status;
+}
+
 static const char measured[] =
     "lacuna: 1\n"
     "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"

@@ -7,6 +7,7 @@
 /// All that `lacuna run` and `lacuna contact` do, into a file or into some that begin like it.
 /// @return LAC_OK; LAC_ENOMEM, LAC_EIO ... where an allocation failed
 lac_status whole_run(const char *path, lac_error *err);
+lac_status whole_recording(const char *path, lac_error *err);
 lac_status whole_contact(const char *path, lac_error *err);
 lac_status whole_resumed(const char *path, lac_error *err);
 

@@ -39,7 +39,7 @@ static void make_transfer(const fault_def *def, tree *t)
                                    .tolerance = 1e-12,
                                    .newton_tolerance = def->newton_tolerance};
     slot.params = &params;
-    lac_transfer_scene from = {t->domain, t->hierarchy, g, 0.25, def->line};
+    lac_transfer_scene from = {t->domain, t->hierarchy, g, 0.25, def->line, false};
     must(lac_transfer_create(&slot, &from, &t->transfer, &err), &err);
 }
 

@@ -2,12 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the commands of a page of the documentation and compares what they print.
 
-    run_page.py PROGRAM SOURCE_FOLDER PAGE.md
+    run_page.py PROGRAM SOURCE_FOLDER PAGE.md [--update]
 
 Every block marked ```sh is run by a shell, in a folder of its own that holds links to cases/, docs/
-and tools/, with the program as `lacuna`. A block marked ```text that follows is what it prints on
-stdout: numbers may differ by 1 %, a line `...` stands for any lines, times and paths are not looked
-at where the page has `...` within a line. Blocks marked otherwise are not run.
+and tools/ and to the program's folder as build/, with the program as `lacuna`. A block marked ```text
+that follows is what it prints on stdout: numbers may differ by 1 %, a line `...` stands for any
+lines, times and paths are not looked at where the page has `...` within a line. --update writes what
+is printed into the page instead, but where a block has `...`. Blocks marked otherwise are not run.
+
+Of a page without such blocks, as README.md is, the lines indented by four that begin with one of
+COMMANDS are run, in their order; one that holds a name in capitals (CASE.yaml) is a pattern, and `#`
+begins a comment.
 """
 
 import os
@@ -17,7 +22,10 @@ import sys
 import tempfile
 
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+COMMANDS = ("lacuna ", "ncdump ", "/usr/bin/python3 ")
+INDENTED = re.compile(r"^    (?=" + "|".join(COMMANDS) + r")(.*)$", re.MULTILINE)
+PATTERN = re.compile(r"\b[A-Z]{3,}\b")
 
 
 def same_line(wanted, got):
@@ -51,32 +59,62 @@ def run_block(text, folder, program):
                           capture_output=True, timeout=250, check=False, stdin=subprocess.DEVNULL)
 
 
-def check_page(page, program, folder):
-    with open(page, encoding="utf-8") as file:
-        blocks = BLOCK.findall(file.read())
+def indented(text):
+    """The commands of a page without blocks, each as a block."""
+    lines = [re.sub(r"\s+# .*", "", line) for line in INDENTED.findall(text)]
+    return [("sh", line + "\n") for line in lines if not PATTERN.search(line)]
+
+
+def check_page(text, program, folder):
+    """What is wrong with a page; None where nothing is."""
+    blocks = BLOCK.findall(text)
+    if not any(kind == "sh" for kind, _ in blocks):
+        blocks = indented(text)
     printed, ran = None, 0
-    for kind, text in blocks:
+    for kind, block in blocks:
         if kind == "sh":
-            done = run_block(text, folder, program)
+            done = run_block(block, folder, program)
             if done.returncode != 0:
-                return f"fails with {done.returncode}:\n{text}{done.stderr}"
+                return f"fails with {done.returncode}:\n{block}{done.stderr}"
             printed, ran = done.stdout.splitlines(), ran + 1
         elif kind == "text" and printed is not None:
-            wrong = compare(text.splitlines(), printed)
+            wrong = compare(block.splitlines(), printed)
             if wrong:
                 return "prints\n    {1}\nwhere the page has\n    {0}".format(*wrong)
             printed = None
-    return None if ran else "has no block marked sh"
+    return None if ran else "has no command to run"
+
+
+def updated(text, program, folder):
+    """The page with what its blocks print now."""
+    printed = [""]
+
+    def renew(match):
+        kind, block = match.groups()
+        if kind == "sh":
+            printed[0] = run_block(block, folder, program).stdout
+        elif kind == "text" and "..." not in block and printed[0]:
+            return f"```text\n{printed[0].rstrip()}\n```"
+        return match.group()
+    return BLOCK.sub(renew, text)
 
 
 def main():
-    if len(sys.argv) != 4:
+    words = [word for word in sys.argv[1:] if word != "--update"]
+    if len(words) != 3:
         sys.exit(__doc__)
-    program, source, page = map(os.path.abspath, sys.argv[1:])
+    program, source, page = map(os.path.abspath, words)
+    with open(page, encoding="utf-8") as file:
+        text = file.read()
     with tempfile.TemporaryDirectory(prefix="lacuna-page-") as folder:
         for name in ("cases", "docs", "tools"):
             os.symlink(os.path.join(source, name), os.path.join(folder, name))
-        wrong = check_page(page, program, folder)
+        os.symlink(os.path.dirname(program), os.path.join(folder, "build"))
+        if len(words) < len(sys.argv) - 1:
+            with open(page, "w", encoding="utf-8") as file:
+                file.write(updated(text, program, folder))
+            return
+        wrong = check_page(text, program, folder)
     if wrong:
         sys.exit(f"{os.path.basename(page)}: {wrong}")
 

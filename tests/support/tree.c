@@ -94,7 +94,7 @@ void tree_make_transfer(const tree_def *def, tree *out)
     lac_transfer_hierarchy *p = slot.params;
     p->k0 = def->k0;
     p->ratio = def->ratio;
-    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false};
+    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
     must(lac_transfer_create(&slot, &scene, &out->transfer, &err) == LAC_OK, err.message);
     lac_slot_clear(&slot);
 }

@@ -54,7 +54,7 @@ static void calibrate_rock(const lac_domain *domain, double g, double nu, bool l
                            lac_calibration *levels)
 {
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_transfer_scene scene = {domain, h, g, nu, line};
+    lac_transfer_scene scene = {domain, h, g, nu, line, false};
     lac_error err = {""};
     if (lac_calibrate_elastic(&scene, seed, levels, &err) != LAC_OK) {
         fail_msg("%s", err.message);

@@ -202,6 +202,76 @@ static void least_squares_know_their_errors(void **state)
     assert_true(squares > 17.0 && squares < 90.0);
 }
 
+// How far the top of the posterior, as the sampler has it, lies from the best fit along one
+// coordinate, over its width there.
+static double off_the_top(lac_fit *fit, const double *best, size_t n, size_t k)
+{
+    double x[LAC_FIT_UNKNOWNS];
+    double slope = 0.0;
+    double bend = INFINITY;
+    memcpy(x, best, n * sizeof *x);
+    double top = lac_fit_log_posterior(fit, 0, x);
+    for (double h = 0.1; !(bend * h * h < 0.1); h *= 0.5) { // to a third of the width
+        x[k] = best[k] + h;
+        double more = lac_fit_log_posterior(fit, 0, x);
+        x[k] = best[k] - h;
+        double less = lac_fit_log_posterior(fit, 0, x);
+        bend = (2.0 * top - more - less) / (h * h);
+        slope = (more - less) / (2.0 * h);
+        assert_true(h > 1e-6);
+    }
+    assert_true(bend > 0.0);
+    return fabs(slope) / sqrt(bend);
+}
+
+// Least squares go by the likelihood of the sampler, also where errors are correlated.
+static void both_have_one_likelihood(void **state)
+{
+    (void)state;
+    const char *errors[] = {"white", "ar1"};
+    for (size_t i = 0; i < 2; i++) {
+        char tail[600];
+        double best[LAC_FIT_UNKNOWNS];
+        double error = 0.0;
+        readings r;
+        lac_fit_result result;
+        lac_error err = {""};
+        make_readings(&r, 0.08, 2e-3 / day, 0.8, 0.0, 1);
+        for (uint64_t k = 0; k < READINGS; k++) { // over some four days
+            double e[2];
+            lac_random_normal(21, LAC_STREAM_TEST, k, 0, e);
+            error = (i == 1 ? 0.6 * error : 0.0) + 1e-3 * e[0];
+            r.displacement[k] += error;
+        }
+        (void)snprintf(tail, sizeof tail,
+                       "solver: {rtol: 1e-11}\n"
+                       "fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
+                       "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
+                       "displacement: d, starts: 8, steps: 0, errors: %s}\n",
+                       errors[i]);
+        lac_case *c = read_case(tail);
+        lac_fit *fit = make_fit(c, &r);
+        assert_int_equal(lac_fit_run(fit, NULL, &result, &err), LAC_OK);
+        assert_int_equal(result.unknowns, 3 + i);
+        for (size_t k = 0; k < result.unknowns; k++) {
+            best[k] = log(result.unknown[k].best);
+        }
+        for (size_t k = 0; k < result.unknowns; k++) {
+            double off = off_the_top(fit, best, result.unknowns, k);
+            if (!(off < 0.02)) {
+                fail_msg("%s: %s is %g of its width off the top", errors[i], result.unknown[k].key,
+                         off);
+            }
+        }
+        // as many numbers as unknowns and the offset; the likelihood at the top of the offset
+        double ln = lac_fit_log_posterior(fit, 0, best);
+        assert_true(fabs(result.log_likelihood - ln) < 1e-3);
+        assert_true(result.bic > (double)(4 + i) * log(READINGS) - 2.0 * ln - 20.0);
+        lac_fit_free(fit);
+        lac_case_free(c);
+    }
+}
+
 // Without errors the truth itself comes back, from far away.
 static void least_squares_find_the_truth(void **state)
 {
@@ -226,7 +296,7 @@ static void the_combination_is_known(void **state)
     run_fit("fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
             "initial.state.ratio_to_steady: {range: [0.3, 0.99]}, "
             "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
-            "displacement: d, starts: 8, steps: 500, burn: 300, walkers: 16}\n",
+            "displacement: d, starts: 8, steps: 300, burn: 150, rounds: 0, walkers: 20}\n",
             &r, &result);
     assert_true(result.one_block && result.sampled);
     double true_shape = 2.0 / 0.2 * (1.0 - 0.8);
@@ -285,6 +355,7 @@ int main(void)
         cmocka_unit_test(likelihood_is_normal),
         cmocka_unit_test(least_squares_find_the_truth),
         cmocka_unit_test(least_squares_know_their_errors),
+        cmocka_unit_test(both_have_one_likelihood),
         cmocka_unit_test(the_combination_is_known),
         cmocka_unit_test(a_time_is_fitted_by_runs),
         cmocka_unit_test(too_few_readings),

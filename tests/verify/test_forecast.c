@@ -116,7 +116,7 @@ static void oscillations_are_found(void **state)
         displacement[i] = 1.0 - pow(z, 0.5) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
     }
     lac_outlook *o = look(N, false, times[0]);
-    const lac_fit *fit = &find(o, "lppls")->fit;
+    const lac_finding *fit = &find(o, "lppls")->fit;
     assert_true(fabs(off(o, "lppls")) < 1e-4);
     assert_true(fabs(fit->value[0].value - 0.5) < 1e-3 && fabs(fit->value[1].value - 7.0) < 1e-3);
     assert_true(fabs(fit->value[3].value - 0.05) < 1e-4);
@@ -157,10 +157,14 @@ static void a_block_is_found(void **state)
     for (size_t k = 0; k < sizeof states / sizeof *states; k++) {
         fill_block(states[k]);
         lac_outlook *o = look(N, true, times[0]);
-        const lac_fit *fit = &find(o, "block")->fit;
+        const lac_finding *fit = &find(o, "block")->fit;
         assert_true(fabs(off(o, "block")) < 3e-5);
         assert_true(fit->value[0].value == 2.0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
+        // exact readings leave nothing open
+        assert_true(fit->posterior);
+        assert_true(fabs(fit->quantile[2] - log(fit->remaining)) < 1e-4);
+        assert_true(fit->quantile[4] - fit->quantile[0] < 1e-2);
         const double x = block_state((tc - times[N - 1]) / states[k]);
         assert_true(fabs(fit->value[3].value / (2.0 / 0.02 * (1.0 - x)) - 1.0) < 0.01);
         lac_outlook_free(o);

@@ -38,7 +38,7 @@ static double half_plane(void *context, int thread, const double *x)
 }
 
 static lac_chain *sample(double (*density)(void *, int, const double *), int threads, size_t steps,
-                         double stretching)
+                         double drawing, double stretching)
 {
     enum { WALKERS = 20 };
     double start[WALKERS * 2];
@@ -48,6 +48,7 @@ static lac_chain *sample(double (*density)(void *, int, const double *), int thr
                            .walkers = WALKERS,
                            .steps = steps,
                            .burn = 500,
+                           .drawing = drawing,
                            .stretching = stretching,
                            .seed = 7,
                            .threads = threads,
@@ -97,13 +98,13 @@ static void check(const lac_chain *chain, size_t k, double mean, double variance
 static void known_moments(void **state)
 {
     (void)state;
-    const double shares[] = {1.0, 0.5, 0.0};
-    for (size_t i = 0; i < 3; i++) {
-        lac_chain *chain = sample(normal, 1, 2000, shares[i]);
+    const double shares[][2] = {{0.0, 1.0}, {0.0, 0.5}, {0.0, 0.0}, {1.0, 0.0}, {0.7, 0.15}};
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+        lac_chain *chain = sample(normal, 1, 2000, shares[i][0], shares[i][1]);
         check(chain, 0, 1.0, 1e-4, 3.0);
         check(chain, 1, -2.0, 1e4, 3.0);
         lac_chain_free(chain);
-        chain = sample(banana, 1, 4000, shares[i]);
+        chain = sample(banana, 1, 4000, shares[i][0], shares[i][1]);
         check(chain, 0, 0.0, 1.0, 3.0);
         check(chain, 1, 1.0, 2.0625, 14.5);
         lac_chain_free(chain);
@@ -114,7 +115,7 @@ static void known_moments(void **state)
 static void walls(void **state)
 {
     (void)state;
-    lac_chain *chain = sample(half_plane, 1, 2000, 0.5);
+    lac_chain *chain = sample(half_plane, 1, 2000, 0.7, 0.15);
     check(chain, 0, sqrt(2.0 / acos(-1.0)), 1.0 - 2.0 / acos(-1.0), 3.87);
     for (size_t i = 0; i < chain->walkers * chain->steps; i++) {
         assert_true(chain->x[2 * i] >= 0.0);
@@ -125,8 +126,8 @@ static void walls(void **state)
 static void any_number_of_threads(void **state)
 {
     (void)state;
-    lac_chain *one = sample(banana, 1, 50, 0.5);
-    lac_chain *three = sample(banana, 3, 50, 0.5);
+    lac_chain *one = sample(banana, 1, 50, 0.7, 0.15);
+    lac_chain *three = sample(banana, 3, 50, 0.7, 0.15);
     size_t n = one->walkers * one->steps;
     assert_memory_equal(one->x, three->x, 2 * n * sizeof *one->x);
     assert_memory_equal(one->log_density, three->log_density, n * sizeof *one->log_density);

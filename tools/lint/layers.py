@@ -34,7 +34,9 @@ USES = {
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
-    "cli": ["fit"],
+    "trade": ["scene"],
+    "report": ["store"],
+    "cli": ["fit", "trade", "report"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -53,10 +55,16 @@ HEADERS = {
     "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
+    "store_file": "store",
     "store_fit": "store",
     "store_checkpoint": "store",
     "store_rg": "store",
+    "recording": "store",
+    "scene_record": "scene",
+    "accuracy": "trade",
+    "store_trade": "store",
     "sampler": "fit",
+    "foresee": "fit",
     "sensitivity": "run",
     "spread": "case",
     "store_map": "store",
@@ -84,7 +92,7 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    dirent.h fcntl.h getopt.h pthread.h strings.h sys/file.h sys/ioctl.h sys/resource.h sys/stat.h
+    dirent.h fcntl.h getopt.h pthread.h strings.h poll.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/stat.h
     sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 

@@ -4,7 +4,7 @@
     sizes.py [--table] [ROOT]
 
 Files of at most 500 lines; functions of at most 60 lines, 8 parameters and 4 levels of nested
-blocks. --table prints the sizes of all functions.
+blocks. Of the page of `lacuna report` files and the lines of functions. --table prints the sizes of all functions.
 """
 
 import re
@@ -121,6 +121,21 @@ def check(path, text):
     return complaints
 
 
+SCRIPT = re.compile(r"^function (\w+)\(.*?^}$", re.MULTILINE | re.DOTALL)
+
+
+def check_page(path, text):
+    """Complaints about a file of the page: functions of scripts begin and end at the margin."""
+    length = text.count("\n")
+    complaints = [f"{path}:1: {length} lines (at most {FILE})"] if length > FILE else []
+    for match in SCRIPT.finditer(text) if path.endswith(".js") else []:
+        lines = match.group().count("\n") + 1
+        if lines > FUNCTION:
+            line = source.line_of(text, match.start())
+            complaints.append(f"{path}:{line}: {match.group(1)}: {lines} lines (at most {FUNCTION})")
+    return complaints
+
+
 def table(root, paths):
     rows = []
     for path in paths:
@@ -141,6 +156,8 @@ def main(arguments):
     complaints = []
     for path in paths:
         complaints += check(path, source.read(root, path))
+    for path in source.files(root, ["src/report/page"], (".js", ".css", ".html")):
+        complaints += check_page(path, source.read(root, path))
     return source.report(complaints, "sizes")
 
 

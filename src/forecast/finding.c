@@ -5,7 +5,7 @@
 
 #include "forecast/kinds.h"
 
-lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
+lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -14,15 +14,15 @@ lac_status lac_fit_refuse(lac_fit *fit, const char *format, ...)
     return LAC_OK;
 }
 
-void lac_fit_add(lac_fit *fit, const char *key, double value)
+void lac_finding_add(lac_finding *fit, const char *key, double value)
 {
     if (fit->count < LAC_FORECAST_VALUES) {
         fit->value[fit->count++] = (lac_fitted){key, value};
     }
 }
 
-void lac_fit_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
-                           lac_fit *fit)
+void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
+                               lac_finding *fit)
 {
     double mean = 0.0;
     double all = 0.0;

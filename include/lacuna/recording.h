@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RECORDING_H
+#define LACUNA_RECORDING_H
+
+#include "lacuna/hierarchy.h"
+#include "lacuna/run.h"
+
+/// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
+typedef struct lac_recording lac_recording;
+
+typedef struct lac_recording_def {
+    const lac_domain *domain;       ///< NULL: nothing of the cells
+    const lac_hierarchy *hierarchy; ///< NULL: no levels
+    unsigned fields;                ///< LAC_FIELD_* of store.h, of snapshots
+    size_t extras;
+    const lac_extra *extra; ///< [extras] what records carry beyond
+    bool events;            ///< a catalogue of events comes along
+} lac_recording_def;
+
+/// One variable. What it points to holds until the recording is written to or freed.
+typedef struct lac_recorded {
+    const char *name, *unit, *long_name; ///< as in a file; times are seconds since the start
+    const char *dimensions; ///< in order, between spaces: "time", "snapshot cell"; "": one value
+    const double *values;   ///< [count] the last dimension fastest; NaN: missing
+    size_t count;
+} lac_recorded;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
+
+/// Frees a recording; NULL is fine.
+void lac_recording_free(lac_recording *recording);
+
+/// The sink that fills it; it makes no checkpoints.
+lac_sink lac_recording_sink(lac_recording *recording);
+
+/// Sets the extra quantities that run over nothing.
+/// @param once  values in their order; NaN: missing
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
+
+/// Adds one value that runs over nothing.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
+                             const char *long_name, double value, lac_error *err);
+
+/// The index-th variable.
+/// @return false past the end
+bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out);
+
+/// The variable of a name.
+/// @return false where there is none
+bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
+
+#endif

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_FILE_H
+#define LACUNA_STORE_FILE_H
+
+#include "lacuna/store_events.h"
+
+/// A file of Lacuna that is read piece by piece: looked through and opened once.
+typedef struct lac_stored_file lac_stored_file;
+
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written); LAC_ENOMEM
+lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err);
+
+/// Closes it; NULL is fine.
+void lac_stored_file_close(lac_stored_file *file);
+
+/// A whole variable, as lac_store_read_values; one that is not there is no error.
+/// @param out  cleared by the caller
+/// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
+lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err);
+
+/// The same of one place along the first dimension: the cells of a snapshot.
+/// @param row  from 0
+/// @param out  n is 1; cleared by the caller
+/// @return as lac_stored_file_values; LAC_EINPUT (no such row)
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
+                               lac_stored_values *out, lac_error *err);
+
+/// The comment of a variable, which says how it is defined; "" where there is none, or where it is
+/// longer than the room for it.
+void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
+                             size_t size);
+
+/// A global attribute as text, as lac_store_read_attribute.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
+                                     size_t size, lac_error *err);
+
+#endif

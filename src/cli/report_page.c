@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna report: a run as one page to look at.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "cli/command.h"
+#include "cli/json.h"
+#include "cli/series.h"
+#include "cli/words.h"
+#include "lacuna/report.h"
+#include "lacuna/store.h"
+#include "lacuna/version.h"
+
+enum { LONGEST_CASE = 1 << 18 };
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL ? slash + 1 : path;
+}
+
+// -o, else RUN.html in this folder.
+static char *output_path(const cli_request *request)
+{
+    if (request->output != NULL) {
+        return strdup(request->output);
+    }
+    const char *name = base_name(request->argument[0]);
+    const size_t length = strlen(name);
+    const size_t stem = length > 3 && strcmp(name + length - 3, ".nc") == 0 ? length - 3 : length;
+    char *path = malloc(stem + sizeof ".html");
+    if (path != NULL) {
+        (void)sprintf(path, "%.*s.html", (int)stem, name);
+    }
+    return path;
+}
+
+// The case that a run's file holds; NULL where it holds none that can be read.
+static lac_case *read_case(const char *run)
+{
+    const lac_case_request how = {.purpose = LAC_FOR_CELLS};
+    lac_case_report report = {0};
+    lac_case *c = NULL;
+    lac_error unsaid = {0};
+    char *text = malloc(LONGEST_CASE);
+    if (text != NULL &&
+        lac_store_read_attribute(run, "case", text, LONGEST_CASE, &unsaid) == LAC_OK &&
+        lac_case_read_text(run, text, strlen(text), &how, &c, &report, &unsaid) != LAC_OK) {
+        lac_case_free(c);
+        c = NULL;
+    }
+    lac_case_report_clear(&report);
+    free(text);
+    return c;
+}
+
+// A series that the run's case lays beside it under the same file name: its columns are known.
+static const lac_compare_def *find_compare(const lac_case *c, const char *path)
+{
+    for (size_t i = 0; c != NULL && i < c->compare_count; i++) {
+        if (strcmp(base_name(c->compare[i].path), base_name(path)) == 0) {
+            return &c->compare[i];
+        }
+    }
+    return NULL;
+}
+
+static lac_status read_known(const lac_compare_def *known, const char *path, const lac_units *units,
+                             lac_series **out, lac_error *err)
+{
+    const lac_series_def def = {.path = path,
+                                .time = known->time,
+                                .displacement = known->displacement,
+                                .displacement_unit = known->displacement_unit,
+                                .velocity = known->velocity,
+                                .velocity_unit = known->velocity_unit};
+    return lac_series_read(&def, units, out, err);
+}
+
+static lac_status read_series(const cli_request *request, lac_series **out, lac_error *err)
+{
+    const bool named = request->series.displacement != NULL || request->series.velocity != NULL;
+    lac_case *c = named ? NULL : read_case(request->argument[0]);
+    const lac_compare_def *known = find_compare(c, request->compare);
+    lac_units *units = NULL;
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = known != NULL ? read_known(known, request->compare, units, out, err)
+                               : cli_series_read(request, request->compare, units, out, err);
+    }
+    lac_units_free(units);
+    lac_case_free(c);
+    return status;
+}
+
+static void print_result(const cli_request *request, const char *path)
+{
+    if (cli_given(request, CLI_OPT_JSON)) {
+        cli_json json = {.out = stdout};
+        cli_json_open(&json, NULL, '{');
+        cli_json_text(&json, "output", path);
+        cli_json_close(&json, '}');
+    } else {
+        cli_row("page", "%s", path);
+    }
+}
+
+lac_status cli_report_page(const cli_request *request, lac_error *err)
+{
+    lac_series *series = NULL;
+    char *path = output_path(request);
+    lac_status status;
+    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
+    if (request->compare != NULL) {
+        LAC_TRY(read_series(request, &series, err));
+    } else if (cli_given(request, CLI_OPT_SERIES)) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "--displacement, --velocity ... say how a series is read: name it with "
+                         "--compare SERIES.csv"));
+    }
+    const lac_report_def def = {.run = request->argument[0],
+                                .series = series,
+                                .series_name = series != NULL ? base_name(request->compare) : NULL,
+                                .made_by = "lacuna " LACUNA_VERSION,
+                                .now = (double)time(NULL)};
+    LAC_TRY(lac_report_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
+    print_result(request, path);
+out:
+    lac_series_free(series);
+    free(path);
+    return status;
+}

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a trade came to.
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "cli/json.h"
+#include "cli/libraries.h"
+#include "cli/output.h"
+#include "cli/trade.h"
+#include "cli/words.h"
+#include "lacuna/store_trade.h"
+
+enum { SENTENCE = 1024, SETTINGS = 512 };
+
+static bool is_row(const cli_trade_job *job, size_t run)
+{
+    const lac_trade_end end = job->measure[run].end;
+    return (job->plan.run[run].why & LAC_TRADE_TRIED) != 0 &&
+           (end == LAC_TRADE_DONE || end == LAC_TRADE_BROKEN || end == LAC_TRADE_GIVEN_UP);
+}
+
+static const char *end_word(lac_trade_end end)
+{
+    return end == LAC_TRADE_DONE ? "done" : end == LAC_TRADE_GIVEN_UP ? "given up" : "broken";
+}
+
+// The rows in the order of a table: what is turned against a rung of the ladder stays together.
+static bool stands_before(const cli_trade_job *job, size_t a, size_t b)
+{
+    const lac_trade_plan *plan = &job->plan;
+    for (size_t d = 0; d < plan->dials; d++) {
+        const int order = strcmp(job->settings[a].label[d], job->settings[b].label[d]);
+        if (d != plan->ladder && order != 0) {
+            return order < 0;
+        }
+    }
+    return plan->ladder != SIZE_MAX &&
+           plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
+}
+
+// The row after `last` in that order, SIZE_MAX: the first; SIZE_MAX after the last one.
+static size_t next_row(const cli_trade_job *job, size_t last)
+{
+    size_t next = SIZE_MAX;
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        const bool after = last == SIZE_MAX || stands_before(job, last, i) ||
+                           (!stands_before(job, i, last) && i > last);
+        if (is_row(job, i) && after && (next == SIZE_MAX || stands_before(job, i, next))) {
+            next = i;
+        }
+    }
+    return next;
+}
+
+// "solver.rtol=1e-05 solver.method=bdf": all dials, as the run has them in the end.
+static const char *settings_text(const cli_trade_job *job, size_t run, char *text, size_t size)
+{
+    text[0] = '\0';
+    for (size_t d = 0; d < job->plan.dials; d++) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, size - used, "%s%s=%s", used > 0 ? " " : "",
+                       job->plan.dial[d].dial->key, job->settings[run].label[d]);
+    }
+    return text;
+}
+
+// "0.12 %", "3e-07"
+static const char *error_text(double error, char *text, size_t size)
+{
+    if (isnan(error)) {
+        (void)snprintf(text, size, "-");
+    } else if (error >= 9.995e-4) {
+        (void)snprintf(text, size, "%.2g %%", 100.0 * error);
+    } else {
+        (void)snprintf(text, size, "%.1e", error);
+    }
+    return text;
+}
+
+static const char *asked_text(const cli_trade_job *job, char *text, size_t size)
+{
+    const lac_trade_ask *ask = &job->ask;
+    char error[64] = "", time[32];
+    if (!isnan(ask->within)) {
+        (void)lac_units_format(ask->within, lac_quantity_about_of(job->verdict.quantity)->unit,
+                               error, sizeof error);
+    } else if (!isnan(ask->reach) || isnan(ask->spend)) {
+        (void)snprintf(error, sizeof error, "%.3g %%",
+                       100.0 * (isnan(ask->reach) ? 0.01 : ask->reach));
+    }
+    const bool both = error[0] != '\0' && !isnan(ask->spend);
+    (void)snprintf(text, size, "%s%s%s", error, both ? " within " : "",
+                   isnan(ask->spend) ? "" : cli_quantity(ask->spend, "s", time, sizeof time));
+    return text;
+}
+
+// "error 0.05 % +- 1e-07, 0.12 s of CPU, 24 MB"
+static const char *run_text(const cli_trade_job *job, size_t run, char *text, size_t size)
+{
+    const lac_trade_measure *m = &job->measure[run];
+    char error[32], sure[32], cpu[32];
+    (void)snprintf(text, size, "error %s +- %s, %s of CPU, %.3g MB",
+                   error_text(job->verdict.error[run], error, sizeof error),
+                   error_text(job->verdict.uncertainty, sure, sizeof sure),
+                   cli_quantity(m->cpu_time, "s", cpu, sizeof cpu), (double)m->memory / 1e6);
+    return text;
+}
+
+const char *cli_trade_sentence(const cli_trade_job *job, char *text, size_t size)
+{
+    char asked[96], options[SETTINGS], run[160];
+    const lac_trade_verdict *v = &job->verdict;
+    (void)asked_text(job, asked, sizeof asked);
+    if (v->recommended != SIZE_MAX) {
+        (void)cli_trade_options(job, v->recommended, options, sizeof options);
+        (void)snprintf(text, size, "For %s: %s (%s).", asked,
+                       options[0] != '\0' ? options : "the case as it is",
+                       run_text(job, v->recommended, run, sizeof run));
+    } else if (v->closest != SIZE_MAX) {
+        (void)cli_trade_options(job, v->closest, options, sizeof options);
+        (void)snprintf(text, size, "Nothing tried does for %s; the closest is %s (%s).", asked,
+                       options[0] != '\0' ? options : "the case as it is",
+                       run_text(job, v->closest, run, sizeof run));
+    } else {
+        (void)snprintf(text, size, "Nothing tried has this quantity.");
+    }
+    return text;
+}
+
+static int width_of(const cli_trade_job *job, size_t d)
+{
+    size_t width = strlen(job->plan.dial[d].dial->name);
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        const size_t n = strlen(job->settings[i].label[d]);
+        width = is_row(job, i) && n > width ? n : width;
+    }
+    return (int)width;
+}
+
+static void print_row(const cli_trade_job *job, size_t run)
+{
+    const lac_trade_measure *m = &job->measure[run];
+    char error[32], cpu[32], wall[32];
+    printf("%c ", job->verdict.on_front[run] ? '*' : ' ');
+    for (size_t d = 0; d < job->plan.dials; d++) {
+        if (job->plan.dial[d].shown > 0) {
+            printf(" %-*s", width_of(job, d), job->settings[run].label[d]);
+        }
+    }
+    if (m->end != LAC_TRADE_DONE) {
+        printf("  %s: %s\n", end_word(m->end), m->message);
+        return;
+    }
+    printf(" %9s %10s %10s %8.3g %9" PRId64 "\n",
+           error_text(job->verdict.error[run], error, sizeof error),
+           cli_quantity(m->cpu_time, "s", cpu, sizeof cpu),
+           cli_quantity(m->wall_time, "s", wall, sizeof wall), (double)m->memory / 1e6, m->steps);
+}
+
+static void print_head(const cli_trade_job *job)
+{
+    const lac_trade_verdict *v = &job->verdict;
+    const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
+    char value[64], sure[32], settings[SETTINGS];
+    if (job->source->title != NULL) {
+        puts(job->source->title);
+    }
+    cli_row(about->doc, "%s +- %s", cli_quantity(v->value, about->unit, value, sizeof value),
+            error_text(v->uncertainty, sure, sizeof sure));
+    cli_row("reference", "%s", settings_text(job, v->reference, settings, sizeof settings));
+    printf("\n  ");
+    for (size_t d = 0; d < job->plan.dials; d++) {
+        if (job->plan.dial[d].shown > 0) {
+            printf(" %-*s", width_of(job, d), job->plan.dial[d].dial->name);
+        }
+    }
+    printf(" %9s %10s %10s %8s %9s\n", "error", "CPU", "wall", "MB", "steps");
+}
+
+static void print_left_out(const cli_trade_job *job)
+{
+    size_t refused = 0;
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        const lac_trade_measure *m = &job->measure[i];
+        if (m->end == LAC_TRADE_REFUSED) {
+            refused++;
+            cli_say(job->request, "refused: %s", m->message);
+        }
+    }
+    printf("  * on the front: no other errs and costs less%s\n",
+           refused > 0 ? "; settings that do not go together were left out (-v)" : "");
+}
+
+void cli_trade_print(const cli_trade_job *job)
+{
+    char text[SENTENCE];
+    print_head(job);
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX; i = next_row(job, i)) {
+        print_row(job, i);
+    }
+    print_left_out(job);
+    puts("");
+    cli_wrap("", cli_trade_sentence(job, text, sizeof text));
+    cli_row("file", "%s", job->path);
+}
+
+static void write_settings(cli_json *json, const cli_trade_job *job, size_t run)
+{
+    cli_json_open(json, "settings", '{');
+    for (size_t d = 0; d < job->plan.dials; d++) {
+        const char *label = job->settings[run].label[d];
+        char *end;
+        const double value = strtod(label, &end);
+        if (*label != '\0' && *end == '\0') {
+            cli_json_number(json, job->plan.dial[d].dial->key, value);
+        } else {
+            cli_json_text(json, job->plan.dial[d].dial->key, label);
+        }
+    }
+    cli_json_close(json, '}');
+}
+
+static void write_run(cli_json *json, const char *key, const cli_trade_job *job, size_t run)
+{
+    const lac_trade_measure *m = &job->measure[run];
+    const bool done = m->end == LAC_TRADE_DONE;
+    char options[SETTINGS];
+    cli_json_open(json, key, '{');
+    write_settings(json, job, run);
+    cli_json_text(json, "options", cli_trade_options(job, run, options, sizeof options));
+    cli_json_text(json, "end", end_word(m->end));
+    cli_json_text(json, "message", m->message[0] != '\0' ? m->message : NULL);
+    cli_json_number(json, "value", done ? m->value[job->verdict.quantity] : NAN);
+    cli_json_number(json, "error", job->verdict.error[run]);
+    cli_json_number(json, "error_uncertainty", job->verdict.uncertainty);
+    cli_json_number(json, "wall_time_s", m->wall_time);
+    cli_json_number(json, "cpu_time_s", m->cpu_time);
+    cli_json_integer(json, "peak_memory_bytes", m->memory);
+    cli_json_integer(json, "output_bytes", m->output);
+    cli_json_integer(json, "steps", m->steps);
+    cli_json_integer(json, "rhs_evaluations", m->evaluations);
+    cli_json_integer(json, "n_cells", m->cells);
+    cli_json_boolean(json, "on_front", job->verdict.on_front[run]);
+    cli_json_close(json, '}');
+}
+
+static void write_refused(cli_json *json, const cli_trade_job *job)
+{
+    cli_json_open(json, "refused", '[');
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        if (job->measure[i].end == LAC_TRADE_REFUSED) {
+            cli_json_text(json, NULL, job->measure[i].message);
+        }
+    }
+    cli_json_close(json, ']');
+}
+
+void cli_trade_json(const cli_trade_job *job)
+{
+    cli_json json = {.out = stdout};
+    char text[SENTENCE];
+    const lac_trade_verdict *v = &job->verdict;
+    const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "title", job->source->title);
+    cli_json_text(&json, "quantity", about->name);
+    cli_json_text(&json, "unit", about->unit);
+    write_run(&json, "reference", job, v->reference);
+    cli_json_open(&json, "runs", '[');
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX; i = next_row(job, i)) {
+        write_run(&json, NULL, job, i);
+    }
+    cli_json_close(&json, ']');
+    write_refused(&json, job);
+    if (v->recommended != SIZE_MAX) {
+        write_run(&json, "recommended", job, v->recommended);
+    } else {
+        cli_json_null(&json, "recommended");
+    }
+    cli_json_text(&json, "recommendation", cli_trade_sentence(job, text, sizeof text));
+    cli_json_number(&json, "wall_time_s", cli_clock() - job->started);
+    cli_json_text(&json, "output", job->path);
+    cli_json_close(&json, '}');
+}
+
+static void fill_row(const cli_trade_job *job, size_t run, char *settings, lac_trade_row *row)
+{
+    const lac_trade_measure *m = &job->measure[run];
+    const lac_trade_verdict *v = &job->verdict;
+    *row = (lac_trade_row){.settings = settings_text(job, run, settings, SETTINGS),
+                           .end = end_word(m->end),
+                           .value = m->end == LAC_TRADE_DONE ? m->value[v->quantity] : NAN,
+                           .error = v->error[run],
+                           .uncertainty = v->uncertainty,
+                           .wall_time = m->wall_time,
+                           .cpu_time = m->cpu_time,
+                           .memory = (double)m->memory,
+                           .output = (double)m->output,
+                           .steps = (double)m->steps,
+                           .evaluations = (double)m->evaluations,
+                           .on_front = v->on_front[run]};
+}
+
+static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_row *row,
+                              char (*settings)[SETTINGS], lac_error *err)
+{
+    char reference[SETTINGS], sentence[SENTENCE], recommended[SETTINGS], libraries[256];
+    const lac_trade_verdict *v = &job->verdict;
+    const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
+    char *text = lac_case_text(job->source);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    size_t n = 0;
+    for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX && n < rows; i = next_row(job, i)) {
+        fill_row(job, i, settings[n], &row[n]);
+        n++;
+    }
+    const bool any = v->recommended != SIZE_MAX;
+    const lac_trade_view view = {
+        .quantity = about->name,
+        .unit = about->unit,
+        .about = about->doc,
+        .value = v->value,
+        .uncertainty = v->uncertainty,
+        .reference = settings_text(job, v->reference, reference, sizeof reference),
+        .recommended =
+            any ? settings_text(job, v->recommended, recommended, sizeof recommended) : NULL,
+        .sentence = cli_trade_sentence(job, sentence, sizeof sentence),
+        .runs = n,
+        .row = row};
+    const lac_provenance provenance =
+        cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
+    lac_status status =
+        lac_store_trade(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance, &view, err);
+    free(text);
+    return status;
+}
+
+lac_status cli_trade_store(const cli_trade_job *job, lac_error *err)
+{
+    size_t rows = 0;
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        rows += is_row(job, i) ? 1 : 0;
+    }
+    lac_trade_row *row = calloc(rows + 1, sizeof *row);
+    char(*settings)[SETTINGS] = calloc(rows + 1, sizeof *settings);
+    lac_status status = row != NULL && settings != NULL ? write_store(job, rows, row, settings, err)
+                                                        : lac_fail_memory(err);
+    free(row);
+    free(settings);
+    return status;
+}

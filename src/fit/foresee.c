@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A case as a method of forecasting: fitted to what was read, then run on.
+#include "lacuna/foresee.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double far_from_converged = 1.2; // R-hat
+static const double most_fail = 0.95;
+
+static size_t readings_within(const lac_case *c, const lac_motion *m, double shift)
+{
+    size_t inside = 0;
+    const double *time = m->integrated ? m->velocity_time : m->time;
+    for (size_t i = 0; i < (m->integrated ? m->velocities : m->n); i++) {
+        inside += time[i] >= shift && time[i] - shift <= c->run.end ? 1 : 0;
+    }
+    return inside;
+}
+
+static bool lacks_sigma(const lac_case *c, const lac_motion *m)
+{
+    bool lacks = c->fit.sigma != NULL && m->integrated;
+    for (size_t i = 0; c->fit.sigma != NULL && !m->integrated && i < m->n; i++) {
+        lacks = lacks || !(m->sigma[i] > 0.0);
+    }
+    return lacks;
+}
+
+static double worst_rhat(const lac_fit_result *r)
+{
+    double worst = 0.0;
+    for (size_t k = 0; k < r->unknowns; k++) {
+        worst = fmax(worst, r->unknown[k].converged.rhat);
+    }
+    return worst;
+}
+
+static double range_of(const lac_fit_result *r)
+{
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (size_t i = 0; i < r->readings; i++) {
+        low = fmin(low, r->observed[i]);
+        high = fmax(high, r->observed[i]);
+    }
+    return high - low;
+}
+
+// How well it fits: the rms, and what of it the readings' own scatter does not explain.
+static void judge(const lac_fit_result *r, lac_finding *found)
+{
+    const bool velocities = !(r->displacements > 0);
+    const double scatter = isnan(r->scatter) ? 0.0 : r->scatter;
+    found->points = r->displacements + r->velocities;
+    found->rms = velocities ? r->log_rate_rms : r->displacement_rms;
+    found->rms_unit = velocities ? "1" : "m";
+    found->misfit =
+        velocities ? found->rms
+                   : sqrt(fmax(0.0, found->rms * found->rms - scatter * scatter)) / range_of(r);
+}
+
+// The draws' times of failure.
+static void take_posterior(const lac_fit_result *r, double now, lac_finding *found)
+{
+    lac_finding_add(found, "failing", r->failing);
+    lac_finding_add(found, "rhat", worst_rhat(r));
+    if (!(r->failing >= most_fail)) {
+        (void)lac_finding_refuse(found, "%.0f %% of the draws fail by time.end, at least %.0f %%",
+                                 100.0 * r->failing, 100.0 * most_fail);
+    } else if (!(worst_rhat(r) <= far_from_converged)) {
+        (void)lac_finding_refuse(found, "the chain has not converged: R-hat %.2f, at most %.1f",
+                                 worst_rhat(r), far_from_converged);
+    } else {
+        found->posterior = true;
+        for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
+            found->quantile[q] = log(fmax(r->failures.quantile[q] - now, 1e-300));
+        }
+        found->error = (found->quantile[4] - found->quantile[0]) / (2.0 * 1.6448536269514722);
+    }
+}
+
+static void take(const lac_fit_result *r, double now, lac_finding *found)
+{
+    judge(r, found);
+    found->remaining = r->failure - now;
+    found->error = r->failure_error / found->remaining;
+    if (r->sampled) {
+        take_posterior(r, now, found);
+    } else if (isnan(r->failure)) {
+        (void)lac_finding_refuse(found, "the best fit does not fail by time.end");
+    } else if (isnan(r->failure_error)) {
+        (void)lac_finding_refuse(found, "least squares tell no error of it: sample (fit.steps)");
+    }
+    for (size_t k = 0; k < r->parameters; k++) {
+        lac_finding_add(found, r->unknown[k].key, r->unknown[k].best);
+    }
+}
+
+static lac_status fit(const lac_foresight *how, const lac_series *series, double now,
+                      lac_finding *found, lac_error *err)
+{
+    lac_fit *fit = NULL;
+    lac_fit_result result;
+    lac_error why = {""};
+    lac_status status = lac_fit_create(how->source, series, how->threads, &fit, &why);
+    status = status == LAC_OK ? lac_fit_run(fit, how->watch, &result, &why) : status;
+    if (status == LAC_OK) {
+        take(&result, now, found);
+    } else if (status == LAC_EINPUT || status == LAC_ENUMERIC) {
+        status = lac_finding_refuse(found, "%s", why.message);
+    } else {
+        *err = why;
+    }
+    lac_fit_free(fit);
+    return status;
+}
+
+static lac_status foresee(void *context, const lac_motion *m, double now, lac_finding *found,
+                          lac_error *err)
+{
+    const lac_foresight *how = context;
+    const lac_case *c = how->source;
+    const double shift = how->dated ? c->start_date : 0.0;
+    const bool v = m->integrated;
+    const lac_series series = {.n = v ? m->velocities : m->n,
+                               .dated = how->dated,
+                               .time = v ? m->velocity_time : m->time,
+                               .displacement = v ? NULL : m->displacement,
+                               .velocity = v ? m->velocity : NULL,
+                               .value = m->sigma};
+    if (how->dated && !c->dated) {
+        return lac_fail(err, LAC_EINPUT, "the series has dates, so time.start of %s must be a date",
+                        c->path);
+    }
+    const size_t inside = readings_within(c, m, shift);
+    if (inside < c->fit.count + 3) {
+        return lac_finding_refuse(found,
+                                  "too few readings between time.start and time.end: %zu, at least "
+                                  "%zu",
+                                  inside, c->fit.count + 3);
+    }
+    return lacks_sigma(c, m) ? lac_finding_refuse(found, "a reading has no standard error")
+                             : fit(how, &series, now - shift, found, err);
+}
+
+lac_forecast_model lac_foresee(lac_foresight *how)
+{
+    return (lac_forecast_model){.kind = &lac_forecast_case, .context = how, .fit = foresee};
+}
+
+const lac_forecast_kind lac_forecast_case = {
+    .about = {.name = "case",
+              .summary = "the slope's own model, fitted and run on",
+              .reference =
+                  "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
+                  "docs/theory/fitting.md"},
+    .estimator = "the case of --case, its section fit's parameters fitted to all readings between "
+                 "time.start and the time of issue by least squares (and sampled where fit.steps > "
+                 "0), run on to failure",
+    .least = 5,
+    .worst = 0.04,
+    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+                    1.6448536269514722},
+};

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes.
+#include <math.h>
+#include <stdlib.h>
+
+#include "precursor/kinds.h"
+
+enum { FEW = 20, BINS = 400, STABLE = 5, ENOUGH = 50, HIGHER = 20 };
+static const double bin = 0.1, beyond = 0.2;
+
+static const lac_precursor_value numbers[] = {
+    {"b", "1", "b-value of N(>= M) ~ 10^(-b M)"},
+    {"error", "1", "standard error of b"},
+    {"complete_from", "1", "magnitude from which events count"},
+    {"change", "1", "b of the later half of these events less that of the earlier"},
+    {"fall_p", "1", "chance of a fall as large, if b did not change"},
+};
+
+// Lower edge of the fullest bin.
+static double fullest_bin(size_t n, const double *magnitude)
+{
+    size_t count[BINS] = {0};
+    size_t best = 0;
+    double lowest = magnitude[0];
+    for (size_t i = 1; i < n; i++) {
+        lowest = fmin(lowest, magnitude[i]);
+    }
+    lowest = bin * floor(lowest / bin);
+    for (size_t i = 0; i < n; i++) {
+        const double at = (magnitude[i] - lowest) / bin;
+        count[at < BINS ? (size_t)at : BINS - 1]++;
+    }
+    for (size_t k = 1; k < BINS; k++) {
+        best = count[k] > count[best] ? k : best;
+    }
+    return lowest + bin * (double)best;
+}
+
+// Whether b from mc on is, within its error, the mean of those from the next bins on too.
+static bool is_stable(size_t n, const double *magnitude, double mc)
+{
+    double error;
+    double other_error;
+    double mean = 0.0;
+    size_t used;
+    const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &used);
+    for (size_t k = 0; k < STABLE; k++) {
+        mean += lac_b_value(n, magnitude, mc + bin * (double)k, 0.0, &other_error, &used) / STABLE;
+    }
+    return used >= ENOUGH && fabs(mean - b) <= error;
+}
+
+double lac_precursor_complete_from(size_t n, const double *magnitude)
+{
+    const double first = fullest_bin(n, magnitude) + beyond;
+    for (size_t k = 0; k < HIGHER; k++) {
+        if (is_stable(n, magnitude, first + bin * (double)k)) {
+            return first + bin * (double)k;
+        }
+    }
+    return first;
+}
+
+// b of the later half of the magnitudes from mc on, against the earlier half's.
+static void add_change(size_t n, double *magnitude, double mc, lac_finding *found)
+{
+    double error[2];
+    size_t used[2];
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (magnitude[i] >= mc) {
+            magnitude[kept++] = magnitude[i];
+        }
+    }
+    const size_t half = kept / 2;
+    const double early = lac_b_value(half, magnitude, mc, 0.0, &error[0], &used[0]);
+    const double late = lac_b_value(kept - half, magnitude + half, mc, 0.0, &error[1], &used[1]);
+    const double both = hypot(error[0], error[1]);
+    if (half >= FEW && both > 0.0) {
+        lac_finding_add(found, "change", late - early);
+        lac_finding_add(found, "fall_p", 0.5 * erfc((early - late) / (both * sqrt(2.0))));
+    }
+}
+
+static void measure(size_t n, double *magnitude, lac_finding *found)
+{
+    double error = NAN;
+    const double mc = lac_precursor_complete_from(n, magnitude);
+    const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
+    if (found->points < FEW) {
+        (void)lac_finding_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
+                                 found->points, (int)FEW);
+        return;
+    }
+    lac_finding_add(found, "b", b);
+    lac_finding_add(found, "error", error);
+    lac_finding_add(found, "complete_from", mc);
+    add_change(n, magnitude, mc, found);
+}
+
+static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+{
+    double *magnitude = NULL;
+    size_t n = 0;
+    lac_status status = lac_precursor_magnitudes(seen->events, &magnitude, &n, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (n < FEW) {
+        (void)lac_finding_refuse(found, "too few events with a moment: %zu, at least %d", n,
+                                 (int)FEW);
+    } else {
+        measure(n, magnitude, found);
+    }
+    free(magnitude);
+    return LAC_OK;
+}
+
+const lac_precursor_kind lac_precursor_b_value = {
+    .about = {.name = "b_value",
+              .summary = "size distribution of events, by maximum likelihood",
+              .reference =
+                  "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. "
+                  "Seismol. Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. "
+                  "Am. 95, 684"},
+    .needs = LAC_NEEDS_EVENTS,
+    .estimator =
+        "b = log10(e)/(mean - mc) over magnitudes from mc: the fullest bin of 0.1 and 0.2, "
+        "and on until b is stable over 0.5; fall_p: the later half of them against the "
+        "earlier, normal errors",
+    LAC_PRECURSOR_VALUES(numbers),
+    .look = look,
+};

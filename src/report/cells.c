@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The contact domain: its pressure, and what its cells do in the snapshots that were kept.
+#include "report/cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_SQUARES = 12000, SNAPSHOTS = 40, LEVELS = 254 };
+
+// A cell that moves this much faster than the mean at the start is said to slip.
+static const double slipping_ratio = 10.0;
+
+// NaN where nothing moved at the start, so that nothing tells what slips.
+static double slipping_rate(const lac_page_run *run)
+{
+    const double rate = lac_page_run_column(run, LAC_PAGE_RATE)[0];
+    return rate > 0.0 ? slipping_ratio * rate : NAN;
+}
+
+// Snapshots that the page shows, in time.
+typedef struct shots {
+    size_t count;
+    size_t index[SNAPSHOTS];
+    double time[SNAPSHOTS], before[SNAPSHOTS];
+} shots;
+
+// A field of the snapshots: what is written of it.
+typedef struct field {
+    const char *key, *variable;
+    lac_page_summary how;
+    bool logarithm; // of its values
+    bool common;    // one range for all snapshots
+} field;
+
+static const field fields[] = {
+    {"rate", "cell_slip_rate", LAC_PAGE_MOST, true, true},
+    {"slip", "cell_slip", LAC_PAGE_MEAN, false, false},
+    {"traction", "cell_traction", LAC_PAGE_MEAN, false, true},
+};
+
+// The record nearest to a snapshot's time gives its time before the end.
+static double before_of(const lac_page_run *run, double time)
+{
+    size_t low = 0, high = run->n;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (run->time[middle] <= time) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return run->before[low] - (time - run->time[low]);
+}
+
+// Marks at most SNAPSHOTS of n, the first and last of even parts of time and of log time before the
+// end, as series are thinned.
+static void choose(size_t n, const double *time, const double *before, uint8_t *keep)
+{
+    size_t buckets = SNAPSHOTS / 2;
+    memset(keep, 1, n);
+    while (n > SNAPSHOTS && lac_page_thin(n, time, before, buckets, 0, NULL, keep) > SNAPSHOTS &&
+           buckets > 1) {
+        buckets--;
+    }
+}
+
+static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err)
+{
+    lac_stored_values time = {0};
+    uint8_t *keep = NULL;
+    double *before = NULL;
+    lac_status status = lac_stored_file_values(run->file, "snapshot_time", &time, err);
+    LAC_TRY(status);
+    size_t n = time.value != NULL ? time.n : 0;
+    while (n > 0 && isnan(time.value[n - 1])) { // torn
+        n--;
+    }
+    keep = malloc(n + 1);
+    before = malloc((n + 1) * sizeof *before);
+    LAC_TRY(keep != NULL && before != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < n; i++) {
+        before[i] = before_of(run, time.value[i]);
+    }
+    choose(n, time.value, before, keep);
+    for (size_t i = 0; i < n; i++) {
+        if (keep[i] && s->count < SNAPSHOTS) {
+            s->index[s->count] = i;
+            s->time[s->count] = time.value[i];
+            s->before[s->count++] = before[i];
+        }
+    }
+out:
+    lac_stored_values_clear(&time);
+    free(keep);
+    free(before);
+    return status;
+}
+
+// Values to bytes: 0 is missing, 1 to 255 the range.
+static uint8_t to_byte(double value, double low, double high)
+{
+    if (isnan(value)) {
+        return 0;
+    }
+    const double place = high > low ? (value - low) / (high - low) : 0.0;
+    return (uint8_t)(1.5 + LEVELS * (place < 0.0 ? 0.0 : place > 1.0 ? 1.0 : place));
+}
+
+static void find_range(size_t n, const double *value, double *low, double *high)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (isfinite(value[i])) {
+            *low = isnan(*low) || value[i] < *low ? value[i] : *low;
+            *high = isnan(*high) || value[i] > *high ? value[i] : *high;
+        }
+    }
+}
+
+static void write_map(lac_page_text *text, size_t n, const double *value, double low, double high,
+                      uint8_t *bytes)
+{
+    for (size_t i = 0; i < n; i++) {
+        bytes[i] = to_byte(value[i], low, high);
+    }
+    lac_page_open(text, NULL, '{');
+    lac_page_number(text, "low", low, 5);
+    lac_page_number(text, "high", high, 5);
+    lac_page_bytes(text, "map", bytes, n);
+    lac_page_close(text, '}');
+}
+
+// Room for one field in all snapshots.
+typedef struct room {
+    double *value;  // [snapshots][squares]
+    double *share;  // [snapshots][squares] of the cells that slip
+    uint8_t *bytes; // [squares]
+} room;
+
+static lac_status read_field(const lac_page *page, const lac_page_raster *r, const shots *s,
+                             const field *f, room *to, bool *there, lac_error *err)
+{
+    const double limit = slipping_rate(page->run);
+    const bool rate = f->how == LAC_PAGE_MOST;
+    lac_status status = LAC_OK;
+    *there = s->count > 0;
+    for (size_t k = 0; k < s->count && *there; k++) {
+        lac_stored_values row = {0};
+        double *out = to->value + k * r->squares;
+        LAC_TRY(lac_stored_file_row(page->run->file, f->variable, s->index[k], &row, err));
+        *there = row.value != NULL && row.width == r->cells;
+        if (*there) {
+            lac_page_raster_summarise(r, f->how, row.value, 0.0, out);
+            for (size_t i = 0; f->logarithm && i < r->squares; i++) {
+                out[i] = out[i] > 0.0 ? log10(out[i]) : NAN;
+            }
+        }
+        if (*there && rate) {
+            lac_page_raster_summarise(r, LAC_PAGE_SHARE_ABOVE, row.value, limit,
+                                      to->share + k * r->squares);
+        }
+        lac_stored_values_clear(&row);
+    }
+out:
+    return status;
+}
+
+static void write_field(lac_page_text *text, const lac_page_raster *r, const shots *s,
+                        const char *key, bool common, const double *value, uint8_t *bytes)
+{
+    double low = NAN, high = NAN;
+    if (common) {
+        find_range(s->count * r->squares, value, &low, &high);
+    }
+    lac_page_open(text, key, '[');
+    for (size_t k = 0; k < s->count; k++) {
+        const double *one = value + k * r->squares;
+        double own_low = low, own_high = high;
+        if (!common) {
+            find_range(r->squares, one, &own_low, &own_high);
+        }
+        write_map(text, r->squares, one, own_low, own_high, bytes);
+    }
+    lac_page_close(text, ']');
+}
+
+static void write_shares(lac_page_text *text, const lac_page_raster *r, const shots *s,
+                         const room *from)
+{
+    lac_page_open(text, "slipping", '[');
+    for (size_t k = 0; k < s->count; k++) {
+        write_map(text, r->squares, from->share + k * r->squares, 0.0, 1.0, from->bytes);
+    }
+    lac_page_close(text, ']');
+    lac_page_open(text, "slipping_cells", '[');
+    for (size_t k = 0; k < s->count; k++) {
+        double cells = 0.0;
+        for (size_t i = 0; i < r->squares; i++) {
+            const double share = from->share[k * r->squares + i];
+            cells += isnan(share) ? 0.0 : share * (double)r->count[i];
+        }
+        lac_page_number(text, NULL, round(cells), 17);
+    }
+    lac_page_close(text, ']');
+}
+
+static lac_status write_snapshots(const lac_page *page, const lac_page_raster *r, const shots *s,
+                                  room *to, lac_error *err)
+{
+    lac_page_text *text = page->text;
+    lac_status status = LAC_OK;
+    lac_page_column(text, "snapshot_time", s->count, s->time, NULL, 12);
+    lac_page_column(text, "snapshot_before", s->count, s->before, NULL, 6);
+    for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
+        bool there = false;
+        LAC_TRY(read_field(page, r, s, &fields[f], to, &there, err));
+        if (there) {
+            write_field(text, r, s, fields[f].key, fields[f].common, to->value, to->bytes);
+        }
+        if (there && fields[f].how == LAC_PAGE_MOST) {
+            write_shares(text, r, s, to);
+        }
+    }
+out:
+    return status;
+}
+
+static lac_status write_pressure(const lac_page *page, const lac_page_raster *r, room *to,
+                                 lac_error *err)
+{
+    lac_stored_values pressure = {0};
+    lac_status status = lac_stored_file_values(page->run->file, "pressure", &pressure, err);
+    if (status == LAC_OK && pressure.value != NULL && pressure.n == r->cells) {
+        double low = NAN, high = NAN;
+        lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, to->value);
+        find_range(r->squares, to->value, &low, &high);
+        lac_page_open(page->text, "pressure", '[');
+        write_map(page->text, r->squares, to->value, low, high, to->bytes);
+        lac_page_close(page->text, ']');
+    }
+    lac_stored_values_clear(&pressure);
+    return status;
+}
+
+static void write_raster(const lac_page *page, const lac_page_raster *r)
+{
+    lac_page_text *text = page->text;
+    lac_page_number(text, "cells", (double)r->cells, 17);
+    lac_page_number(text, "nx", (double)r->nx, 17);
+    lac_page_number(text, "ny", (double)r->ny, 17);
+    lac_page_number(text, "dx", r->dx, 8);
+    lac_page_number(text, "dy", r->dy, 8);
+    lac_page_number(text, "block", (double)r->block, 17);
+    lac_page_number(text, "slipping_rate", slipping_rate(page->run), 6);
+    lac_page_open(text, "place", '[');
+    for (size_t k = 0; k < r->squares; k++) {
+        lac_page_number(text, NULL, r->place[k], 17);
+    }
+    lac_page_close(text, ']');
+}
+
+lac_status lac_page_cells(const lac_page *page, lac_error *err)
+{
+    lac_page_raster raster = {0};
+    shots s = {0};
+    room to = {0};
+    lac_status status;
+    LAC_TRY(lac_page_raster_create(page->run->file, MOST_SQUARES, &raster, err));
+    if (raster.cells < 2) {
+        goto out; // a block
+    }
+    LAC_TRY(choose_shots(page->run, &s, err));
+    const size_t room_of = (s.count > 0 ? s.count : 1) * raster.squares;
+    to = (room){malloc(room_of * sizeof(double)), malloc(room_of * sizeof(double)),
+                malloc(raster.squares)};
+    LAC_TRY(to.value != NULL && to.share != NULL && to.bytes != NULL ? LAC_OK
+                                                                     : lac_fail_memory(err));
+    lac_page_open(page->text, "cells", '{');
+    write_raster(page, &raster);
+    LAC_TRY(write_pressure(page, &raster, &to, err));
+    LAC_TRY(write_snapshots(page, &raster, &s, &to, err));
+    lac_page_close(page->text, '}');
+out:
+    free(to.value);
+    free(to.share);
+    free(to.bytes);
+    lac_page_raster_clear(&raster);
+    return status;
+}

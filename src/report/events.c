@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The catalogue of events: each in time, and how many are larger than what.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/precursor.h"
+#include "report/run.h"
+
+enum { MOST_EVENTS = 3000, STEPS = 160 };
+
+enum { TIME, DURATION, CELLS, POTENCY, MOMENT, SIZE, RATE, CUT, VARIABLES };
+
+static const char *const names[VARIABLES] = {"event_time",          "event_duration", "event_cells",
+                                             "event_potency",       "event_moment",   "event_size",
+                                             "event_max_slip_rate", "event_cut"};
+static const char *const keys[VARIABLES] = {"time",   "duration", "cells",    "potency",
+                                            "moment", "size",     "max_rate", "cut"};
+
+static int descending(const void *left, const void *right)
+{
+    const double a = *(const double *)left, b = *(const double *)right;
+    return (a < b) - (a > b);
+}
+
+// The larger half of what may stand on the page by potency, and of the others every `stride`th.
+static size_t choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
+{
+    size_t kept = 0, others = 0;
+    const double limit = n > MOST_EVENTS ? sorted[MOST_EVENTS / 2] : -INFINITY;
+    const size_t stride = n / (MOST_EVENTS / 2) + 1;
+    for (size_t i = 0; i < n; i++) {
+        keep[i] = potency[i] > limit || n <= MOST_EVENTS || others++ % stride == 0;
+        kept += keep[i];
+    }
+    return kept;
+}
+
+// N(>= size) at sizes evenly spaced in their logarithm.
+static void write_distribution(lac_page_text *text, size_t n, const double *sorted)
+{
+    size_t known = n;
+    while (known > 0 && !(sorted[known - 1] > 0.0)) {
+        known--;
+    }
+    double *at = malloc(2 * STEPS * sizeof *at);
+    double *count = at != NULL ? at + STEPS : NULL;
+    size_t steps = 0;
+    const double span = known > 0 ? log(sorted[0] / sorted[known - 1]) : 0.0;
+    double last = INFINITY;
+    for (size_t i = 0; at != NULL && i < known; i++) {
+        const double now = log(sorted[i]);
+        const bool edge = i == 0 || i + 1 == known;
+        if (steps < STEPS && (edge || (steps + 1 < STEPS && last - now >= span / (STEPS - 2)))) {
+            at[steps] = sorted[i];
+            count[steps++] = (double)(i + 1);
+            last = now;
+        }
+    }
+    lac_page_column(text, "at_least", steps, at, NULL, 6);
+    lac_page_column(text, "count", steps, count, NULL, 17);
+    free(at);
+}
+
+static const lac_precursor_kind *find_kind(const char *name)
+{
+    const lac_precursor_kind *kind;
+    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
+        if (strcmp(kind->about.name, name) == 0) {
+            return kind;
+        }
+    }
+    return NULL;
+}
+
+static lac_status write_b_value(lac_page_text *text, const lac_event_list *events, lac_error *err)
+{
+    const lac_precursor_kind *kind = find_kind("b_value");
+    const lac_observed seen = {.events = events, .tc = NAN, .start = NAN};
+    lac_finding found = {0};
+    lac_status status = kind != NULL ? kind->look(&seen, &found, err) : LAC_OK;
+    if (status == LAC_OK) {
+        lac_page_open(text, "b_value", '{');
+        lac_page_string(text, "reason", found.reason);
+        lac_page_number(text, "points", (double)found.points, 17);
+        for (size_t i = 0; i < found.count; i++) {
+            lac_page_number(text, found.value[i].key, found.value[i].value, 4);
+        }
+        lac_page_close(text, '}');
+    }
+    return status;
+}
+
+static lac_status write_events(const lac_page *page, size_t n, const lac_stored_values *values,
+                               lac_error *err)
+{
+    lac_page_text *text = page->text;
+    double *sorted = malloc(n * sizeof *sorted);
+    uint8_t *keep = malloc(n);
+    lac_status status = LAC_OK;
+    LAC_TRY(sorted != NULL && keep != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < n; i++) {
+        const double potency = values[POTENCY].value[i];
+        sorted[i] = isfinite(potency) ? potency : 0.0;
+    }
+    qsort(sorted, n, sizeof *sorted, descending);
+    (void)choose(n, values[POTENCY].value, sorted, keep);
+    lac_page_open(text, "events", '{');
+    lac_page_number(text, "all", (double)n, 17);
+    for (size_t v = 0; v < VARIABLES; v++) {
+        lac_page_column(text, keys[v], n, values[v].value, keep, v == TIME ? 12 : 6);
+    }
+    write_distribution(text, n, sorted);
+    const lac_event_list list = {
+        .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
+    LAC_TRY(write_b_value(text, &list, err));
+    lac_page_close(text, '}');
+out:
+    free(sorted);
+    free(keep);
+    return status;
+}
+
+lac_status lac_page_events(const lac_page *page, lac_error *err)
+{
+    lac_stored_values values[VARIABLES] = {{0}};
+    lac_status status = LAC_OK;
+    size_t n = SIZE_MAX;
+    for (size_t v = 0; v < VARIABLES; v++) {
+        LAC_TRY(lac_stored_file_values(page->run->file, names[v], &values[v], err));
+        n = values[v].value == NULL ? 0 : values[v].n < n ? values[v].n : n;
+    }
+    if (n > 0) {
+        LAC_TRY(write_events(page, n, values, err));
+    }
+out:
+    for (size_t v = 0; v < VARIABLES; v++) {
+        lac_stored_values_clear(&values[v]);
+    }
+    return status;
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Numbers, quantities and times in words.
+"use strict";
+
+const MINUTE = 60, HOUR = 3600, DAY = 86400, YEAR = 365.25 * DAY;
+const THIN = "\u2009"; // between a number and its unit
+const MINUS = "\u2212";
+
+function number(value, digits = 4) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size < 1e-4 || size >= 1e6) {
+    const [mantissa, power] = value.toExponential(Math.min(digits, 3) - 1).split("e");
+    return `${mantissa.replace("-", MINUS)}${THIN}×${THIN}10${raised(Number(power))}`;
+  }
+  const text = Number(value.toPrecision(digits)).toString().replace("-", MINUS);
+  return size >= 1e4 ? text.replace(/\B(?=(\d{3})+(?!\d))/g, THIN) : text;
+}
+
+function raised(power) {
+  return String(power).replace(/./g, (c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)]));
+}
+
+function count(value) {
+  return value === null || value === undefined ? "–" : Math.round(value).toString().replace(/\B(?=(\d{3})+(?!\d))/g, THIN);
+}
+
+// A value in the largest of these units of which it holds at least one.
+function inUnits(value, units, digits = 4) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const [unit, scale] = units.find(([, s]) => size >= s) || units[units.length - 1];
+  return `${number(value / scale, digits)}${THIN}${size === 0 ? units[0][0] : unit}`;
+}
+
+const LENGTHS = [["km", 1e3], ["m", 1], ["cm", 0.01], ["mm", 1e-3], ["µm", 1e-6], ["nm", 1e-9]];
+const PRESSURES = [["GPa", 1e9], ["MPa", 1e6], ["kPa", 1e3], ["Pa", 1]];
+const FORCES = [["TN", 1e12], ["GN", 1e9], ["MN", 1e6], ["kN", 1e3], ["N", 1]];
+const SPANS = [["years", YEAR], ["days", DAY], ["h", HOUR], ["min", MINUTE], ["s", 1], ["ms", 1e-3], ["µs", 1e-6], ["ns", 1e-9]];
+
+const length = (value, digits) => inUnits(value, LENGTHS, digits);
+const pressure = (value, digits) => inUnits(value, PRESSURES, digits);
+const force = (value, digits) => inUnits(value, FORCES, digits);
+const span = (value, digits) => inUnits(value, SPANS, digits);
+
+// Slip rates as people say them: a creep in mm/day, a failure in m/s.
+function rate(value, digits = 3) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value) * DAY;
+  if (Math.abs(value) >= 1e-3) return `${length(value, digits)}/s`;
+  if (size >= 1) return `${number(value * DAY, digits)}${THIN}m/day`;
+  if (size >= 1e-5) return `${number(value * DAY * 1e3, digits)}${THIN}mm/day`;
+  return `${number(value * YEAR * 1e3, digits)}${THIN}mm/year`;
+}
+
+const plain = (digits) => (value) => number(value, digits);
+
+// A time of the run: a date where it has one.
+function date(seconds, detail = "minute") {
+  const at = new Date(seconds * 1000);
+  if (Number.isNaN(at.getTime())) return "–";
+  const text = at.toISOString();
+  if (detail === "day") return text.slice(0, 10);
+  return `${text.slice(0, 10)} ${text.slice(11, detail === "second" ? 19 : 16)}`;
+}
+
+function moment(clock, seconds) {
+  if (seconds === null || !Number.isFinite(seconds)) return "–";
+  return clock.dated ? `${date(clock.start + seconds)}${THIN}UTC` : span(seconds, 6);
+}
+
+function beforeEnd(clock, before) {
+  if (before === 0) return `at ${clock.end}`;
+  return `${span(before)} before ${clock.end}`;
+}

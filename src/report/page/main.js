@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Puts the page together from its data; sections without data are left out.
+"use strict";
+
+const SECTIONS = [
+  ["motion", motionSection], ["forecasts", forecastSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
+  ["events", eventsSection], ["solver", solverSection], ["about", aboutSection],
+];
+
+function openSection(id, title, lead) {
+  const section = element("section", { id, "aria-labelledby": `${id}-title` });
+  section.append(element("h2", { id: `${id}-title` }, title), element("p", { class: "lead" }, lead));
+  return section;
+}
+
+function makeClock(data) {
+  const a = data.about, m = data.motion;
+  return { dated: a.dated, start: a.start, last: m.time[m.time.length - 1], failure: a.failure_time_s ?? null, end: a.failed ? "failure" : "the end" };
+}
+
+function choice(id, name, options, current, change) {
+  const box = document.getElementById(id);
+  for (const [value, label] of options) {
+    const input = element("input", { type: "radio", name, value });
+    input.checked = value === current;
+    input.addEventListener("change", () => change(value));
+    box.append(element("label", {}, input, label));
+  }
+}
+
+function drawAll() {
+  for (const chart of page.charts) chart.draw();
+}
+
+function fillControls() {
+  choice("axis", "axis", [["time", page.clock.dated ? "Date" : "Time"], ["before", `Time to ${page.clock.end}`]], page.axis, (value) => {
+    page.axis = value;
+    drawAll();
+  });
+  choice("theme", "theme", [["", "As the system"], ["light", "Light"], ["dark", "Dark"]], "", (value) => {
+    if (value) document.documentElement.dataset.theme = value;
+    else delete document.documentElement.dataset.theme;
+  });
+}
+
+function fillContents(sections) {
+  const list = document.getElementById("contents");
+  list.replaceChildren();
+  for (const section of sections) {
+    list.append(element("li", {}, element("a", { href: `#${section.id}` }, section.querySelector("h2").textContent)));
+  }
+}
+
+function show(data) {
+  Object.assign(page, { data, charts: [], later: [], clock: makeClock(data) });
+  fillHead(data);
+  const sections = SECTIONS.filter(([key]) => data[key]).map(([, make]) => make(data));
+  document.getElementById("main").replaceChildren(...sections);
+  fillContents(sections);
+  drawAll();
+  page.later.forEach((act) => act());
+}
+
+function start() {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  page.axis = data.about.failed && !data.about.dated ? "before" : "time";
+  show(data);
+  fillControls();
+  let width = 0;
+  new ResizeObserver(() => {
+    if (document.body.clientWidth !== width) drawAll();
+    width = document.body.clientWidth;
+  }).observe(document.body);
+  for (const [event, on] of [["beforeprint", true], ["afterprint", false]]) {
+    window.addEventListener(event, () => {
+      document.documentElement.classList.toggle("paper", on);
+      drawAll();
+    });
+  }
+  document.documentElement.dataset.ready = "yes";
+}
+
+start();

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Maps of the contact domain, and the slider through its snapshots.
+"use strict";
+
+// Viridis-like, so that order shows in grey and to all eyes; light end last.
+const RAMP = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
+const STICK = [128, 139, 152], SLIP = [214, 106, 20];
+
+function mix(colours, place) {
+  const at = Math.min(0.9999, Math.max(0, place)) * (colours.length - 1), k = Math.floor(at), t = at - k;
+  return colours[k].map((c, i) => Math.round(c + t * (colours[k + 1][i] - c)));
+}
+
+const gradient = (colours) => `linear-gradient(90deg, ${colours.map((c) => `rgb(${c.join(",")})`).join(",")})`;
+
+function bytesOf(text) {
+  const raw = atob(text), bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
+  return bytes;
+}
+
+// Paints the squares; y runs up, as on a map.
+function paint(canvas, cells, bytes, colours) {
+  const { nx, ny, place } = cells, context = canvas.getContext("2d");
+  const image = context.createImageData(nx, ny);
+  for (let k = 0; k < place.length; k++) {
+    if (bytes[k] === 0) continue;
+    const row = ny - 1 - Math.floor(place[k] / nx), at = 4 * (row * nx + (place[k] % nx));
+    const [r, g, b] = mix(colours, (bytes[k] - 1) / 254);
+    image.data.set([r, g, b, 255], at);
+  }
+  context.putImageData(image, 0, 0);
+}
+
+function slider({ name, id, n, at, words, change }) {
+  const input = element("input", { type: "range", id, min: "0", max: String(n - 1), step: "1", value: String(at), "aria-label": name });
+  const now = element("output", { class: "now", for: id });
+  const say = () => {
+    now.textContent = `${name}: ${words(Number(input.value))}`;
+    input.setAttribute("aria-valuetext", words(Number(input.value)));
+  };
+  input.addEventListener("input", () => {
+    say();
+    change(Number(input.value));
+  });
+  const play = element("button", { type: "button" }, "Play");
+  playing(play, input, n);
+  say();
+  return element("div", { class: "slider" }, play, input, now);
+}
+
+function playing(button, input, n) {
+  let timer = null;
+  const stop = () => {
+    clearInterval(timer);
+    timer = null;
+    button.textContent = "Play";
+  };
+  button.addEventListener("click", () => {
+    if (timer !== null) return stop();
+    button.textContent = "Stop";
+    if (Number(input.value) >= n - 1) input.value = "0";
+    timer = setInterval(() => {
+      input.value = String(Number(input.value) + 1);
+      input.dispatchEvent(new Event("input"));
+      if (Number(input.value) >= n - 1) stop();
+    }, 260);
+  });
+}
+
+// The maps a run can show: key, title, colours, words of a value, what stands under it.
+function mapKinds(cells) {
+  const kinds = [];
+  const state = [STICK, SLIP];
+  if (cells.slipping && cells.slipping_rate !== null) {
+    kinds.push({ key: "slipping", title: "Stick and slip", colours: state, ends: ["sticks", "slips"],
+      caption: `A cell slips where it is faster than ${rate(cells.slipping_rate)}, ten times the mean at the start.` });
+  }
+  if (cells.rate) kinds.push({ key: "rate", title: "Slip rate", colours: RAMP, words: (v) => rate(10 ** v), caption: "Logarithmic, one range for all times; of squares of several cells their fastest." });
+  if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: "Since the start, each time in its own range." });
+  if (cells.traction) kinds.push({ key: "traction", title: "Shear traction", colours: RAMP, words: (v) => pressure(v), caption: "The elastic side of the balance, q − Kδ, one range for all times." });
+  if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v) => pressure(v), still: true, caption: "Of the contact, before pore pressure." });
+  return kinds;
+}
+
+function mapFigure(cells, kind) {
+  const canvas = element("canvas", { class: "map", width: String(cells.nx), height: String(cells.ny), role: "img" });
+  canvas.style.aspectRatio = `${cells.nx * cells.dx} / ${Math.max(cells.ny * cells.dy, (cells.nx * cells.dx) / 12)}`;
+  const low = element("span"), high = element("span");
+  const ramp = element("div", { class: "ramp" });
+  ramp.style.background = kind.ends ? gradient(kind.colours) : gradient(RAMP);
+  const show = (k) => {
+    const map = cells[kind.key][kind.still ? 0 : k];
+    paint(canvas, cells, bytesOf(map.map), kind.colours);
+    low.textContent = kind.ends ? kind.ends[0] : kind.words(map.low);
+    high.textContent = kind.ends ? kind.ends[1] : kind.words(map.high);
+    canvas.setAttribute("aria-label", `${kind.title}, from ${low.textContent} to ${high.textContent}`);
+  };
+  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, ramp, element("div", { class: "ends" }, low, high), element("figcaption", {}, kind.caption));
+  return { whole, show };
+}
+
+function snapshotTable(cells) {
+  const columns = [["Time", (i) => moment(page.clock, cells.snapshot_time[i])], [`Before ${page.clock.end}`, (i) => span(cells.snapshot_before[i])]];
+  if (cells.slipping) columns.push(["Slipping cells", (i) => count(cells.slipping_cells[i])], ["of", () => count(cells.cells)]);
+  if (cells.rate) columns.push(["Slowest square", (i) => squareEnd(cells.rate[i], 0)], ["Fastest", (i) => squareEnd(cells.rate[i], 1)]);
+  if (cells.slip) columns.push(["Least slip", (i) => length(cells.slip[i].low)], ["Most slip", (i) => length(cells.slip[i].high)]);
+  return tableOf({ n: cells.snapshot_time.length, caption: "snapshots of the contact domain", columns });
+}
+
+// The least or greatest rate of a map, from its bytes.
+function squareEnd(map, greatest) {
+  const seen = bytesOf(map.map).filter((b) => b > 0);
+  const byte = seen.reduce((a, b) => (greatest ? Math.max(a, b) : Math.min(a, b)), seen[0] ?? 1);
+  return rate(10 ** (map.low + ((byte - 1) / 254) * (map.high - map.low)));
+}
+
+function cellsSection(data) {
+  const cells = data.cells, kinds = mapKinds(cells), maps = kinds.map((kind) => mapFigure(cells, kind));
+  const moving = cells.snapshot_time.length > 0 && kinds.some((k) => !k.still);
+  const squares = cells.block > 1 ? ` Each square stands for ${cells.block} × ${cells.block} cells of the grid.` : "";
+  const section = openSection("cells", "Contact domain", `${count(cells.cells)} cells touch, ${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right. Empty places do not touch.${squares}`);
+  if (moving) {
+    const n = cells.snapshot_time.length, at = Math.floor((n - 1) * 0.75);
+    section.append(slider({ name: "Time", id: "snapshot", n, at, change: (k) => maps.forEach((m) => m.show(k)),
+      words: (k) => `${moment(page.clock, cells.snapshot_time[k])}, ${beforeEnd(page.clock, cells.snapshot_before[k])}` +
+        (cells.slipping ? `, ${count(cells.slipping_cells[k])} cells slip` : "") }));
+    maps.forEach((m) => m.show(at));
+  } else {
+    maps.forEach((m) => m.show(0));
+  }
+  section.append(element("div", { class: "maps" }, ...maps.map((m) => m.whole)));
+  if (moving) section.append(snapshotTable(cells));
+  return section;
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The monitoring series beside a run.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/motion.h"
+#include "report/run.h"
+
+enum { MOST_READINGS = 3000 };
+
+// Readings on the run's clock and the run on the same, seconds since its start.
+typedef struct beside {
+    lac_series view; // times are owned, the rest is the series'
+    lac_misfit misfit;
+    lac_motion *motion; // NULL: nothing to derive velocities from
+} beside;
+
+static lac_status lay(const lac_page *page, beside *b, lac_error *err)
+{
+    const lac_page_run *run = page->run;
+    const lac_history history = {.n = run->n,
+                                 .time = run->time,
+                                 .slip = lac_page_run_column(run, LAC_PAGE_SLIP),
+                                 .rate = lac_page_run_column(run, LAC_PAGE_RATE)};
+    b->view = *page->def->series;
+    b->view.time = malloc((b->view.n > 0 ? b->view.n : 1) * sizeof *b->view.time);
+    if (b->view.time == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < b->view.n; i++) {
+        b->view.time[i] = page->def->series->time[i] - (b->view.dated ? run->start : 0.0);
+    }
+    lac_series_compare(&b->view, &history, &b->misfit);
+    if (b->view.velocity == NULL && b->view.displacement != NULL) {
+        const lac_readings readings = {.n = b->view.n,
+                                       .time = b->view.time,
+                                       .displacement = b->view.displacement,
+                                       .sigma = b->view.sigma};
+        const lac_motion_def plain = {.smoothing = LAC_SMOOTH_NONE};
+        return lac_motion_create(&plain, &readings, &b->motion, err);
+    }
+    return LAC_OK;
+}
+
+// Every `stride`th reading and the last, so that at most about MOST_READINGS stand on the page.
+static void write_column(lac_page_text *text, const char *key, size_t n, const double *value)
+{
+    const size_t stride = n / MOST_READINGS + 1;
+    lac_page_open(text, key, '[');
+    for (size_t i = 0; value != NULL && i < n; i++) {
+        if (i % stride == 0 || i + 1 == n) {
+            lac_page_number(text, NULL, value[i], 10);
+        }
+    }
+    lac_page_close(text, ']');
+}
+
+static void write_misfit(lac_page_text *text, const lac_misfit *misfit)
+{
+    const bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
+    lac_page_number(text, "offset", slips ? misfit->displacement_offset : NAN, 8);
+    lac_page_number(text, "slip_rms", slips ? misfit->displacement_rms : NAN, 4);
+    lac_page_number(text, "slip_readings", (double)misfit->displacement_count, 17);
+    lac_page_number(text, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN, 4);
+    lac_page_number(text, "rate_readings", (double)misfit->velocity_count, 17);
+    lac_page_number(text, "outside", (double)misfit->outside, 17);
+}
+
+static void write_series(const lac_page *page, const beside *b)
+{
+    lac_page_text *text = page->text;
+    const bool derived = b->motion != NULL;
+    lac_page_open(text, "series", '{');
+    lac_page_string(text, "name", page->def->series_name);
+    lac_page_string(text, "attribution", b->view.attribution);
+    lac_page_number(text, "readings", (double)b->view.n, 17);
+    write_column(text, "time", b->view.n, b->view.time);
+    write_column(text, "displacement", b->view.n, b->view.displacement);
+    lac_page_bool(text, "derived", derived);
+    if (derived) {
+        write_column(text, "rate_time", b->motion->velocities, b->motion->velocity_time);
+        write_column(text, "rate", b->motion->velocities, b->motion->velocity);
+    } else {
+        write_column(text, "rate_time", b->view.n, b->view.time);
+        write_column(text, "rate", b->view.n, b->view.velocity);
+    }
+    write_misfit(text, &b->misfit);
+    lac_page_close(text, '}');
+}
+
+lac_status lac_page_series(const lac_page *page, lac_error *err)
+{
+    beside b = {0};
+    lac_status status = LAC_OK;
+    if (page->def->series == NULL) {
+        return LAC_OK;
+    }
+    if (page->def->series->dated && !page->run->dated) {
+        return lac_fail(err, LAC_EINPUT, "%s: has dates, and the run %s has none",
+                        page->def->series_name, page->def->run);
+    }
+    LAC_TRY(lay(page, &b, err));
+    write_series(page, &b);
+out:
+    lac_motion_free(b.motion);
+    free(b.view.time);
+    return status;
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is read off a run.
+#include <math.h>
+#include <stdio.h>
+
+#include "lacuna/trade.h"
+
+static const lac_quantity_about quantities[] = {
+    [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure"},
+    [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit"},
+    [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end"},
+    [LAC_QUANTITY_RATE] = {"rate", "m/s", "mean slip rate at the end"},
+    [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell"},
+    [LAC_QUANTITY_CRITICAL] = {"q-crit", "1", "critical shear force over f P"},
+    [LAC_QUANTITY_EVENTS] = {"events", "1", "events of the catalogue"},
+};
+
+const lac_quantity_about *lac_quantity_about_of(int quantity) { return &quantities[quantity]; }
+
+// f0 of the friction law, unless `rg` has its own.
+static double coulomb(const lac_case *c)
+{
+    char key[64];
+    lac_case_value found;
+    if (c->rg.named && !isnan(c->rg.friction)) {
+        return c->rg.friction;
+    }
+    if (c->friction.about == NULL) {
+        return NAN;
+    }
+    (void)snprintf(key, sizeof key, "friction.%s.f0", c->friction.about->name);
+    // Nothing is changed through what is found.
+    return lac_case_find((lac_case *)c, key, &found) ? *found.at : NAN;
+}
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    const double load = record->seen.shear_force / (probe->friction * record->seen.effective_force);
+    probe->load = probe->records == 0 || load > probe->load ? load : probe->load;
+    probe->rate = record->seen.mean_rate;
+    probe->records++;
+    return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
+                                      : LAC_OK;
+}
+
+static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    return probe->next.snapshot != NULL ? probe->next.snapshot(probe->next.context, snapshot, err)
+                                        : LAC_OK;
+}
+
+static lac_status on_event(void *context, const lac_event *event, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    probe->events++;
+    return probe->next.event != NULL ? probe->next.event(probe->next.context, event, err) : LAC_OK;
+}
+
+lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
+{
+    return (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
+}
+
+lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
+{
+    return (lac_sink){
+        .context = probe, .record = on_record, .snapshot = on_snapshot, .event = on_event};
+}
+
+void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
+                            bool catalogue, double *value)
+{
+    value[LAC_QUANTITY_FAILURE] =
+        result->failed ? result->failure_origin + result->failure_local : NAN;
+    value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;
+    value[LAC_QUANTITY_SLIP] = result->mean_slip;
+    value[LAC_QUANTITY_RATE] = probe->rate;
+    value[LAC_QUANTITY_PEAK] = result->max_slip_rate;
+    value[LAC_QUANTITY_CRITICAL] = probe->load;
+    value[LAC_QUANTITY_EVENTS] = catalogue ? (double)probe->events : NAN;
+}

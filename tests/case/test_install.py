@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is installed serves: the example against the shared and the static library by pkg-config and
+by CMake's package, the Python module, manual pages, words for shells, and all of it from the .deb.
+
+usage: test_install.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
+"""
+
+import glob
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, SOURCE, BUILD = map(os.path.abspath, sys.argv[1:4])
+BLOCK = os.path.join(SOURCE, "cases", "block.yaml")
+
+
+def call(*words, **options):
+    options.setdefault("cwd", SOURCE)
+    done = subprocess.run(words, capture_output=True, text=True, check=False,
+                          stdin=subprocess.DEVNULL, timeout=200, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{words}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def declared():
+    """Every function and object that a public header declares, comments left out."""
+    found = set()
+    for path in glob.glob(os.path.join(SOURCE, "include", "lacuna", "*.h")):
+        with open(path, encoding="utf-8") as file:
+            text = re.sub(r"//[^\n]*|/\*.*?\*/", "", file.read(), flags=re.DOTALL)
+        text = re.sub(r"^#(?:[^\n]*\\\n)*[^\n]*", "", text, flags=re.MULTILINE)
+        text = re.sub(r"static inline[^;{]*\{.*?^\}", "", text, flags=re.DOTALL | re.MULTILINE)
+        found |= set(re.findall(r"\b(lac_\w+)\(", text))
+        for names in re.findall(r"^extern const \w+ ([^;]*);", text, re.MULTILINE):
+            found |= set(names.replace(",", " ").split())
+    return found
+
+
+class Prefix:
+    """Checks of a folder that holds bin, lib ... as installed."""
+
+    def checks_of_library(self):
+        library = os.path.realpath(os.path.join(self.prefix, "lib", "liblacuna.so"))
+        self.assertRegex(call("readelf", "-d", library), r"SONAME.*\[liblacuna\.so\.0\.1\]")
+        listing = call("nm", "-D", "--defined-only", library)
+        names = {line.split()[-1].split("@")[0] for line in listing.splitlines()}
+        self.assertEqual({n for n in names if not n.startswith("LACUNA_")}, declared())
+
+    def checks_of_program(self):
+        lacuna = os.path.join(self.prefix, "bin", "lacuna")
+        case = os.path.join(self.prefix, "share", "lacuna", "cases", "block.yaml")
+        self.assertIn("failure", call(lacuna, "run", case, "-o",
+                                      os.path.join(self.folder, "block.nc"), "--force"))
+
+    def checks_of_pages(self):
+        overview = call(PROGRAM, "completion", "fish")
+        commands = re.findall(r"__fish_use_subcommand -a ([\w-]+)", overview)
+        self.assertIn("run", commands)
+        for page in ["lacuna"] + [f"lacuna-{name}" for name in commands]:
+            found = glob.glob(os.path.join(self.prefix, "share", "man", "man1", page + ".1*"))
+            self.assertEqual(len(found), 1, page)
+        for words in ("bash-completion/completions/lacuna", "zsh/vendor-completions/_lacuna",
+                      "fish/vendor_completions.d/lacuna.fish"):
+            self.assertTrue(os.path.exists(os.path.join(self.prefix, "share", words)), words)
+
+    def checks_of_python(self):
+        module = os.path.join(self.prefix, "lib", "python3", "dist-packages")
+        environment = {k: v for k, v in os.environ.items() if k != "LACUNA_LIBRARY"}
+        environment["PYTHONPATH"] = module
+        printed = call("/usr/bin/python3", "-c",
+                       f"import lacuna; print(lacuna._library._name, lacuna.run({BLOCK!r}).failed)",
+                       env=environment)
+        self.assertEqual(printed.split()[1], "1.0")
+        self.assertTrue(os.path.realpath(printed.split()[0]).startswith(self.prefix))
+
+
+class Installed(Prefix, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = os.path.realpath(tempfile.mkdtemp(prefix="lacuna-install-"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        first = os.path.join(cls.folder, "first")
+        call("cmake", "--install", BUILD, "--prefix", first)
+        cls.prefix = os.path.join(cls.folder, "moved")  # nothing knows where it was put
+        os.rename(first, cls.prefix)
+
+    def example(self, program):
+        environment = dict(os.environ, LD_LIBRARY_PATH=os.path.join(self.prefix, "lib"))
+        printed = call(program, BLOCK, env=environment).splitlines()
+        self.assertEqual(printed[0], "1.653e-09 m/s after 0.0000 day")
+        # as `lacuna run` says, and verify.test_block from a closed form
+        self.assertRegex(printed[-1], r"^fails after 15\.278\d day$")
+        return call("readelf", "-d", program)
+
+    def flags(self, *words):
+        pages = os.path.join(self.prefix, "lib", "pkgconfig")
+        return call("pkg-config", *words, "--cflags", "--libs", "lacuna", env=dict(
+            os.environ, PKG_CONFIG_PATH=pages)).split()
+
+    def compile(self, name, *flags):
+        program = os.path.join(self.folder, name)
+        call("cc", "-std=c11", "-pedantic", "-Wall", "-Wextra", "-Werror",
+             os.path.join(SOURCE, "docs", "embed", "creep.c"), *flags, "-o", program)
+        return program
+
+    def test_pkg_config(self):
+        needed = self.example(self.compile("shared", *self.flags()))
+        self.assertIn("liblacuna.so.0.1", needed)
+        self.assertNotIn("sundials", needed)
+
+    def test_pkg_config_static(self):
+        flags = [re.sub("^-llacuna$", "-l:liblacuna.a", f) for f in self.flags("--static")]
+        self.assertNotIn("liblacuna", self.example(self.compile("static", *flags)))
+
+    def test_cmake_package(self):
+        build = os.path.join(self.folder, "build")
+        call("cmake", "-S", os.path.join(SOURCE, "docs", "embed"), "-B", build,
+             "-DCMAKE_PREFIX_PATH=" + self.prefix)
+        call("cmake", "--build", build)
+        self.assertIn("liblacuna.so.0.1", self.example(os.path.join(build, "creep")))
+
+    def test_example_says_what_is_wrong(self):
+        program = self.compile("wrong", *self.flags())
+        environment = dict(os.environ, LD_LIBRARY_PATH=os.path.join(self.prefix, "lib"))
+        done = subprocess.run([program, "nowhere.yaml"], capture_output=True, text=True,
+                              check=False, env=environment)
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, "^creep: .*nowhere.yaml")
+
+    def test_library(self):
+        self.checks_of_library()
+
+    def test_program(self):
+        self.checks_of_program()
+
+    @unittest.skipUnless(shutil.which("scdoc"), "manual pages need scdoc")
+    def test_pages(self):
+        self.checks_of_pages()
+
+    def test_python(self):
+        self.checks_of_python()
+
+    def test_headers_stand_alone(self):
+        # Each by itself, as any of them may be the first that somebody includes.
+        with open(os.path.join(self.folder, "all.c"), "w", encoding="utf-8") as file:
+            names = os.listdir(os.path.join(self.prefix, "include", "lacuna"))
+            file.write("\n".join(f"#include <lacuna/{name}>" for name in sorted(names)))
+        call("cc", "-std=c11", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-I",
+             os.path.join(self.prefix, "include"), os.path.join(self.folder, "all.c"))
+        self.assertEqual(sorted(names),
+                         sorted(os.listdir(os.path.join(SOURCE, "include", "lacuna"))))
+
+
+@unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "needs dpkg-dev")
+class Package(Prefix, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = os.path.realpath(tempfile.mkdtemp(prefix="lacuna-deb-"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        call("cpack", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", cls.folder)
+        cls.package, = glob.glob(os.path.join(cls.folder, "*.deb"))
+        call("dpkg-deb", "-x", cls.package, os.path.join(cls.folder, "root"))
+        cls.prefix = os.path.join(cls.folder, "root", "usr")
+
+    def test_dependencies(self):
+        needs = re.sub(r"\([^)]*\)", "", call("dpkg-deb", "-f", self.package, "Depends"))
+        names = {name.strip() for name in needs.split(",")}
+        libraries = ("libc6", "libgomp", "libgsl", "libnetcdf", "libyaml", "libudunits2", "libfftw3",
+                     "libsundials")
+        for library in libraries:
+            self.assertTrue([name for name in names if name.startswith(library)], names)
+        self.assertFalse([name for name in names if not name.startswith(libraries)], names)
+        self.assertEqual(call("dpkg-deb", "-f", self.package, "Version").strip(),
+                         call(PROGRAM, "--version").split()[1])
+
+    def test_what_is_in_it(self):
+        self.checks_of_library()
+        self.checks_of_program()
+        self.checks_of_python()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

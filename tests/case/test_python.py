@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python module: what it gives is what the program writes, and its errors are the library's.
+
+usage: test_python.py PROGRAM SOURCE_FOLDER LIBRARY
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+import xarray
+
+PROGRAM, SOURCE, LIBRARY = map(os.path.abspath, sys.argv[1:4])
+os.environ["LACUNA_LIBRARY"] = LIBRARY
+sys.path.insert(0, os.path.join(SOURCE, "tools", "python"))
+import lacuna  # noqa: E402
+
+STOPPED = """
+import os, signal, sys
+sys.path.insert(0, {path!r})
+import lacuna
+
+class Stopped(lacuna._Stop):
+    def __enter__(self):
+        super().__enter__()
+        os.kill(os.getpid(), signal.SIGINT)
+        return self
+
+lacuna._Stop = Stopped
+try:
+    lacuna.run({case!r})
+except KeyboardInterrupt:
+    print("stopped")
+"""
+
+
+class Python(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="lacuna-python-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return os.path.join(SOURCE, "cases", name)
+
+    def compare(self, case, **overrides):
+        """Every variable that both have, to the last bit; the program's run beside the module's."""
+        sets = [word for key, value in overrides.items() for word in ("--set", f"{key}={value}")]
+        file = os.path.join(self.folder, "run.nc")
+        done = subprocess.run([PROGRAM, "run", self.path(case), *sets, "-o", file, "--force",
+                               "--json"], capture_output=True, text=True, check=True)
+        mine = lacuna.run(self.path(case), overrides)
+        with xarray.open_dataset(file, decode_times=False) as written:
+            for name in mine.variables:
+                self.assertIn(name, written.variables)
+                self.assertEqual(mine[name].dims, written[name].dims, name)
+                numpy.testing.assert_array_equal(mine[name].values,
+                                                 written[name].values.astype(float), name)
+                if not name.endswith("time"):  # the file's are since the date
+                    self.assertEqual(mine[name].attrs["units"], written[name].attrs["units"])
+                self.assertTrue(mine[name].attrs["long_name"])
+            missing = set(written.variables) - set(mine.variables) - set(mine.attrs)
+            scalars = {name for name in missing if written[name].ndim == 0}
+            self.assertEqual(missing - scalars, set(written.variables)
+                             & {"level", "block_width", "cell_area"})
+            for name in scalars:
+                unit = written[name].attrs["units"]
+                key = name if unit == "1" else f"{name}_{unit.replace(' ', '_')}"
+                numpy.testing.assert_array_equal(mine.attrs[key], written[name].values)
+        return mine, json.loads(done.stdout)
+
+    def test_block(self):
+        mine, said = self.compare("block.yaml")
+        self.assertEqual(mine.attrs["failed"], 1)
+        self.assertAlmostEqual(mine.attrs["failure_time_s"] / said["failure_time_s"], 1, 12)
+        self.assertEqual(mine.attrs["steps"], said["steps"])
+
+    def test_events(self):
+        mine, said = self.compare("events.yaml")
+        self.assertEqual(mine.sizes["event"], said["events"])
+        self.assertEqual(mine.attrs["failed"], 0)
+        self.assertTrue(numpy.isnan(mine.attrs["failure_time_s"]))
+
+    def test_levels_and_fields(self):
+        fields = "[slip, state, traction]"
+        mine, _ = self.compare("rg/creep-to-failure.yaml", **{
+            "interface.levels": 4, "output.fields": fields, "time.end": "100 s"})
+        self.assertEqual(mine["n_slip"].dims, ("time", "level"))
+        self.assertEqual(mine["cell_state"].dims, ("snapshot", "cell"))
+        self.assertNotIn("cell_slip_rate", mine)
+
+    def test_errors(self):
+        for case, overrides, kind, message in (
+                ("block.yaml", {"friction.aging.dx": 1}, "input", 'did you mean "dc"'),
+                ("block.yaml", {"friction.aging.dc": "-1 um"}, "input", "must be > 0"),
+                ("block.yaml", {"": 1}, "input", "must be key.path=value"),
+                ("nowhere.yaml", None, "file", "nowhere.yaml")):
+            with self.assertRaises(lacuna.Error) as caught:
+                lacuna.run(self.path(case), overrides)
+            self.assertEqual(caught.exception.kind, kind)
+            self.assertIn(message, str(caught.exception))
+
+    def test_interrupted(self):
+        text = STOPPED.format(path=os.path.join(SOURCE, "tools", "python"),
+                              case=self.path("block.yaml"))
+        done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True,
+                              check=False, timeout=120)
+        self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
+
+    def test_version(self):
+        said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(said.stdout.split()[1], lacuna.version())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,275 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna report`: the numbers on the page against those of the file, and what it refuses.
+
+usage: test_report.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy
+
+import report_scenes as scenes
+
+PROGRAM, SOURCE, FOLDER = "", "", ""
+
+
+def made(name, text):
+    """The file of a case's run, made once."""
+    path = os.path.join(FOLDER, name + ".nc")
+    if not os.path.exists(path):
+        scenes.run(PROGRAM, text, path)
+    return path
+
+
+def page_of(path, *words):
+    """The data of a run's page."""
+    html = path[:-3] + ".html"
+    status, _, wrong = scenes.report(PROGRAM, path, "-o", html, "--force", *words)
+    assert status == 0, wrong
+    return scenes.data_of(html)
+
+
+def column(data, name):
+    return numpy.ma.filled(data[name][:].astype(float), numpy.nan)
+
+
+class Joint(unittest.TestCase):
+    """A joint that fails, with cells, scales and events."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.path = made("joint", scenes.JOINT)
+        cls.page = page_of(cls.path)
+        cls.file = netCDF4.Dataset(cls.path)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.file.close()
+
+    def test_sections(self):
+        self.assertEqual(set(self.page), {"about", "motion", "solver", "cells", "levels", "forecasts", "events"})
+
+    def test_records_are_of_the_file(self):
+        time, rate = column(self.file, "time"), column(self.file, "slip_rate")
+        slip = column(self.file, "slip")
+        motion = self.page["motion"]
+        self.assertEqual(motion["records"], len(time))
+        at = {(f"{r:.6g}", f"{s:.6g}") for r, s in zip(rate, slip)}
+        self.assertTrue({(f"{r:.6g}", f"{s:.6g}") for r, s in zip(motion["rate"], motion["slip"])} <= at)
+        for key, name in (("rate", "slip_rate"), ("max_rate", "max_slip_rate")):
+            numpy.testing.assert_allclose(max(motion[key]), column(self.file, name).max(), rtol=1e-5)
+            numpy.testing.assert_allclose(min(motion[key]), column(self.file, name).min(), rtol=1e-5)
+        origin, local = column(self.file, "time_origin"), column(self.file, "time_local")
+        before = (origin[-1] - origin) + (local[-1] - local)
+        numpy.testing.assert_allclose(motion["before"][0], before[0], rtol=1e-5)
+        numpy.testing.assert_allclose(motion["before"][-2], before[-2], rtol=1e-5)
+        self.assertEqual(motion["before"][-1], 0)
+
+    def test_scales(self):
+        levels = self.page["levels"]
+        n_slip, n_tot = column(self.file, "n_slip"), column(self.file, "n_tot")
+        self.assertEqual(levels["total"], list(n_tot))
+        self.assertEqual([one[-1] for one in levels["slipping"]], list(n_slip[-1]))
+        self.assertEqual(max(levels["slipping"][0]), n_slip[:, 0].max())
+        self.assertEqual(levels["critical_fraction"], 0.6)
+        self.assertIn("strength", levels["definition"])
+
+    def test_events(self):
+        events = self.page["events"]
+        potency = numpy.sort(column(self.file, "event_potency"))
+        self.assertEqual(events["all"], len(potency))
+        self.assertGreater(len(potency), 5)
+        for at_least, count in zip(events["at_least"], events["count"]):
+            self.assertEqual(count, numpy.sum(potency >= at_least * (1 - 1e-5)))
+
+    def test_maps(self):
+        cells = self.page["cells"]
+        rate = column(self.file, "cell_slip_rate")
+        time = column(self.file, "snapshot_time")
+        self.assertLessEqual(len(cells["snapshot_time"]), 40)
+        self.assertEqual(cells["block"], 1)
+        place = numpy.floor(column(self.file, "y") / self.file.grid_dy_m).astype(int) * self.file.grid_nx
+        place += numpy.floor(column(self.file, "x") / self.file.grid_dx_m).astype(int)
+        self.assertEqual(cells["place"], list(place))
+        limit = 10 * column(self.file, "slip_rate")[0]
+        for k, shown in enumerate(cells["snapshot_time"]):
+            which = numpy.argmin(abs(time - shown))
+            drawn = cells["rate"][k]
+            values = numpy.frombuffer(base64.b64decode(drawn["map"]), numpy.uint8).astype(float)
+            values = drawn["low"] + (values - 1) / 254 * (drawn["high"] - drawn["low"])
+            candidates = [i for i in range(len(time)) if abs(time[i] - shown) <= 1e-9 * time[which]]
+            step = (drawn["high"] - drawn["low"]) / 254
+            near = min(abs(values - numpy.log10(rate[i])).max() for i in candidates)
+            self.assertLessEqual(near, 0.51 * step + 1e-4)
+            self.assertIn(cells["slipping_cells"][k], [numpy.sum(rate[i] >= limit) for i in candidates])
+
+    def test_forecasts_see_nothing_later(self):
+        """A forecast stands as it would from the readings up to its time alone."""
+        forecasts = self.page["forecasts"]
+        names = [method["name"] for method in forecasts["methods"]]
+        self.assertIn("inv", names)
+        self.assertFalse(forecasts["measured"])
+        self.assertTrue(any(one[0] for row in forecasts["forecast"] for one in row))
+        for row in forecasts["forecast"]:
+            for issued, left, low90, low50, high50, high90, reason in row:
+                self.assertEqual(issued, reason == "")
+                if issued:
+                    self.assertGreater(left, 0)
+                    self.assertLessEqual(low90, low50)
+                    self.assertTrue(high90 is None or high50 <= high90)
+
+
+class Block(unittest.TestCase):
+    def test_only_what_there_is(self):
+        page = page_of(made("block", scenes.BLOCK))
+        self.assertEqual(set(page), {"about", "motion", "solver", "forecasts"})
+        self.assertTrue(page["about"]["dated"])
+        self.assertIn("lacuna: 1", page["about"]["case"])
+
+    def test_cells_without_snapshots(self):
+        cells = page_of(made("bare", scenes.BARE))["cells"]
+        self.assertEqual(cells["snapshot_time"], [])
+        self.assertEqual(len(cells["pressure"]), 1)
+        self.assertEqual({"rate", "slip", "traction", "slipping"} & set(cells), set())
+
+    def test_series(self):
+        path = made("block", scenes.BLOCK)
+        with netCDF4.Dataset(path) as file:
+            time, slip = column(file, "time"), column(file, "slip")
+        at = numpy.linspace(1e5, 0.9 * time[-1], 30)
+        series = os.path.join(FOLDER, "prism.csv")
+        with open(series, "w", encoding="utf-8") as file:
+            file.write("# made up\ndate,move_mm\n")
+            for t, d in zip(at, numpy.interp(at, time, slip)):
+                file.write(f"{numpy.datetime64('2020-01-01') + numpy.timedelta64(int(t), 's')},{1e3 * d + 7:.9f}\n")
+        shown = page_of(path, "--compare", series, "--displacement", "move_mm:mm")["series"]
+        self.assertEqual((shown["name"], shown["readings"], shown["attribution"]), ("prism.csv", 30, "made up"))
+        numpy.testing.assert_allclose(shown["offset"], 7e-3, rtol=1e-3)
+        self.assertLess(shown["slip_rms"], 1e-5)
+        numpy.testing.assert_allclose(shown["time"], numpy.floor(at), rtol=1e-9)
+        self.assertEqual(len(shown["rate"]), 29)
+        self.assertTrue(shown["derived"])
+
+    def test_columns_of_the_case(self):
+        text = scenes.BLOCK + "compare: [{file: prism.csv, time: date, displacement: \"move_mm:mm\"}]\n"
+        self.test_series()
+        shown = page_of(made("with-columns", text), "--compare", os.path.join(FOLDER, "prism.csv"))["series"]
+        self.assertEqual(shown["readings"], 30)
+
+
+class Refused(unittest.TestCase):
+    def refused(self, status, message, *words):
+        got, said, wrong = scenes.report(PROGRAM, *words)
+        self.assertEqual((got, said), (status, ""), wrong)
+        self.assertEqual(wrong.count("\n"), 1, wrong)
+        self.assertIn(message, wrong)
+
+    def test_wrong_files(self):
+        path = made("block", scenes.BLOCK)
+        html = os.path.join(FOLDER, "refused.html")
+        csv = os.path.join(FOLDER, "no-run.nc")
+        with open(csv, "w", encoding="utf-8") as file:
+            file.write("time,slip\n")
+        self.refused(3, "No such file", os.path.join(FOLDER, "nothing.nc"), "-o", html)
+        self.refused(3, "not a netCDF file", csv, "-o", html)
+        self.refused(2, "which column is what", path, "--compare", csv, "-o", html)
+        self.refused(2, "--compare", path, "--displacement", "a:mm", "-o", html)
+        self.refused(3, "No such file", path, "-o", os.path.join(FOLDER, "no", "page.html"))
+        self.assertFalse(os.path.exists(html))
+
+    def test_contact_is_no_run(self):
+        case = os.path.join(FOLDER, "contact.yaml")
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(scenes.JOINT)
+        path = os.path.join(FOLDER, "contact.nc")
+        subprocess.run([PROGRAM, "contact", case, "-o", path, "-q"], check=True, stdout=subprocess.DEVNULL)
+        self.refused(3, "holds no time series", path, "-o", os.path.join(FOLDER, "contact.html"))
+
+    def test_page_that_is_there(self):
+        path = made("block", scenes.BLOCK)
+        html = os.path.join(FOLDER, "there.html")
+        with open(html, "w", encoding="utf-8") as file:
+            file.write("mine")
+        self.refused(2, "exists already", path, "-o", html)
+        with open(html, encoding="utf-8") as file:
+            self.assertEqual(file.read(), "mine")
+        self.assertEqual([name for name in os.listdir(FOLDER) if name.endswith(".part")], [])
+
+    def test_dates_beside_a_run_without(self):
+        series = os.path.join(FOLDER, "dated.csv")
+        with open(series, "w", encoding="utf-8") as file:
+            file.write("date,move\n2020-01-01,1\n2020-01-02,2\n")
+        self.refused(2, "has dates", made("joint", scenes.JOINT), "--compare", series, "--displacement", "move:mm",
+                     "-o", os.path.join(FOLDER, "dated.html"))
+
+
+class Big(unittest.TestCase):
+    """A made-up file of 300 000 records, 262 144 cells and 60 000 events."""
+
+    def test_size_is_bounded_and_peaks_stay(self):
+        path = os.path.join(FOLDER, "big.nc")
+        source = made("joint", scenes.JOINT)
+        self.enlarge(source, path)
+        page = page_of(path)
+        self.assertLess(os.path.getsize(path[:-3] + ".html"), 4e6)
+        self.assertLess(len(page["motion"]["time"]), 7000)
+        self.assertEqual(max(page["motion"]["max_rate"]), 77)  # one record of 300 000
+        self.assertLessEqual(len(page["cells"]["place"]), 12000)
+        self.assertEqual(page["cells"]["cells"], 512 * 512)
+        self.assertLessEqual(len(page["events"]["time"]), 3100)
+        self.assertEqual(page["events"]["all"], 60000)
+        self.assertIn(5e3, page["events"]["potency"])
+
+    @staticmethod
+    def enlarge(source, path):
+        n, side, random = 300000, 512, numpy.random.default_rng(1)
+        with netCDF4.Dataset(source) as old, netCDF4.Dataset(path, "w") as new:
+            new.setncatts({k: old.getncattr(k) for k in old.ncattrs()})
+            new.setncatts({"grid_nx": side, "grid_ny": side, "grid_dx_m": 1.0, "grid_dy_m": 1.0})
+            for name, size in (("time", None), ("cell", side * side), ("snapshot", None), ("event", None)):
+                new.createDimension(name, size)
+            time = numpy.arange(n) * 10.0
+            peak = numpy.full(n, 1e-6)
+            peak[123456] = 77
+            values = {"time": time, "time_origin": time, "time_local": 0 * time, "slip": 1e-9 * time, "slip_rate": 0 * time + 1e-9,
+                      "max_slip_rate": peak}
+            for name in ("balance_residual", "step_size", "order", "rhs_evaluations", "shear_force", "normal_force",
+                         "effective_normal_force", "apparent_friction"):
+                values[name] = random.random(n)
+            for name, value in values.items():
+                new.createVariable(name, "f8", ("time",))[:] = value
+            y, x = numpy.divmod(numpy.arange(side * side), side)
+            for name, value in (("x", x + 0.5), ("y", y + 0.5), ("pressure", 1e6 + x)):
+                new.createVariable(name, "f8", ("cell",))[:] = value
+            new.createVariable("snapshot_time", "f8", ("snapshot",))[:] = [0, 1e6, 2e6]
+            new.createVariable("cell_slip_rate", "f8", ("snapshot", "cell"))[:] = 1e-9 * random.random((3, side * side))
+            for name in ("event_time", "event_duration", "event_cells", "event_moment", "event_size", "event_max_slip_rate",
+                         "event_cut", "event_potency"):
+                value = random.random(60000)
+                value[777] = 5e3 if name == "event_potency" else value[777]
+                new.createVariable(name, "f8", ("event",))[:] = value
+
+
+class Json(unittest.TestCase):
+    def test_output(self):
+        html = os.path.join(FOLDER, "json.html")
+        status, said, _ = scenes.report(PROGRAM, made("block", scenes.BLOCK), "--json", "-o", html)
+        self.assertEqual((status, json.loads(said)), (0, {"output": html}))
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], sys.argv[2]
+    FOLDER = tempfile.mkdtemp(prefix="lacuna-report-")
+    try:
+        unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    finally:
+        shutil.rmtree(FOLDER)

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of `lacuna report` in Chromium without a head: every chart drawn, nothing complained of,
+nothing asked of the network, sliders and keys at work, on a desk and on a phone.
+
+usage: test_report_page.py PROGRAM SOURCE_FOLDER [unittest options]
+
+Leaves pictures in the folder that REPORT_PICTURES names, where it is set.
+"""
+
+import base64
+import io
+import json
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+import matplotlib.image
+import numpy
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+import report_scenes as scenes
+
+PROGRAM, FOLDER = "", ""
+DESK, PHONE = (1280, 900), (390, 844)
+
+DRAWN = """
+return [...document.querySelectorAll('figure')].map((figure) => {
+  const title = figure.querySelector('h3').textContent;
+  const canvas = figure.querySelector('canvas');
+  if (canvas && canvas.dataset.seen) return [title, Number(canvas.dataset.seen)];
+  if (canvas) {
+    const bytes = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    canvas.dataset.seen = bytes.filter((b, i) => i % 4 === 3 && b > 0).length;  // reading twice is complained of
+    return [title, Number(canvas.dataset.seen)];
+  }
+  const lines = [...figure.querySelectorAll('.frame path.line')].map((p) => p.getTotalLength());
+  const dots = figure.querySelectorAll('.frame circle.dot').length;
+  const labels = figure.querySelectorAll('.frame text').length;
+  return [title, labels > 4 ? Math.max(dots, ...lines) : 0];
+});
+"""
+WIDE = """
+return [...document.querySelectorAll('body *')].filter((e) => !e.closest('.scroll, .plain, pre, nav, .skip, svg'))
+  .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map((e) => e.tagName + '.' + e.className);
+"""
+UNNAMED = """
+return [...document.querySelectorAll('input, select, button, [tabindex], canvas, svg[role]')].filter((e) =>
+  !(e.getAttribute('aria-label') || e.labels?.length || e.textContent.trim())).map((e) => e.outerHTML.slice(0, 80));
+"""
+
+
+def browser():
+    options = webdriver.ChromeOptions()
+    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars"):
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+def requests(driver):
+    """Addresses that the page asked for, its own file and what is inlined excepted."""
+    found = []
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            found.append(message["params"]["request"]["url"])
+    return [url for url in found if not url.startswith(("file:", "data:"))]
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.driver = browser()
+        cls.addClassCleanup(cls.driver.quit)
+        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF)):
+            scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
+            status, _, wrong = scenes.report(PROGRAM, os.path.join(FOLDER, name + ".nc"), "-o",
+                                             os.path.join(FOLDER, name + ".html"))
+            assert status == 0, wrong
+
+    def show(self, name, size=DESK, scheme="light"):
+        command = self.driver.execute_cdp_cmd
+        command("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        command("Emulation.setDeviceMetricsOverride",
+                {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600})
+        self.driver.get("file://" + os.path.join(FOLDER, name + ".html"))
+        WebDriverWait(self.driver, 60).until(lambda d: d.execute_script("return document.documentElement.dataset.ready"))
+
+    def tearDown(self):
+        self.assertEqual(self.driver.get_log("browser"), [])
+        self.assertEqual(requests(self.driver), [])
+
+    def picture(self, name):
+        """The whole page as numbers; kept where it is asked for."""
+        shot = self.driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True})
+        data = base64.b64decode(shot["data"])
+        kept = os.environ.get("REPORT_PICTURES")
+        if kept:
+            with open(os.path.join(kept, name + ".png"), "wb") as file:
+                file.write(data)
+        return matplotlib.image.imread(io.BytesIO(data), format="png")[..., :3]
+
+    def test_every_chart_is_drawn(self):
+        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3)):
+            self.show(name)
+            for axis in ("time", "before"):
+                self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
+                drawn = self.driver.execute_script(DRAWN)
+                self.assertGreaterEqual(len(drawn), least, drawn)
+                self.assertEqual([title for title, much in drawn if not much > 3], [], (name, axis, drawn))
+
+    def test_sections_without_data_are_left_out(self):
+        self.show("block")
+        heads = [head.text for head in self.driver.find_elements(By.TAG_NAME, "h2")]
+        self.assertEqual(heads, ["Motion", "Forecasts", "Integration", "Case and provenance"])
+        links = [link.text for link in self.driver.find_elements(By.CSS_SELECTOR, "nav a")]
+        self.assertEqual(links, heads)
+
+    def test_title_is_text(self):
+        self.show("joint")
+        self.assertEqual(self.driver.find_element(By.ID, "title").text, "A joint & its <b>page</b></script><script>alert(1)</script>")
+        self.assertEqual(self.driver.title, "A joint & its <b>page</b></script><script>alert(1)</script>")
+
+    def test_time_slider(self):
+        self.show("joint")
+        paint = "return [...document.querySelectorAll('#cells canvas')].map((c) => c.toDataURL())"
+        slider = self.driver.find_element(By.ID, "snapshot")
+        words = self.driver.find_element(By.CSS_SELECTOR, "#cells output")
+        seen, texts = [], []
+        for key in (Keys.HOME, Keys.ARROW_RIGHT, Keys.END):
+            slider.send_keys(key)
+            seen.append(self.driver.execute_script(paint))
+            texts.append(words.text)
+        self.assertEqual(len(set(texts)), 3, texts)
+        self.assertIn("failure", texts[2])
+        for first, last in list(zip(seen[0], seen[2]))[:3]:  # state, rate, slip
+            self.assertNotEqual(first, last)
+        self.assertEqual(seen[0][-1], seen[2][-1])  # pressure stands still
+        self.assertEqual(slider.get_attribute("aria-valuetext"), texts[2].removeprefix("Time: "))
+
+    def test_scale_slider_moves_the_staircase(self):
+        self.show("joint")
+        path = "return document.querySelectorAll('#scales figure')[2].querySelector('.frame path.c-fast').getAttribute('d')"
+        slider = self.driver.find_element(By.ID, "level-time")
+        slider.send_keys(Keys.HOME)
+        first = self.driver.execute_script(path)
+        slider.send_keys(Keys.END)
+        self.assertNotEqual(first, self.driver.execute_script(path))
+
+    def test_forecast_window(self):
+        self.show("block")
+        bands = "return [...document.querySelectorAll('#motion rect.band')].map((r) => r.getAttribute('x') + ' ' + r.getAttribute('width'))"
+        first = self.driver.execute_script(bands)
+        self.assertTrue(first)
+        slider = self.driver.find_element(By.ID, "issue")
+        slider.send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+        self.assertNotEqual(first, self.driver.execute_script(bands))
+        select = self.driver.find_element(By.ID, "method")
+        before = len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts circle.dot"))
+        select.send_keys(Keys.ARROW_DOWN)
+        after = len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts circle.dot"))
+        self.assertLess(after, before)
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts tbody tr")), self.driver.execute_script("return page.data.forecasts.methods.length"))
+
+    def test_charts_by_keys(self):
+        self.show("joint")
+        frame = self.driver.find_element(By.CSS_SELECTOR, "#motion .frame")
+        said = self.driver.find_element(By.CSS_SELECTOR, "#motion figure output")
+        frame.send_keys(Keys.END)
+        last = said.text
+        self.assertIn("at failure", last)
+        frame.send_keys(Keys.ARROW_LEFT)
+        self.assertNotEqual(said.text, last)
+        self.assertEqual(frame.get_attribute("aria-valuetext"), said.text)
+
+    def test_tables_by_keys(self):
+        self.show("joint")
+        closed = self.driver.find_elements(By.CSS_SELECTOR, "details:not(.case) > summary")
+        self.assertGreaterEqual(len(closed), 12)
+        for summary in closed:
+            summary.send_keys(Keys.ENTER)
+        built = "details:not(.case) table"  # when the browser says that one has opened
+        WebDriverWait(self.driver, 60).until(lambda d: len(d.find_elements(By.CSS_SELECTOR, built)) == len(closed))
+        rows = self.driver.execute_script("return [...document.querySelectorAll('details:not(.case) table')].map((t) => t.tBodies[0].rows.length)")
+        self.assertTrue(all(0 < n <= 60 for n in rows), rows)
+        text = self.driver.find_element(By.TAG_NAME, "main").text
+        for word in ("NaN", "undefined", "[object", "Infinity"):
+            self.assertNotIn(word, text)
+
+    def test_axis_and_colours(self):
+        self.show("block")
+        ticks = "return [...document.querySelectorAll('#motion figure text')].map((t) => t.textContent).join(' ')"
+        dates = self.driver.execute_script(ticks)
+        self.assertIn("2020-01-01", dates)
+        self.driver.find_element(By.CSS_SELECTOR, "#axis input[value=before]").send_keys(Keys.SPACE)
+        self.assertIn("time before failure", self.driver.execute_script(ticks))
+        ground = "return getComputedStyle(document.body).backgroundColor"
+        light = self.driver.execute_script(ground)
+        self.driver.find_element(By.CSS_SELECTOR, "#theme input[value=dark]").send_keys(Keys.SPACE)
+        self.assertNotEqual(light, self.driver.execute_script(ground))
+
+    def test_everything_has_a_name(self):
+        self.show("joint")
+        self.assertEqual(self.driver.execute_script(UNNAMED), [])
+
+    def test_sizes_and_schemes(self):
+        for label, size in (("desk", DESK), ("phone", PHONE)):
+            brightness = []
+            for scheme in ("light", "dark"):
+                self.show("joint", size, scheme)
+                self.assertEqual(self.driver.execute_script(WIDE), [], label)
+                self.assertEqual(self.driver.execute_script("return document.documentElement.scrollWidth"), size[0])
+                seen = self.picture(f"{label}-{scheme}")
+                self.assertEqual(seen.shape[1], size[0])
+                self.assertGreater(seen.shape[0], 3 * size[1])
+                self.assertGreater(numpy.std(seen), 0.05)
+                brightness.append(seen.mean())
+            self.assertGreater(brightness[0], brightness[1] + 0.4)
+
+    def test_print(self):
+        self.show("joint")
+        data = self.driver.execute_cdp_cmd("Page.printToPDF", {"paperWidth": 8.27, "paperHeight": 11.69})["data"]
+        pdf = base64.b64decode(data)
+        self.assertTrue(pdf.startswith(b"%PDF"))
+        self.assertTrue(3 <= pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ") <= 20)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv[1]
+    FOLDER = tempfile.mkdtemp(prefix="lacuna-page-")
+    try:
+        unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    finally:
+        shutil.rmtree(FOLDER)

@@ -1,0 +1,315 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna trade` and `lacuna run --accuracy` from the case to the files.
+
+usage: test_trade.py PROGRAM SOURCE_FOLDER STOP_LIBRARY [unittest options]
+"""
+
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy
+
+PROGRAM, SOURCE, STOP = "", "", ""
+BLOCK, JOINT = "cases/block.yaml", "cases/transfer/hierarchy.yaml"
+DIALS = ["--dials", "rtol=1e-3:1e-4:1e-5,method=bdf:erk"]
+
+
+def block_failure():
+    """Time of failure of cases/block.yaml, by quadrature."""
+    a, b, dc = 0.010, 0.0135, 1e-3
+    v = 1e-3 / 604800
+    # a ln v + b ln theta stays as it is: u = ln v from the start to 1 m/s
+    theta = 0.5 ** (1 - b / a) * dc / v
+    u = numpy.linspace(math.log(v), 0.0, 2_000_001)
+    w = math.log(theta) - a / b * (u - u[0])
+    y = 1 / (-b / a * (numpy.exp(-w) - numpy.exp(u) / dc))  # dt/du
+    h = u[1] - u[0]
+    return h / 3 * (y[0] + y[-1] + 4 * y[1:-1:2].sum() + 2 * y[2:-1:2].sum())
+
+
+def stopped(count, number):
+    """Environment in which a trade gets a signal once it has kept so many runs."""
+    options = os.environ.get("ASAN_OPTIONS", "")
+    return {"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"{count}:{int(number)}",
+            "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
+
+
+class Program(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.out = os.path.join(self.folder, "out.nc")
+        self.runs = self.out + ".runs"
+
+    def tearDown(self):
+        shutil.rmtree(self.folder)
+
+    def call(self, *args, status=0, environment=None):
+        done = subprocess.run([PROGRAM, *args], cwd=SOURCE, capture_output=True, text=True,
+                              check=False, env={**os.environ, **(environment or {})})
+        self.assertEqual(done.returncode, status, done.stderr + done.stdout)
+        return done
+
+
+class Trade(Program):
+    def trade(self, case, *args, status=0, environment=None):
+        done = self.call("trade", case, "-o", self.out, "--force", "--json", *args, status=status,
+                         environment=environment)
+        return json.loads(done.stdout) if status == 0 else done.stderr
+
+    def refused(self, words, *args):
+        said = self.trade(*args, status=2)
+        self.assertEqual(said.count("\n"), 1, said)
+        self.assertIn(words, said)
+        self.assertFalse(os.path.exists(self.runs))
+
+    def test_block(self):
+        """Errors against the closed form are those that are said, within their uncertainty."""
+        exact = block_failure()
+        said = self.trade(BLOCK, *DIALS, "--reach", "0.1%")
+        self.assertEqual(said["quantity"], "failure")
+        self.assertEqual(len(said["runs"]), 6)
+        sure = said["reference"]["error_uncertainty"]
+        self.assertLess(abs(said["reference"]["value"] / exact - 1), 3 * sure)
+        for run in said["runs"]:
+            self.assertEqual(run["end"], "done")
+            self.assertLess(abs(abs(run["value"] / exact - 1) - run["error"]), 3 * sure)
+            self.assertGreater(run["cpu_time_s"], 0)
+            self.assertGreater(run["peak_memory_bytes"], 1 << 20)
+            self.assertGreater(run["steps"], 10)
+        best = said["recommended"]
+        self.assertLessEqual(best["error"] + sure, 1e-3)
+        good = [r for r in said["runs"] if r["error"] + sure <= 1e-3]
+        self.assertEqual(best["cpu_time_s"], min(r["cpu_time_s"] for r in good))
+        front = [r for r in said["runs"] if r["on_front"]]
+        for run in said["runs"]:
+            beaten = any(f["cpu_time_s"] <= run["cpu_time_s"] and
+                         max(f["error"], sure) <= max(run["error"], sure) and f is not run
+                         for f in front)
+            self.assertEqual(run["on_front"], not beaten)
+        self.assertFalse(os.path.exists(self.runs))
+        # what is recommended is what a run with it does
+        run = json.loads(self.call("run", BLOCK, "-o", os.path.join(self.folder, "run.nc"),
+                                   "--json", "-q", *best["options"].split()).stdout)
+        self.assertEqual(run["failure_time_s"], best["value"])
+        self.assertEqual(run["steps"], best["steps"])
+
+    def test_file(self):
+        """The netCDF file holds what JSON says."""
+        said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--jobs", "1")
+        with netCDF4.Dataset(self.out) as file:
+            self.assertEqual(file.status, "complete")
+            self.assertEqual(file.quantity, "failure")
+            self.assertEqual(file["value"].units, "s")
+            self.assertEqual(list(file["error"][:]), [r["error"] for r in said["runs"]])
+            self.assertEqual(list(file["peak_memory"][:]),
+                             [r["peak_memory_bytes"] for r in said["runs"]])
+            self.assertEqual([bool(x) for x in file["on_front"][:]],
+                             [r["on_front"] for r in said["runs"]])
+            self.assertEqual(list(file["settings"][:]), ["solver.rtol=0.001", "solver.rtol=0.0001"])
+            self.assertEqual(file.recommendation, said["recommendation"])
+
+    def test_picture(self):
+        """tools/plot_trade.py draws the file."""
+        self.trade(BLOCK, *DIALS)
+        done = subprocess.run(
+            [sys.executable, os.path.join(SOURCE, "tools/plot_trade.py"), self.out],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.out[:-3] + ".png", "rb") as picture:
+            self.assertEqual(picture.read(8), b"\x89PNG\r\n\x1a\n")
+
+    def test_quantities(self):
+        """Slip, rate and peak rate at a time are those of a run that ends there."""
+        run = json.loads(self.call("run", BLOCK, "-o", os.path.join(self.folder, "run.nc"), "--json",
+                                   "-q", "--until", "10 day", "--set", "solver.rtol=1e-5").stdout)
+        for name, key in (("slip", "mean_slip_m"), ("peak-rate", "max_slip_rate_m_s"),
+                          ("rate", "max_slip_rate_m_s")):
+            said = self.trade(BLOCK, "--dials", "rtol=1e-5:1e-6", "--until", "10 day", "--quantity",
+                              name)
+            self.assertEqual(said["runs"][0]["value"], run[key])
+        said = self.trade(BLOCK, "--dials", "rtol=1e-5", "--until", "10 day", "--quantity",
+                          "failure", status=2)
+        self.assertIn("does not fail", said)
+
+    def test_events(self):
+        """Events of the catalogue, by either fidelity."""
+        said = self.trade("cases/one-by-one.yaml", "--dials", "rtol=1e-3,fidelity", "--quantity",
+                          "events", "--set", "interface.levels=2",
+                          "--set", "analysis={events: {slip_rate: 1 mm/s}}")
+        self.assertEqual(said["unit"], "1")
+        for run in said["runs"]:
+            self.assertEqual(run["value"], round(run["value"]))
+            self.assertGreater(run["value"], 0)
+
+    def test_cascade(self):
+        """Q_crit of the cascade, and the largest Q of a run of the same contacts."""
+        said = self.trade("cases/bridge.yaml", "--quantity", "q-crit", "--dials", "fidelity")
+        value = {r["settings"]["solver.fidelity"]: r for r in said["runs"]}
+        found = json.loads(self.call("rg", "cases/bridge.yaml", "--json", "-o",
+                                     os.path.join(self.folder, "rg.nc")).stdout)
+        self.assertEqual(value["static"]["value"], found["q_crit_over_q_nom"])
+        self.assertLess(value["static"]["error"], 0.01)
+        self.assertEqual(value["events"]["end"], "broken")
+        self.assertIn("weakening", value["events"]["message"])
+        self.assertEqual(said["reference"]["settings"]["solver.fidelity"], "ode")
+
+    def test_scene(self):
+        """Grids, transfers, planning and precision."""
+        said = self.trade(JOINT, "--dials", "levels,transfer", "--set", "solver.rtol=1e-4", "--set",
+                          "interface.levels=3")
+        self.assertEqual(said["reference"]["settings"]["interface.levels"], 3)
+        self.assertEqual(said["reference"]["settings"]["transfer"], "elastic")
+        self.assertEqual({r["settings"]["interface.levels"] for r in said["runs"]}, {1, 2, 3})
+        said = self.trade(JOINT, "--dials", "planning,precision", "--set", "solver.rtol=1e-4",
+                          "--set", "interface.levels=3", "--set", "transfer={elastic: {}}",
+                          "--quantity", "slip")
+        kinds = {(r["settings"]["solver.fft_planning"], r["settings"]["output.precision"]): r
+                 for r in said["runs"]}
+        double = kinds["estimate", "double"]
+        self.assertEqual(set(kinds), {("estimate", "double"), ("measure", "double"),
+                                      ("estimate", "float")})
+        self.assertLess(abs(kinds["measure", "double"]["value"] / double["value"] - 1), 1e-3)
+        self.assertEqual(kinds["estimate", "float"]["value"], numpy.float32(double["value"]))
+
+    def test_resume(self):
+        """A trade that is killed or stopped goes on, and makes no run twice."""
+        whole = self.trade(BLOCK, *DIALS, "--jobs", "1")
+        for number, status in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 4),
+                               (signal.SIGTERM, 4)):
+            self.trade(BLOCK, *DIALS, "--jobs", "1", status=status,
+                       environment=stopped(3, number))
+            with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
+                kept = done.read().splitlines()
+            self.assertEqual(len(kept), 4)
+            with open(os.path.join(self.runs, "done"), "a", encoding="ascii") as done:
+                done.write("0123456789abcdef 1 0.1 0.")  # torn
+            said = self.trade(BLOCK, *DIALS, "--jobs", "1", "--resume")
+            times = [r["cpu_time_s"] for r in said["runs"]] + [said["reference"]["cpu_time_s"]]
+            for line in kept[1:]:
+                self.assertIn(round(float(line.split()[3]), 6), [round(t, 6) for t in times])
+            for one, other in zip(whole["runs"], said["runs"]):
+                self.assertEqual(one["value"], other["value"])
+                self.assertEqual(one["settings"], other["settings"])
+            self.assertFalse(os.path.exists(self.runs))
+
+    def test_resume_refused(self):
+        self.assertIn("No such file", self.trade(BLOCK, "--resume", status=3))
+        os.mkdir(self.runs)
+        with open(os.path.join(self.runs, "done"), "w", encoding="ascii") as done:
+            done.write("something else\n")
+        self.assertIn("holds no runs", self.trade(BLOCK, "--resume", status=2))
+        with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
+            self.assertEqual(done.read(), "something else\n")
+
+    def test_another_case(self):
+        """Runs of another case are not taken over."""
+        self.trade(BLOCK, *DIALS, "--jobs", "1", status=4,
+                   environment=stopped(3, signal.SIGINT))
+        other = self.trade(BLOCK, *DIALS, "--set", "friction.aging.dc=2 mm", "--resume")
+        plain = self.trade(BLOCK, *DIALS, "--set", "friction.aging.dc=2 mm")
+        self.assertEqual([r["value"] for r in other["runs"]], [r["value"] for r in plain["runs"]])
+
+    def test_broken_runs(self):
+        """Settings that do not go together are left out; a run that breaks ends no trade."""
+        said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4,method", "--set", "solver.max_order=5",
+                          "--set", "solver.max_steps=180")
+        ends = {(r["settings"]["solver.rtol"], r["settings"]["solver.method"]): r["end"]
+                for r in said["runs"]}
+        self.assertIn("broken", ends.values())
+        self.assertIn("done", ends.values())
+        said = self.trade(BLOCK, "--dials", "rtol=1e-3,method", "--set", "solver.max_order=7",
+                          "--set", "solver.method=erk")
+        self.assertEqual(len(said["refused"]), 1)
+        self.assertIn("max_order", said["refused"][0])
+        stuck = self.trade(BLOCK, "--dials", "rtol=1e-3", "--set", "solver.max_steps=3", status=1)
+        self.assertIn("no run that could be the reference", stuck)
+
+    def test_wrong(self):
+        self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
+        self.refused("nothing to turn", BLOCK, "--dials", "levels")
+        self.refused('--reach: "-1%" must be', BLOCK, "--reach=-1%")
+        self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m")
+        self.refused('--spend: "1 m" must be', BLOCK, "--spend", "1 m")
+        self.refused('--jobs: "0" must be', BLOCK, "--jobs", "0")
+        self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
+        self.refused("must be > 0 and no later", BLOCK, "--until", "3 year")
+        self.refused("solver.rtol", BLOCK, "--set", "solver.rtol=-1")
+        said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--quantity", "events", status=2)
+        self.assertIn("keeps no catalogue", said)
+        self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--resume")  # asked anew, nothing lost
+        with open(self.out, "rb") as file:
+            before = file.read()
+        self.call("trade", BLOCK, "-o", self.out, status=2)
+        with open(self.out, "rb") as file:
+            self.assertEqual(file.read(), before)
+
+    def test_words(self):
+        """The table and the sentence that people read."""
+        said = self.call("trade", BLOCK, *DIALS, "-o", self.out, "--reach", "1e-12").stdout
+        self.assertIn("Nothing tried does for", said)
+        said = self.call("trade", BLOCK, *DIALS, "-o", self.out, "--force", "--spend",
+                         "1 min").stdout
+        self.assertIn("For 1 min", said)
+        self.assertTrue(all(len(line) < 100 for line in said.splitlines()), said)
+
+
+class Accuracy(Program):
+    def run_case(self, *args, status=0):
+        done = self.call("run", BLOCK, "-o", self.out, "--force", "--json", *args, status=status)
+        return (json.loads(done.stdout) if status == 0 else None), done.stderr
+
+    def test_block(self):
+        """Asked and achieved, against the closed form; the pick is said and stands in the file."""
+        exact = block_failure()
+        for asked in (0.3, 1e-2, 1e-4, 1e-6):
+            said, noted = self.run_case("--accuracy", str(asked))
+            pick = said["accuracy"]
+            self.assertLessEqual(abs(said["failure_time_s"] / exact - 1), asked)
+            self.assertLessEqual(pick["estimated"], asked)
+            self.assertIn("accuracy: rtol", noted)
+            with netCDF4.Dataset(self.out) as file:
+                self.assertEqual(float(re.search(r"rtol: (\S+)", file.case)[1]), pick["rtol"])
+                self.assertEqual(file.accuracy_asked, asked)
+                self.assertNotIn("accuracy:", file.case)
+                self.assertIn("time of failure", file.accuracy)
+            plain, _ = self.run_case("--set", f"solver.rtol={pick['rtol']}", "--set",
+                                     f"solver.method={pick['method']}")
+            self.assertEqual(plain["failure_time_s"], said["failure_time_s"])
+            self.assertIsNone(plain["accuracy"])
+
+    def test_scenes(self):
+        """The tool that shows asked against achieved error on scenes of all kinds, on three."""
+        done = subprocess.run(
+            [sys.executable, os.path.join(SOURCE, "tools/accuracy.py"), "--lacuna", PROGRAM,
+             "--asked", "0.01", "--", "friction/tails.yaml", "load/ramp.yaml", "domain/file.yaml"],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(len(done.stdout.splitlines()), 5)
+
+    def test_percent_and_case(self):
+        said, _ = self.run_case("--accuracy", "1%")
+        self.assertEqual(said["accuracy"]["asked"], 0.01)
+        said, _ = self.run_case("--set", "solver.accuracy=1e-3", "--set", "solver.method=bdf")
+        self.assertEqual(said["accuracy"]["method"], "bdf")
+
+    def test_wrong(self):
+        for value in ("2", "0", "1 m", "-1%"):
+            _, noted = self.run_case(f"--accuracy={value}", status=2)
+            self.assertIn("solver.accuracy", noted)
+        _, noted = self.run_case("--accuracy", "1e-9", "--set", "solver.max_steps=50", status=1)
+        self.assertIn("50 steps were not enough", noted)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE, STOP = sys.argv[1:4]
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

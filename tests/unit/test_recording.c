@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A run kept in memory: what it holds, what is refused, and a stop.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "lacuna/scene_record.h"
+
+#define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
+
+static lac_recorded find(const lac_recording *recording, const char *name)
+{
+    lac_recorded seen = {0};
+    assert_true(lac_recording_find(recording, name, &seen));
+    return seen;
+}
+
+static void test_a_block(void **state)
+{
+    (void)state;
+    lac_recording *recording = NULL;
+    lac_error err = {0};
+    const char *const sets[] = {"friction.aging.dc=2 um", "time.end=1 s"};
+    assert_int_equal(lac_record_case(BLOCK, 2, sets, NULL, &recording, &err), LAC_OK);
+    lac_recorded time = find(recording, "time"), slip = find(recording, "slip"), last;
+    assert_string_equal(time.dimensions, "time");
+    assert_string_equal(slip.unit, "m");
+    assert_int_equal(time.count, slip.count);
+    assert_int_equal(time.count, (size_t)find(recording, "steps").values[0] + 1);
+    assert_true(time.values[0] == 0 && time.values[time.count - 1] == 1);
+    assert_true(slip.values[0] == 0 && slip.values[slip.count - 1] > 0);
+    assert_true(isnan(find(recording, "order").values[0]));
+    assert_true(find(recording, "failed").values[0] == 0);
+    assert_true(isnan(find(recording, "failure_time").values[0]));
+    assert_int_equal(find(recording, "pressure").count, 1);
+    assert_false(lac_recording_find(recording, "event_time", &last));
+    assert_false(lac_recording_at(recording, 1000, &last));
+    lac_recording_free(recording);
+}
+
+static void expect_refused(const char *path, const char *set, lac_status status, const char *why)
+{
+    lac_recording *recording = NULL;
+    lac_error err = {0};
+    assert_int_equal(lac_record_case(path, 1, &set, NULL, &recording, &err), status);
+    assert_null(recording);
+    if (strstr(err.message, why) == NULL) {
+        fail_msg("\"%s\" does not say \"%s\"", err.message, why);
+    }
+}
+
+static void test_refused(void **state)
+{
+    (void)state;
+    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be > 0");
+    expect_refused(BLOCK, "friction.aging.dx=1", LAC_EINPUT, "did you mean \"dc\"?");
+    expect_refused(BLOCK, "=1", LAC_EINPUT, "key.path=value");
+    expect_refused(BLOCK, "title", LAC_EINPUT, "key.path=value");
+    expect_refused(BLOCK, "solver.max_steps=3", LAC_ENUMERIC, "3 steps");
+    expect_refused(BLOCK "s", "title=x", LAC_EIO, "block.yamls");
+}
+
+static bool after_five(void *context)
+{
+    int *asked = context;
+    return ++*asked >= 5;
+}
+
+static void test_stopped(void **state)
+{
+    (void)state;
+    int asked = 0;
+    lac_interruption stop = {.interrupted = after_five, .context = &asked};
+    lac_recording *recording = NULL;
+    assert_int_equal(lac_record_case(BLOCK, 0, NULL, &stop, &recording, NULL), LAC_EINTERRUPT);
+    assert_int_equal(find(recording, "steps").values[0], 5);
+    assert_int_equal(find(recording, "slip_rate").count, 6);
+    lac_recording_free(recording);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_block),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_stopped),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lacuna from Python: runs a case through the shared library, gives the run as an xarray.Dataset.
+
+    import lacuna
+    run = lacuna.run("cases/vajont.yaml", {"friction.aging.dc": "4 cm"})
+    run.slip_rate.plot(yscale="log")
+    run.attrs["failure_time_s"]
+
+The variables are those of a run's file (docs/format.md), of one value what the run came to. The
+library is liblacuna.so beside this module's installation, else where the loader finds it, else what
+LACUNA_LIBRARY names. Threads are OpenMP's: set OMP_NUM_THREADS=1 unless a run is large.
+"""
+
+import ctypes
+import glob
+import os
+import signal
+import threading
+
+import numpy
+import xarray
+
+__all__ = ["Error", "run", "version"]
+
+STATUS = ("ok", "out of memory", "input", "file", "numeric", "interrupted")
+INTERRUPTED = 5
+LIBRARY = "liblacuna.so.0.1"  # the interface that this module knows
+
+
+class Error(Exception):
+    """What the library refused or could not do; `kind` is one of STATUS."""
+
+    def __init__(self, status, message):
+        super().__init__(message or STATUS[status])
+        self.kind = STATUS[status]
+
+
+class _Error(ctypes.Structure):
+    _fields_ = [("message", ctypes.c_char * 1024)]
+
+
+class _Recorded(ctypes.Structure):
+    _fields_ = [("name", ctypes.c_char_p), ("unit", ctypes.c_char_p),
+                ("long_name", ctypes.c_char_p), ("dimensions", ctypes.c_char_p),
+                ("values", ctypes.POINTER(ctypes.c_double)), ("count", ctypes.c_size_t)]
+
+
+_INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
+
+
+class _Interruption(ctypes.Structure):
+    _fields_ = [("interrupted", _INTERRUPTED), ("context", ctypes.c_void_p)]
+
+
+def _library_path():
+    """LACUNA_LIBRARY, or the library that was installed with this module, or the loader's."""
+    if "LACUNA_LIBRARY" in os.environ:
+        return os.environ["LACUNA_LIBRARY"]
+    lib = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
+    beside = glob.glob(os.path.join(lib, LIBRARY)) + glob.glob(
+        os.path.join(lib, "*-linux-*", LIBRARY))
+    return beside[0] if beside else LIBRARY
+
+
+def _open():
+    library = ctypes.CDLL(_library_path())
+    library.gsl_set_error_handler_off()  # GSL's own would end the process
+    library.lac_version.restype = ctypes.c_char_p
+    library.lac_record_case.argtypes = [
+        ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p),
+        ctypes.POINTER(_Interruption), ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Error)]
+    library.lac_recording_at.argtypes = [ctypes.c_void_p, ctypes.c_size_t,
+                                         ctypes.POINTER(_Recorded)]
+    library.lac_recording_at.restype = ctypes.c_bool
+    library.lac_recording_free.argtypes = [ctypes.c_void_p]
+    library.lac_recording_free.restype = None
+    return library
+
+
+_library = _open()
+
+
+def version():
+    """Version of the library in use."""
+    return _library.lac_version().decode()
+
+
+class _Stop:
+    """Lets Ctrl-C end a run after its step: Python sees signals only while the callback runs."""
+
+    def __init__(self):
+        self.asked = False
+        self.callback = _INTERRUPTED(lambda _context: self.asked)
+        self.request = _Interruption(self.callback, None)
+
+    def on_signal(self, _number, _frame):
+        self.asked = True
+
+    def __enter__(self):
+        # Other threads have no signals, nor may they say what becomes of them.
+        self.main = threading.current_thread() is threading.main_thread()
+        if self.main:
+            self.before = signal.signal(signal.SIGINT, self.on_signal)
+        return self
+
+    def __exit__(self, *_):
+        if self.main:
+            signal.signal(signal.SIGINT, self.before)
+
+
+def _shape(dimensions, count, sizes):
+    """Lengths of the dimensions; one that is new has what the others leave of `count`."""
+    known = [sizes.get(d) for d in dimensions]
+    rest = int(numpy.prod([k for k in known if k is not None], dtype=int))
+    return [k if k is not None else count // rest if rest else 0 for k in known]
+
+
+def _dataset(recording):
+    seen, sizes, variables, attributes = _Recorded(), {}, {}, {}
+    found = []
+    while _library.lac_recording_at(recording, len(found), ctypes.byref(seen)):
+        values = (numpy.ctypeslib.as_array(seen.values, (seen.count,)).copy() if seen.count
+                  else numpy.empty(0))
+        found.append((seen.name.decode(), seen.dimensions.decode().split(), values,
+                      {"units": seen.unit.decode(), "long_name": seen.long_name.decode()}))
+    # Those of one dimension first: they say how long it is.
+    for name, dimensions, values, about in sorted(found, key=lambda v: len(v[1])):
+        if not dimensions:
+            unit = about["units"]
+            attributes[name + ("" if unit == "1" else "_" + unit.replace(" ", "_"))] = (
+                float(values[0]) if values.size else float("nan"))
+            continue
+        shape = _shape(dimensions, values.size, sizes)
+        sizes.update(zip(dimensions, shape))
+        variables[name] = (dimensions, values.reshape(shape), about)
+    coordinates = [n for n in ("time", "snapshot_time", "x", "y", "block_size", "event_time")
+                   if n in variables]
+    return xarray.Dataset(variables, attrs=attributes).set_coords(coordinates)
+
+
+def run(case, overrides=None):
+    """Runs a case file to its end or to failure.
+
+    case       path of the case
+    overrides  {"key.path": value}, as --set key.path=value
+    Returns an xarray.Dataset; raises Error, and KeyboardInterrupt after Ctrl-C.
+    """
+    sets = [f"{key}={value}".encode() for key, value in (overrides or {}).items()]
+    words = (ctypes.c_char_p * len(sets))(*sets)
+    recording, error = ctypes.c_void_p(), _Error()
+    with _Stop() as stop:
+        status = _library.lac_record_case(os.fsencode(case), len(sets), words,
+                                          ctypes.byref(stop.request), ctypes.byref(recording),
+                                          ctypes.byref(error))
+    try:
+        if status == INTERRUPTED:
+            raise KeyboardInterrupt
+        if status != 0:
+            raise Error(status, error.message.decode())
+        return _dataset(recording)
+    finally:
+        _library.lac_recording_free(recording)
