@@ -126,6 +126,9 @@ static void check_events(lac_reader *reader, lac_case *c)
     if (c->run.max_order != 0) {
         lac_blame_key(reader, "solver.max_order", "goes with fidelity ode, not with events");
     }
+    if (!isnan(c->run.first_step)) {
+        lac_blame_key(reader, "solver.first_step", "goes with fidelity ode, not with events");
+    }
 }
 
 void lac_check_solver(lac_reader *reader, lac_case *c)

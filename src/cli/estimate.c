@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/advice.h"
 #include "cli/words.h"
 #include "lacuna/contact.h"
 #include "lacuna/friction.h"
@@ -55,11 +56,6 @@ static const double safe_ratio = 30, safe_spread_ratio = 300;
 // (docs/theory/fidelity-events.md).
 enum { OWN_FEWEST = 30, OWN_STEPS = 1000 };
 static const double own_step_seconds = 2e-6;
-
-// Fidelity events was 3 to 100 times faster below twice k_crit, ode 5 times from five times k_crit
-// on, where no cell slips by itself (docs/choosing.md). Few cells cost nothing either way.
-enum { FEWEST_EVENTS_CELLS = 64 };
-static const double soft_ratio = 1, stiff_ratio = 5;
 
 static double mean_pressure(const lac_case *c)
 {
@@ -221,6 +217,7 @@ static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimat
     }
     double real_pressure = mean_pressure(c) * e->grid_cells / e->contact_cells;
     double k_crit = real_pressure * (law->b - law->a) / law->dc;
+    e->critical = k_crit;
     bool several = !(e->contact_cells <= 1);
     double safe = spread_stability(c) ? safe_spread_ratio : safe_ratio;
     if (k_crit > 0 && several) {
@@ -324,24 +321,14 @@ static void count_own_steps(const lac_case *c, double cells, cli_estimate *e)
     }
 }
 
-// The other fidelity where it is the faster one.
-static void advise(const lac_case *c, double cells, cli_estimate *e)
-{
-    bool could = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0 &&
-                 !(lac_inertia_mass(c) > 0) && cells >= FEWEST_EVENTS_CELLS;
-    if (e->own_steps && e->stiffness_ratio > stiff_ratio) {
-        e->faster = "ode";
-    } else if (!e->own_steps && could && e->stiffness_ratio < soft_ratio) {
-        e->faster = "events";
-    }
-}
-
 lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
 {
     lac_grid grid = lac_interface_grid(&c->interface);
     lac_status status = LAC_OK;
-    *e = (cli_estimate){
-        .grid_cells = (double)lac_grid_cells(&grid), .contact_cells = NAN, .stiffness_ratio = NAN};
+    *e = (cli_estimate){.grid_cells = (double)lac_grid_cells(&grid),
+                        .contact_cells = NAN,
+                        .critical = NAN,
+                        .stiffness_ratio = NAN};
     if (c->surface.about != NULL) {
         status = estimate_surface(c, &grid, e, err);
     } else if (c->domain.about != NULL) {
@@ -356,9 +343,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     count_memory(c, cells, e);
     count_steps(c, cells, e);
     count_own_steps(c, cells, e);
-    if (e->integrated) {
-        advise(c, cells, e);
-    }
+    e->faster = e->integrated ? cli_faster_fidelity(c, cells, e) : NULL;
     count_time(c, &grid, cells, e);
     return status;
 }
@@ -420,7 +405,7 @@ void cli_estimate_print(const cli_estimate *e)
     if (e->own_steps) {
         printf("#   steps           of each cell its own, %d to %d\n", OWN_FEWEST, OWN_STEPS);
         cli_wrap("#     ", e->faster != NULL
-                               ? "the cells hold each other: fidelity ode is the faster one"
+                               ? "no cell slips by itself: fidelity ode is the faster one"
                                : "a slip costs some hundred, whatever the number of cells");
         return;
     }

@@ -10,6 +10,7 @@ typedef struct cli_estimate {
     double grid_cells;
     double contact_cells;   ///< NaN: not estimated
     bool exact;             ///< contact_cells is a count, not an estimate
+    double critical;        ///< k_crit = p (b - a)/dc [Pa/m]; NaN: nothing is integrated
     double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
     bool stable;        ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
                         ///< on its own

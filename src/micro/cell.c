@@ -276,6 +276,27 @@ static double slip_under(double rise, double v, double h)
     return rise > 0.0 ? v * expm1(fmin(rise * h, LARGEST)) / rise : v * h;
 }
 
+// Friction above where a cell counts as let go; as lac_problem_slips.
+static double held(const lac_micro_rules *rules, const lac_micro_cell *c)
+{
+    const double folds = 20.0;
+    return c->constant + c->a * c->u + c->b * c->w + (rules->regularised ? folds * c->a : 0.0);
+}
+
+bool lac_micro_cell_let_go(const lac_micro_rules *rules, const lac_micro_cell *c)
+{
+    return held(rules, c) <= 0.0;
+}
+
+// Just beyond the time at which what unloads the cell has let it go.
+static double time_to_let_go(const lac_micro_rules *rules, const lac_micro_cell *c,
+                             const lac_micro_push *push)
+{
+    const double beyond = 1.001;
+    return push->pull_rate < 0.0 ? beyond * push->pressure * held(rules, c) / -push->pull_rate
+                                 : INFINITY;
+}
+
 double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *push,
                            lac_micro_cell *c)
 {
@@ -288,7 +309,7 @@ double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *p
     h = fmax(h, time_under(rise, c->v, 0.1 * small * c->dc));
     // And it may not outlast its healing unseen.
     h = fmin(h, time_under(outside, c->v, fmax(2.0 * c->z, small) * c->dc));
-    h = fmin(h, c->reach);
+    h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
     double rho = foreseen(rise, h);
     c->told = isfinite(h) ? c->v / phi_of(rho, expm1(-rho)) : c->v;
     double direct = c->a * push->pressure + rules->damping * c->v;

@@ -47,6 +47,9 @@ typedef struct lac_micro_span {
 bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *span,
                             lac_micro_cell *cell, int64_t *steps);
 
+// Whether the traction that friction holds has fallen to nothing.
+bool lac_micro_cell_let_go(const lac_micro_rules *rules, const lac_micro_cell *cell);
+
 // What acts on a cell at an instant.
 typedef struct lac_micro_push {
     double pull_rate;               // dA/dt [Pa/s]

@@ -258,8 +258,9 @@ static lac_status proceed(lac_micro *m, const lac_micro_limits *limits, double s
         return LAC_OK;
     }
     lac_status status = update(m, who, next, err);
-    m->at_limit =
-        m->tree.cell[who].v >= limits->max_rate || root->rate * root->share >= limits->mean_rate;
+    const lac_micro_cell *c = &m->tree.cell[who];
+    m->at_limit = c->v >= limits->max_rate || root->rate * root->share >= limits->mean_rate ||
+                  lac_micro_cell_let_go(&m->rules, c);
     return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "lacuna/micro.h"
+#include "run/check.h"
 #include "run/engine.h"
 
 enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };
@@ -121,6 +122,12 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     (void)h;
     cells *c = engine->inner;
     lac_problem_load now;
+    // A cell that a jump has let go would not be looked at for years.
+    lac_status status = lac_check_slipping(engine->problem, engine->y,
+                                           lac_engine_clock(engine, engine->t), engine->work, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     if (!lac_problem_load_at(engine->problem, lac_engine_clock(engine, engine->t), &now)) {
         return lac_fail(err, LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
                         lac_engine_time(engine));

@@ -159,6 +159,24 @@ class Estimates(Small):
                                  "--set", f"transfer.hierarchy.k0={k0} GPa/m")
             self.assertEqual(said["faster_fidelity"], faster)
 
+    def test_no_fidelity_is_advised_that_refuses_the_case(self):
+        """Nor one that is slower: loads, law and method that events does not follow; cells that slip
+        without end, as nothing holds them; cells that do not weaken."""
+        for fidelity, setting, faster in (
+                ("ode", "load.shear=[{sine: {amplitude: 1 kPa, period: 1 hour}}]", None),
+                ("ode", "load.shear=[{ramp: {rate: 1 Pa/s}}]", "events"),
+                ("ode", "load.shear=[{spring: {stiffness: 1 GPa/m, speed: 1 nm/s}}]", "events"),
+                ("ode", "load.shear=[{spring: {stiffness: 1e12, speed: 1 nm/s}}]", None),
+                ("ode", "load.pore_pressure=[{sine: {amplitude: 1 kPa, period: 1 hour}}]", None),
+                ("ode", "friction.aging.alpha=0.2", None), ("ode", "friction.aging.v2=1 m/s", None),
+                ("ode", "solver.method=adams", None), ("ode", "solver.max_order=2", None),
+                ("ode", "solver.formulation=slip", None), ("ode", "transfer.hierarchy.k0=0", None),
+                ("ode", "transfer.hierarchy.ratio=0.1", None), ("events", "friction.aging.b=0", "ode"),
+                ("events", "friction.aging.a=0.02", "ode")):
+            with self.subTest(setting):
+                said = self.estimate("one-by-one", "--set", f"solver.fidelity={fidelity}", "--set", setting)
+                self.assertEqual(said["faster_fidelity"], faster)
+
     def test_a_search_and_the_cascade_count(self):
         press, search = self.estimate("normal/pressure"), self.estimate("normal/dimension")
         self.assertIsNone(press["cascade_time_s"])

@@ -147,6 +147,38 @@ static void refuses_what_it_cannot_follow(void **state)
     lac_slot_clear(&shear);
 }
 
+// A load that takes the traction away, at once or in milliseconds, is said to when it has.
+static void says_when_the_traction_is_gone(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *load, *key, *at;
+        double value, since;
+    } gone[] = {{"ramp", "rate", "start", -1e9, 0.0}, {"step", "value", "at", -1e9, 100.0}};
+    for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) {
+        lac_slot shear = test_slot_shear(gone[k].load);
+        lac_load_slots slots = {.shear = &shear, .shear_count = 1};
+        test_slot_set(&shear, gone[k].key, gone[k].value);
+        test_slot_set(&shear, gone[k].at, gone[k].since);
+        tree_def def = tree_default(3, 3);
+        def.k0 = 0.1 * def.pressure * (def.b - def.a) / def.dc;
+        def.loads = test_load_set(&slots);
+        tree t;
+        tree_create(&def, &t);
+        lac_run_def how = until(1e7);
+        how.fidelity = LAC_FIDELITY_EVENTS;
+        lac_error err = {""};
+        lac_run_result result;
+        assert_int_equal(lac_run(t.problem, &how, NULL, &result, &err), LAC_ENUMERIC);
+        assert_non_null(strstr(err.message, "falls to nothing"));
+        assert_true(result.time >= gone[k].since && result.time < gone[k].since + 1.0);
+        assert_true(result.rhs_evaluations < 100);
+        tree_clear(&t);
+        lac_load_set_clear(&def.loads);
+        lac_slot_clear(&shear);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -155,6 +187,7 @@ int main(void)
         cmocka_unit_test(long_times),
         cmocka_unit_test(limits_end_it),
         cmocka_unit_test(refuses_what_it_cannot_follow),
+        cmocka_unit_test(says_when_the_traction_is_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/advice.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lacuna/friction.h"
+#include "lacuna/load.h"
+#include "lacuna/transfer.h"
+
+// Fidelity events was 3 to 100 times faster below twice k_crit, ode 5 times from five times k_crit
+// on and 40 times where b <= a: no cell slips by itself (docs/choosing.md). Few cells cost nothing
+// either way. Where next to nothing holds cells or blocks once they slip, they slide so far that
+// ode is the faster one again.
+enum { FEWEST_EVENTS_CELLS = 64 };
+static const double soft_ratio = 1, stiff_ratio = 5, least_ratio = 0.01, least_level_ratio = 0.3;
+
+// No cell weakens as it slips faster.
+static bool strengthens(const lac_case *c)
+{
+    const lac_friction_params *law = c->friction.params;
+    return law->b <= law->a && !lac_spread_has(&c->friction_spread, "a") &&
+           !lac_spread_has(&c->friction_spread, "b");
+}
+
+static bool linear_loads(const lac_slot_list *loads)
+{
+    for (size_t i = 0; i < loads->count; i++) {
+        const lac_load_kind *kind = (const void *)loads->item[i].about;
+        if (!kind->linear) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Whether the case runs as fidelity events with nothing else changed.
+static bool could_have_own_steps(const lac_case *c)
+{
+    static const char *const refused[] = {"v1", "v2", "alpha"};
+    const lac_friction_params *law = c->friction.params;
+    const char *name = c->friction.about->name;
+    bool could = strcmp(name, "aging") == 0 || strcmp(name, "slip") == 0;
+    could = could && isnan(law->v1) && isnan(law->v2) && isnan(law->alpha);
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        could = could && !lac_spread_has(&c->friction_spread, refused[i]);
+    }
+    return could && linear_loads(&c->shear) && linear_loads(&c->pore) && c->run.method == LAC_BDF &&
+           c->run.max_order == 0 && isnan(c->run.first_step) &&
+           c->formulation == LAC_FORMULATION_RATE && !(lac_inertia_mass(c) > 0);
+}
+
+// Of the springs on the mean slip [Pa/m].
+static double spring_stiffness(const lac_case *c)
+{
+    double sum = 0;
+    for (size_t i = 0; i < c->shear.count; i++) {
+        const lac_slot *load = &c->shear.item[i];
+        for (size_t k = 0; k < load->about->param_count; k++) {
+            const lac_param *row = &load->about->params[k];
+            if (strcmp(load->about->name, "spring") == 0 && strcmp(row->key, "stiffness") == 0) {
+                sum += *(const double *)((const char *)load->params + row->offset);
+            }
+        }
+    }
+    return sum;
+}
+
+// Softly held by each other, yet never let go.
+static bool slips_one_by_one(const lac_case *c, const cli_estimate *e)
+{
+    const lac_transfer_hierarchy *params = c->transfer.params;
+    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
+    return hierarchy && spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&
+           e->stiffness_ratio > least_ratio &&
+           (params->stiffness >= 0 || !(params->ratio < least_level_ratio));
+}
+
+const char *cli_faster_fidelity(const lac_case *c, double cells, const cli_estimate *e)
+{
+    if (e->own_steps) {
+        return e->stiffness_ratio > stiff_ratio || strengthens(c) ? "ode" : NULL;
+    }
+    bool events = cells >= FEWEST_EVENTS_CELLS && slips_one_by_one(c, e) && could_have_own_steps(c);
+    return events ? "events" : NULL;
+}
