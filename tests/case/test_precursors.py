@@ -111,6 +111,21 @@ class Precursors(unittest.TestCase):
             self.assertIn(says, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
+    def test_output_is_looked_at_first(self):
+        """Nothing that is read is overwritten, and nothing is computed for a file that is there."""
+        data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            before = file.read()
+        for words, says in ((["-o", "./log.csv", "--force"], "./log.csv: is read by this command"),
+                            (["-o", "log.csv"], "log.csv: is read by this command"),
+                            (["-o", "there.nc"], "there.nc: exists already; --force replaces it")):
+            self.write("there.nc", "mine")
+            done = self.call(*data, *words, status=2)
+            self.assertIn(says, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), before)
+
     def block(self, *words):
         """The made-up block of cases/fit and its readings."""
         return (os.path.join(SOURCE, "cases/data/creep.csv"), "--case",
