@@ -7,7 +7,7 @@
 #include "cli/options.h"
 #include "lacuna/case.h"
 
-/// Whether a command reads a file: one that its words name, the case itself, or one that that names.
+/// Whether a command reads a file: one that its words name, the case, or one that the case names.
 /// @param c  NULL: the command reads no case
 bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct stat *file);
 
