@@ -19,8 +19,9 @@ typedef struct lac_interruption {
 /// @param sets  [count] "key.path=value", as the option --set
 /// @param stop  NULL: nobody stops it
 /// @param out   NULL unless LAC_OK or LAC_EINTERRUPT, which keeps what was computed
+///              (nothing, and NULL, where it comes in the pilot runs of solver.accuracy)
 /// @return LAC_OK (also at failure of the slope); LAC_EINPUT with the first error of the case; what
-///         lac_scene_create, lac_scene_analysis_create and lac_run return
+///         lac_scene_create, lac_accuracy_choose, lac_scene_analysis_create and lac_run return
 /// @cost   8 bytes a variable and record, and the run
 lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
                            const lac_interruption *stop, lac_recording **out, lac_error *err);

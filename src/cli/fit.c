@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/units.h"
 #include "cli/command.h"
@@ -74,18 +73,7 @@ static lac_status name_case(fit_job *job, lac_error *err)
     }
     memcpy(job->case_path, job->path, n);
     memcpy(job->case_path + n, ending, sizeof ending);
-    if (strcmp(job->case_path, job->request->argument[0]) == 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: is the case itself, must not be the fitted one; -o "
-                        "names another file",
-                        job->case_path);
-    }
-    if (access(job->case_path, F_OK) == 0 && !cli_given(job->request, CLI_OPT_FORCE)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: exists already; --force replaces it, -o names another file",
-                        job->case_path);
-    }
-    return LAC_OK;
+    return cli_output_check(job->request, job->source, job->case_path, err);
 }
 
 static lac_status prepare(fit_job *job, lac_error *err)

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "cli/fit.h"
+#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
 #include "lacuna/store_fit.h"
@@ -98,7 +99,8 @@ static lac_status write_whole(const char *path, const char *head, const char *te
     }
     (void)sprintf(part, "%s.part", path);
     FILE *file = fopen(part, "w");
-    bool good = file != NULL && fputs(head, file) >= 0 && fputs(text, file) >= 0;
+    bool good = file != NULL && fputs(head, file) >= 0 && fputs("\n", file) >= 0;
+    good = good && fputs(text, file) >= 0;
     good = file != NULL && fclose(file) == 0 && good;
     good = good && rename(part, path) == 0;
     lac_status status =
@@ -110,9 +112,34 @@ static lac_status write_whole(const char *path, const char *head, const char *te
     return status;
 }
 
+// Whether YAML takes the character of so many bytes in the line of a comment.
+static bool is_plain(const unsigned char *s, size_t length)
+{
+    static const char *const breaks[] = {"\xe2\x80\xa8", "\xe2\x80\xa9", "\xef\xbb\xbf",
+                                         "\xef\xbf\xbe", "\xef\xbf\xbf"};
+    bool plain = length > 1 ? s[0] != 0xc2 || s[1] >= 0xa0 : length == 1 && *s >= 0x20 && *s < 0x7f;
+    for (size_t i = 0; length == 3 && i < sizeof breaks / sizeof *breaks; i++) {
+        plain = plain && memcmp(s, breaks[i], 3) != 0;
+    }
+    return plain;
+}
+
+// A file's name may hold what would end the comment: '?' instead.
+static void make_plain(char *text)
+{
+    for (unsigned char *s = (unsigned char *)text; *s != '\0';) {
+        const size_t length = cli_utf8_length(s);
+        const size_t step = length > 0 ? length : 1;
+        if (!is_plain(s, length)) {
+            memset(s, '?', step);
+        }
+        s += step;
+    }
+}
+
 lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *err)
 {
-    char head[2 * PATH_MAX];
+    char head[4 * PATH_MAX];
     lac_fit_apply(view->result, c);
     lac_status status = move_case(view->case_output, c, err);
     if (status != LAC_OK) {
@@ -123,8 +150,9 @@ lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *
         return lac_fail_memory(err);
     }
     (void)snprintf(head, sizeof head,
-                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s\n",
+                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
                    view->source->path, view->series, view->output);
+    make_plain(head);
     status = write_whole(view->case_output, head, text, err);
     free(text);
     return status;

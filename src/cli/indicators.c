@@ -129,7 +129,8 @@ void cli_indicators_print(size_t count, const lac_precursor *indicator)
         const lac_finding *found = &indicator[k].found;
         printf("  %-19s", indicator[k].kind->about.name);
         for (size_t i = 0; i < found->count; i++) {
-            printf(" %s %.4g", found->value[i].key, found->value[i].value);
+            const double value = found->value[i].value;
+            printf(isnan(value) ? " %s -" : " %s %.4g", found->value[i].key, value);
         }
         if (found->reason[0] != '\0') {
             printf("%s%s", found->count > 0 ? "; " : " none: ", found->reason);

@@ -72,11 +72,18 @@ static void look_for(void *context, const char *path)
                 one.st_ino == s->file->st_ino;
 }
 
-bool cli_inputs_has(const lac_case *c, const struct stat *file)
+bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct stat *file)
 {
     search s = {.file = file};
-    look_for(&s, c->path);
-    visit_all(c, look_for, &s);
+    for (size_t i = 0; i < request->count; i++) {
+        look_for(&s, request->argument[i]);
+    }
+    look_for(&s, request->compare);
+    look_for(&s, request->forecast.case_file);
+    if (c != NULL) {
+        look_for(&s, c->path);
+        visit_all(c, look_for, &s);
+    }
     return s.found;
 }
 

@@ -4,10 +4,12 @@
 
 #include <sys/stat.h>
 
+#include "cli/options.h"
 #include "lacuna/case.h"
 
-/// Whether a case reads a file: the case itself, or one that it names.
-bool cli_inputs_has(const lac_case *c, const struct stat *file);
+/// Whether a command reads a file: one that its words name, the case, or one that the case names.
+/// @param c  NULL: the command reads no case
+bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct stat *file);
 
 /// What the files that a case names hold: a section `files:` with a line `NAME: CHECKSUM` for each,
 /// "" where it names none. To be freed; NULL where memory is short.

@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included).
-static size_t utf8_length(const unsigned char *s)
+size_t cli_utf8_length(const unsigned char *s)
 {
     static const struct {
         unsigned char first, last, low, high; // first byte; range of the second
@@ -66,7 +65,7 @@ static void write_string(FILE *out, const char *text)
 {
     put(out, "\"");
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
-        size_t length = utf8_length(s);
+        size_t length = cli_utf8_length(s);
         write_character(out, s, length);
         s += length > 0 ? length : 1;
     }

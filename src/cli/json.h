@@ -25,6 +25,9 @@ void cli_json_integer(cli_json *json, const char *key, int64_t value);
 void cli_json_boolean(cli_json *json, const char *key, bool value);
 void cli_json_null(cli_json *json, const char *key);
 
+/// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included).
+size_t cli_utf8_length(const unsigned char *s);
+
 /// Text in quotes, escaped; bytes that are no UTF-8 become U+FFFD; null where NULL.
 void cli_json_text(cli_json *json, const char *key, const char *text);
 

@@ -31,8 +31,9 @@ static lac_status check_existing(const cli_request *request, const lac_case *c, 
     if (S_ISDIR(file->st_mode)) {
         return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
     }
-    if (cli_inputs_has(c, file)) { // --force must not destroy what the run reads
-        return lac_fail(err, LAC_EINPUT, "%s: is read by this case, must not be the output", path);
+    if (cli_inputs_has(request, c, file)) { // --force must not destroy what the command reads
+        return lac_fail(err, LAC_EINPUT, "%s: is read by this %s, must not be the output", path,
+                        c != NULL ? "case" : "command");
     }
     if (!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME)) {
         return lac_fail(err, LAC_EINPUT,
@@ -59,24 +60,27 @@ static lac_status check_folder(const char *path, lac_error *err)
     return failed == 0 ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
 }
 
+lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
+                            lac_error *err)
+{
+    struct stat file;
+    if (stat(path, &file) == 0) {
+        return check_existing(request, c, path, &file, err);
+    }
+    if (errno != ENOENT) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    return cli_given(request, CLI_OPT_RESUME)
+               ? lac_fail(err, LAC_EIO, "--resume: %s: %s", path, strerror(errno))
+               : check_folder(path, err);
+}
+
 lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
                            const char *ending, char **path, lac_error *err)
 {
     const char *given = request->output != NULL ? request->output : configured;
     *path = given != NULL ? strdup(given) : name_after(c->path, ending);
-    if (*path == NULL) {
-        return lac_fail_memory(err);
-    }
-    struct stat file;
-    if (stat(*path, &file) == 0) {
-        return check_existing(request, c, *path, &file, err);
-    }
-    if (errno != ENOENT) {
-        return lac_fail(err, LAC_EIO, "%s: %s", *path, strerror(errno));
-    }
-    return cli_given(request, CLI_OPT_RESUME)
-               ? lac_fail(err, LAC_EIO, "--resume: %s: %s", *path, strerror(errno))
-               : check_folder(*path, err);
+    return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
 }
 
 // The seed of the surface or domain, wherever its table keeps it.

@@ -6,14 +6,20 @@
 #include "lacuna/store.h"
 
 /// The file a command writes: -o, else `configured`, else the case's name with `ending` in place
-/// of its extension, in the working folder. Checks, before anything is computed, that it can be
-/// written and is not there already.
+/// of its extension, in the working folder, checked as `cli_output_check` does.
 /// @param configured  output.file of the case; NULL: none
 /// @param path        the caller frees
-/// @return LAC_OK; LAC_EINPUT (exists and no --force, is one of the run's own inputs); LAC_EIO
+/// @return LAC_OK; LAC_EINPUT (exists and no --force, is one of the command's own inputs); LAC_EIO
 ///         (no such folder, not writable); LAC_ENOMEM
 lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
                            const char *ending, char **path, lac_error *err);
+
+/// Checks, before anything is computed, that a file can be written, is not there already and is
+/// none that the command reads.
+/// @param c  NULL: the command reads no case
+/// @return as `cli_output_path`
+lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
+                            lac_error *err);
 
 /// What a file says of who made it.
 /// @param case_text, libraries  borrowed

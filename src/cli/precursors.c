@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/indicators.h"
 #include "cli/libraries.h"
+#include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/words.h"
@@ -94,6 +95,9 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(cli_foreseer_read(request, &job.foreseer, err));
+    if (request->output != NULL) {
+        LAC_TRY(cli_output_check(request, job.foreseer.source, request->output, err));
+    }
     LAC_TRY(cli_watched_read(&job.foreseer.named, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets

@@ -47,9 +47,11 @@ static void print_input(const cli_precursors_result *r)
         cli_row("  of which", "%zu missing, %zu duplicates dropped, %zu out of order", s->missing,
                 s->duplicates, s->disordered);
     }
-    cli_row("  intervals", "%s (median), longest %s, %zu gaps",
-            cli_quantity(m->interval, "s", length, sizeof length),
-            cli_quantity(m->longest_gap, "s", longest, sizeof longest), m->gaps);
+    if (isfinite(m->interval)) { // of two readings and more
+        cli_row("  intervals", "%s (median), longest %s, %zu gaps",
+                cli_quantity(m->interval, "s", length, sizeof length),
+                cli_quantity(m->longest_gap, "s", longest, sizeof longest), m->gaps);
+    }
     cli_row("  cleaned", "%zu outliers dropped, %zu resets of the sensor taken out", m->outliers,
             m->resets);
     if (isfinite(m->noise)) {

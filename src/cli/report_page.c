@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/json.h"
+#include "cli/output.h"
 #include "cli/series.h"
 #include "cli/words.h"
 #include "lacuna/report.h"
@@ -112,7 +113,7 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     lac_series *series = NULL;
     char *path = output_path(request);
     lac_status status;
-    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
     if (request->compare != NULL) {
         LAC_TRY(read_series(request, &series, err));
     } else if (cli_given(request, CLI_OPT_SERIES)) {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/series.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/date.h"
+#include "lacuna/store_cells.h"
+#include "lacuna/store_file.h"
 
 // Splits "column:unit" at its last colon, in a copy.
 static lac_status split(const char *option, const char *text, char **column, const char **unit,
@@ -31,6 +35,25 @@ static lac_status split(const char *option, const char *text, char **column, con
     return LAC_OK;
 }
 
+// A file that is not there, or is a damaged run, has no columns to be asked for.
+static lac_status ask_for_columns(const char *path, lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_status status = LAC_OK;
+    if (access(path, R_OK) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    if (lac_stored_is_netcdf(path)) {
+        status = lac_stored_file_open(path, &file, err);
+        lac_stored_file_close(file);
+    }
+    return status == LAC_OK ? lac_fail(err, LAC_EINPUT,
+                                       "%s: which column is what? --displacement COLUMN:UNIT "
+                                       "and/or --velocity COLUMN:UNIT",
+                                       path)
+                            : status;
+}
+
 lac_status cli_series_read(const cli_request *request, const char *path, const lac_units *units,
                            lac_series **out, lac_error *err)
 {
@@ -42,10 +65,7 @@ lac_status cli_series_read(const cli_request *request, const char *path, const l
     lac_status status;
     *out = NULL;
     if (words->displacement == NULL && words->velocity == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: which column is what? --displacement COLUMN:UNIT and/or --velocity "
-                        "COLUMN:UNIT",
-                        path);
+        LAC_TRY(ask_for_columns(path, err));
     }
     if (words->sigma != NULL && words->displacement == NULL) {
         return lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too");

@@ -42,8 +42,9 @@ lac_status cli_trade_resolve(cli_trade_job *job, lac_error *err);
 /// Computes one run in this process.
 /// @param file     of its output, which is written and removed
 /// @param measure  end, values, output, steps, wall time, message
-void cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
-                       lac_trade_measure *measure);
+/// @return of the run, as lac_run: LAC_EIO is the disk's doing, not the settings'
+lac_status cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
+                             lac_trade_measure *measure);
 
 /// Opens the folder of what is kept; with --resume what is there is taken over.
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT where another trade is at work there

@@ -108,8 +108,8 @@ static void run_clear(run_state *s)
     free(s->text);
 }
 
-void cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
-                       lac_trade_measure *measure)
+lac_status cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
+                             lac_trade_measure *measure)
 {
     const double started = cli_clock();
     lac_error err = {""};
@@ -129,4 +129,5 @@ void cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
     measure->end = status == LAC_OK ? LAC_TRADE_DONE : LAC_TRADE_BROKEN;
     measure->wall_time = cli_clock() - started;
     (void)snprintf(measure->message, sizeof measure->message, "%s", err.message);
+    return status;
 }

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/exits.h"
 #include "cli/signals.h"
 #include "cli/trade.h"
 
@@ -56,9 +57,11 @@ static void work(const pool *p, size_t run, int to)
         (void)setrlimit(RLIMIT_CPU, &limit);
     }
     (void)snprintf(file, sizeof file, "%s/run-%zu.nc", p->job->folder, run);
-    cli_trade_compute(p->job, run, file, &m);
+    const lac_status status = cli_trade_compute(p->job, run, file, &m);
     const ssize_t written = write(to, &m, sizeof m);
-    _exit(written == (ssize_t)sizeof m ? 0 : 1);
+    _exit(written != (ssize_t)sizeof m ? CLI_EXIT_FAILED
+          : status == LAC_EIO          ? CLI_EXIT_FILE
+                                       : CLI_EXIT_DONE);
 }
 
 static lac_status launch(pool *p, size_t run, lac_error *err)
@@ -119,6 +122,10 @@ static lac_status finish(pool *p, worker *w, lac_error *err)
     }
     if (got != (ssize_t)sizeof *m) {
         no_answer(m, status);
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == CLI_EXIT_FILE) {
+        w->pid = 0; // a full disk says nothing of the settings: none of it is kept
+        return lac_fail(err, LAC_EIO, "%s; --resume goes on", m->message);
     }
     m->cpu_time = seconds(usage.ru_utime) + seconds(usage.ru_stime);
     m->memory = (int64_t)usage.ru_maxrss * 1024; // Linux counts in KiB

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "report/assets.h"
@@ -115,12 +116,23 @@ static lac_status take_name(const char *part, const char *path, bool force, lac_
                : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(why));
 }
 
+// A name that is taken over must be a file's: a device or a pipe would be gone.
+static lac_status check_name(const char *path, lac_error *err)
+{
+    struct stat about;
+    if (stat(path, &about) != 0 || S_ISREG(about.st_mode)) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EIO, "%s: is %s", path,
+                    S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
+}
+
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force, lac_error *err)
 {
     char *html = NULL;
     char *part = malloc(strlen(path) + sizeof ".part");
     lac_status status;
-    LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(part != NULL ? check_name(path, err) : lac_fail_memory(err));
     (void)sprintf(part, "%s.part", path);
     LAC_TRY(lac_report_page(def, &html, err));
     LAC_TRY(write_part(part, html, err));

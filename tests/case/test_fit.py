@@ -197,6 +197,32 @@ class Fit(unittest.TestCase):
                                 status=3)
         self.assertIn("no/o.nc", done.stderr)
 
+    def test_spares_what_it_reads(self):
+        """--force replaces neither the series nor the case, whatever they are called."""
+        case, series = os.path.join(self.folder, "mine.yaml"), os.path.join(self.folder, "readings")
+        shutil.copy(os.path.join(SOURCE, CASE), case)
+        shutil.copy(os.path.join(SOURCE, SERIES), series)
+        as_case = os.path.join(self.folder, "series.yaml")
+        shutil.copy(series, as_case)
+        for read, out in ((series, series), (series, os.path.join(self.folder, ".", "mine.nc")),
+                          (as_case, os.path.join(self.folder, "series.nc"))):
+            done = self.run_program("fit", case, read, "-o", out, "--force", "--set", "compare=[]", status=2)
+            self.assertIn("must not be the output", done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertEqual(sorted(os.listdir(self.folder)), ["mine.yaml", "readings", "series.yaml"])
+
+    def test_odd_names(self):
+        """The fitted case can be read whatever the series is called."""
+        for name in ("a\nx: [1.csv", "b\u2028c.csv", "s\u00fcd.csv", os.fsdecode(b"\xe9.csv")):
+            shutil.copy(os.path.join(SOURCE, SERIES), os.path.join(self.folder, name))
+            done = subprocess.run([PROGRAM, "fit", os.path.join(SOURCE, CASE), name, "-o", "out.nc", "--force", "--set",
+                                   "compare=[]", "--set", "fit.walkers=12", "--set", "fit.steps=8", "--set", "fit.burn=0",
+                                   "--set", "fit.rounds=1"], cwd=self.folder, capture_output=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(os.path.join(self.folder, "out.yaml"), "rb") as file:
+                self.assertIn(b" by lacuna fit: ", file.readline())
+            self.run_program("check", os.path.join(self.folder, "out.yaml"))
+
     def test_hopeless(self):
         """Every run fails before the last reading: exit 1, nothing written."""
         said = self.fit(CASE, SERIES, "--set", "fit.parameters={friction.aging.dc: {range: [1 um, "

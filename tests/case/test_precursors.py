@@ -86,11 +86,22 @@ class Precursors(unittest.TestCase):
             self.assertRegex(done.stderr, rf"^lacuna: {name}:\d+: ")
             self.assertEqual(done.stdout, "")
 
+    def test_few_readings_print_no_nan(self):
+        self.write("one.csv", "t,d\n1,1\n")
+        self.write("weak.csv", "t,d\n" + "".join(f"{i},{i**3}e-310\n" for i in range(1, 51)))  # all power underflows
+        for name in ("one.csv", "weak.csv"):
+            said = self.call(name, "--displacement", "d:m", "--time-format", "day").stdout
+            self.assertNotRegex(said, r"\bnan\b")
+
     def test_wrong_options(self):
+        with open(os.path.join(self.folder, "damaged.nc"), "wb") as file:
+            file.write(b"\x89HDF\r\n\x1a\n" + bytes(90))
         data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
         for words, says in (
                 (["log.csv"], "which column is what? --displacement"),
                 (["none.csv", "--displacement", "d:m"], "none.csv: No such file"),
+                (["none.nc"], "none.nc: No such file"),
+                (["damaged.nc"], "damaged.nc: is damaged"),
                 (["log.csv", "--displacement", "d:kg"], 'd: unit "kg"'),
                 (["log.csv", "--displacement", ":mm"], '--displacement: ":mm" must be COLUMN:UNIT'),
                 (["log.csv", "--velocity", "d:m/s", "--sigma", "t:mm"], "--sigma: is of displacements"),
@@ -107,10 +118,25 @@ class Precursors(unittest.TestCase):
                 (data + ["--horizon", "-1 day"], '--horizon: "-1 day" must be a time > 0 s'),
                 (data + ["--failed-at", "-3 day"], "must be later than the first reading"),
                 (data + ["--until", "-1 day"], "log.csv: has no reading until -1 day")):
-            status = 3 if "none.csv" in words else 2
+            status = 3 if words[0] in ("none.csv", "none.nc", "damaged.nc") else 2
             done = self.call(*words, status=status)
             self.assertIn(says, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_output_is_looked_at_first(self):
+        """Nothing that is read is overwritten, and nothing is computed for a file that is there."""
+        data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            before = file.read()
+        for words, says in ((["-o", "./log.csv", "--force"], "./log.csv: is read by this command"),
+                            (["-o", "log.csv"], "log.csv: is read by this command"),
+                            (["-o", "there.nc"], "there.nc: exists already; --force replaces it")):
+            self.write("there.nc", "mine")
+            done = self.call(*data, *words, status=2)
+            self.assertIn(says, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), before)
 
     def block(self, *words):
         """The made-up block of cases/fit and its readings."""

@@ -39,6 +39,20 @@ except KeyboardInterrupt:
     print("stopped")
 """
 
+THREADS = """
+import sys, threading
+sys.path.insert(0, {path!r})
+import lacuna
+ends = []
+def work():
+    for _ in range(10):
+        ends.append(lacuna.run({case!r}).attrs["failure_time_s"])
+threads = [threading.Thread(target=work) for _ in range(6)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+print(len(set(ends)))
+"""
+
 
 class Python(unittest.TestCase):
     def setUp(self):
@@ -104,6 +118,26 @@ class Python(unittest.TestCase):
                 lacuna.run(self.path(case), overrides)
             self.assertEqual(caught.exception.kind, kind)
             self.assertIn(message, str(caught.exception))
+
+    def test_odd_bytes(self):
+        """A message with bytes that are no text is still the library's."""
+        for case in (b"/none/\xe9.yaml", "/none/\udce9.yaml"):
+            with self.assertRaises(lacuna.Error) as caught:
+                lacuna.run(case)
+            self.assertEqual(caught.exception.kind, "file")
+        with self.assertRaises(ValueError):
+            lacuna.run(self.path("block.yaml") + "\0x")
+
+    def test_threads(self):
+        text = THREADS.format(path=os.path.join(SOURCE, "tools", "python"), case=self.path("block.yaml"))
+        done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False, timeout=120)
+        self.assertEqual((done.stdout, done.stderr, done.returncode), ("1\n", "", 0))
+
+    def test_accuracy(self):
+        """Pilot runs pick the settings, as for the command."""
+        self.compare("block.yaml", **{"solver.accuracy": "1%"})
+        loose = lacuna.run(self.path("block.yaml"), {"solver.accuracy": 0.01})
+        self.assertLess(loose.attrs["steps"], 0.5 * lacuna.run(self.path("block.yaml")).attrs["steps"])
 
     def test_interrupted(self):
         text = STOPPED.format(path=os.path.join(SOURCE, "tools", "python"),

@@ -9,6 +9,7 @@ import base64
 import json
 import os
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
@@ -203,6 +204,25 @@ class Refused(unittest.TestCase):
         with open(html, encoding="utf-8") as file:
             self.assertEqual(file.read(), "mine")
         self.assertEqual([name for name in os.listdir(FOLDER) if name.endswith(".part")], [])
+
+    def test_force_spares_what_is_read_and_what_is_no_file(self):
+        path = made("block", scenes.BLOCK)
+        series = os.path.join(FOLDER, "spared.csv")
+        with open(series, "w", encoding="utf-8") as file:
+            file.write("day,move\n1,1\n2,2\n")
+        with open(path, "rb") as file:
+            before = file.read()
+        self.refused(2, "is read by this command", path, "-o", os.path.join(FOLDER, ".", os.path.basename(path)),
+                     "--force")
+        self.refused(2, "is read by this command", path, "--compare", series, "--displacement", "move:mm",
+                     "--time-format", "day", "-o", series, "--force")
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), before)
+        pipe = os.path.join(FOLDER, "pipe")
+        os.mkfifo(pipe)
+        self.refused(3, "is not a regular file", path, "-o", pipe, "--force")
+        self.assertTrue(stat.S_ISFIFO(os.stat(pipe).st_mode))
+        self.refused(3, "is a folder", path, "-o", FOLDER, "--force")
 
     def test_dates_beside_a_run_without(self):
         series = os.path.join(FOLDER, "dated.csv")

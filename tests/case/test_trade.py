@@ -234,6 +234,17 @@ class Trade(Program):
         stuck = self.trade(BLOCK, "--dials", "rtol=1e-3", "--set", "solver.max_steps=3", status=1)
         self.assertIn("no run that could be the reference", stuck)
 
+    def test_full_disk(self):
+        """A file that cannot be written ends the trade, and is no verdict on the settings."""
+        words = ["trade", BLOCK, "-o", self.out, "--json", *DIALS, "--jobs", "1"]
+        done = subprocess.run(["bash", "-c", 'ulimit -f 20; exec "$@" 2>"$0"', os.path.join(self.folder, "said"), PROGRAM,
+                               *words], cwd=SOURCE, stdout=subprocess.DEVNULL, check=False)
+        self.assertEqual(done.returncode, 3)
+        with open(os.path.join(self.folder, "said"), encoding="utf-8") as file:
+            self.assertRegex(file.read(), r"^lacuna: .*run-0.nc: .*File too large; --resume goes on\n$")
+        said = json.loads(self.call(*words, "--resume").stdout)
+        self.assertEqual({run["end"] for run in said["runs"]}, {"done"})
+
     def test_wrong(self):
         self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
         self.refused("nothing to turn", BLOCK, "--dials", "levels")

@@ -60,7 +60,7 @@ HEADERS = {
     "store_checkpoint": "store",
     "store_rg": "store",
     "recording": "store",
-    "scene_record": "scene",
+    "scene_record": "trade",
     "accuracy": "trade",
     "store_trade": "store",
     "sampler": "fit",

@@ -78,6 +78,7 @@ def _open():
 
 
 _library = _open()
+_one_at_a_time = threading.Lock()  # UDUNITS and netCDF, which read a case, bear one thread
 
 
 def version():
@@ -143,20 +144,24 @@ def run(case, overrides=None):
 
     case       path of the case
     overrides  {"key.path": value}, as --set key.path=value
-    Returns an xarray.Dataset; raises Error, and KeyboardInterrupt after Ctrl-C.
+    Returns an xarray.Dataset; raises Error, and KeyboardInterrupt after Ctrl-C. Threads that call it
+    at once wait for each other.
     """
-    sets = [f"{key}={value}".encode() for key, value in (overrides or {}).items()]
+    path = os.fsencode(case)
+    sets = [os.fsencode(f"{key}={value}") for key, value in (overrides or {}).items()]
+    if any(b"\0" in word for word in (path, *sets)):
+        raise ValueError("embedded null byte")
     words = (ctypes.c_char_p * len(sets))(*sets)
     recording, error = ctypes.c_void_p(), _Error()
-    with _Stop() as stop:
-        status = _library.lac_record_case(os.fsencode(case), len(sets), words,
+    with _one_at_a_time, _Stop() as stop:
+        status = _library.lac_record_case(path, len(sets), words,
                                           ctypes.byref(stop.request), ctypes.byref(recording),
                                           ctypes.byref(error))
     try:
         if status == INTERRUPTED:
             raise KeyboardInterrupt
         if status != 0:
-            raise Error(status, error.message.decode())
+            raise Error(status, error.message.decode(errors="replace"))
         return _dataset(recording)
     finally:
         _library.lac_recording_free(recording)

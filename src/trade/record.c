@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/accuracy.h"
 #include "lacuna/scene_analysis.h"
 #include "lacuna/scene_record.h"
 
@@ -54,6 +55,18 @@ out:
     }
     free(overrides);
     return status;
+}
+
+// solver.accuracy: as the command does before it runs.
+static lac_status pick(lac_scene *scene, lac_case *c, const lac_interruption *stop, lac_error *err)
+{
+    lac_accuracy_pick picked;
+    lac_run_def how = lac_run_default();
+    if (stop != NULL) {
+        how.interrupted = stop->interrupted;
+        how.context = stop->context;
+    }
+    return isnan(c->accuracy) ? LAC_OK : lac_accuracy_choose(scene, c, &how, &picked, err);
 }
 
 static lac_status create(const lac_scene *scene, const lac_analysis *analysis, lac_recording **out,
@@ -133,6 +146,7 @@ lac_status lac_record_case(const char *path, size_t count, const char *const *se
     *out = NULL;
     LAC_TRY(read_case(path, count, sets, &source, err));
     LAC_TRY(lac_scene_create(source, &scene, err));
+    LAC_TRY(pick(scene, source, stop, err));
     LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
     LAC_TRY(create(scene, analysis, &recording, err));
     status = run(scene, analysis, stop, recording, err);
