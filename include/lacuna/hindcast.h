@@ -25,6 +25,7 @@ typedef struct lac_rolling_watch {
 
 /// Forecasts at each reading, from nothing but the readings up to it; where there are more than
 /// `most`, at `most` of them, evenly by number, the last included.
+/// @param out NULL where it fails; of an interrupted one the issue times that were done, if any
 /// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM; LAC_EINTERRUPT
 lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *readings,
                               size_t most, const lac_rolling_watch *watch, lac_rolling **out,

@@ -14,6 +14,7 @@ typedef struct lac_forecast_file {
     double failed_at;               ///< [s]; NaN: not known; INFINITY: never
     const lac_outlook *outlook;     ///< at the last reading
     const lac_rolling *rolling;     ///< NULL: the outlook alone is written
+    bool interrupted;               ///< rolling has not all issue times that it should have
     size_t indicators;              ///< kinds of them; 0: none
     const lac_precursor *indicator; ///< [issue times][indicators]
 } lac_forecast_file;

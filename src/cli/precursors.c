@@ -25,6 +25,7 @@ typedef struct precursors_job {
     size_t indicators;
     lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_rolling *rolling;
+    bool interrupted;
     lac_precursor_course *course;
     lac_skill *skill;
 } precursors_job;
@@ -45,8 +46,10 @@ static lac_status roll(precursors_job *job, lac_error *err)
         .go_on = go_on, .seer = job->course, .see = lac_precursor_course_see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
-    LAC_TRY(lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
-                               &job->rolling, err));
+    status = lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
+                                &job->rolling, err);
+    job->interrupted = status == LAC_EINTERRUPT && job->rolling != NULL;
+    LAC_TRY(job->interrupted ? LAC_OK : status);
     if (!isnan(w->failed_at)) {
         job->skill = calloc(job->rolling->methods, sizeof *job->skill);
         LAC_TRY(job->skill != NULL ? LAC_OK : lac_fail_memory(err));
@@ -80,12 +83,38 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .failed_at = job->watched.failed_at,
         .outlook = job->outlook,
         .rolling = job->rolling,
+        .interrupted = job->interrupted,
         .indicators = job->course != NULL ? job->course->kinds : job->indicators,
         .indicator = job->course != NULL ? job->course->found : job->indicator,
     };
     const lac_status status = lac_store_forecast(
         job->request->output, cli_given(job->request, CLI_OPT_FORCE), &provenance, &file, err);
     free(text);
+    return status;
+}
+
+static lac_status put_out(const precursors_job *job, lac_error *err)
+{
+    const cli_request *request = job->request;
+    lac_status status = LAC_OK;
+    if (request->output != NULL) {
+        LAC_TRY(write_file(job, err));
+    }
+    const cli_precursors_result result = {.watched = &job->watched,
+                                          .plan = &job->plan,
+                                          .outlook = job->outlook,
+                                          .indicators = job->indicators,
+                                          .indicator = job->indicator,
+                                          .rolling = job->rolling,
+                                          .course = job->course,
+                                          .skill = job->skill,
+                                          .output = request->output};
+    if (cli_given(request, CLI_OPT_JSON)) {
+        cli_precursors_json(&result);
+    } else {
+        cli_precursors_print(&result, cli_given(request, CLI_OPT_VERBOSE));
+    }
+out:
     return status;
 }
 
@@ -117,22 +146,10 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
-    if (request->output != NULL) {
-        LAC_TRY(write_file(&job, err));
-    }
-    const cli_precursors_result result = {.watched = &job.watched,
-                                          .plan = &job.plan,
-                                          .outlook = job.outlook,
-                                          .indicators = job.indicators,
-                                          .indicator = job.indicator,
-                                          .rolling = job.rolling,
-                                          .course = job.course,
-                                          .skill = job.skill,
-                                          .output = request->output};
-    if (cli_given(request, CLI_OPT_JSON)) {
-        cli_precursors_json(&result);
-    } else {
-        cli_precursors_print(&result, cli_given(request, CLI_OPT_VERBOSE));
+    LAC_TRY(put_out(&job, err));
+    if (job.interrupted) {
+        LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu issue times",
+                         job.rolling->issues));
     }
 out:
     free(job.skill);

@@ -48,15 +48,20 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
     if (r->issue_time == NULL || r->forecast == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
-    for (size_t k = 0; k < r->issues; k++) {
-        if (watch != NULL && watch->go_on != NULL && !watch->go_on(watch->context, k, r->issues)) {
-            LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu issue times", k,
-                             r->issues));
+    const size_t planned = r->issues;
+    for (size_t k = 0; k < planned && status == LAC_OK; k++) {
+        const bool go_on =
+            watch == NULL || watch->go_on == NULL || watch->go_on(watch->context, k, planned);
+        status = go_on ? issue(r, def, readings, k, watch, err) : LAC_EINTERRUPT;
+        if (status == LAC_EINTERRUPT) {
+            r->issues = k;
+            (void)lac_fail(err, status, "interrupted after %zu of %zu issue times", k, planned);
         }
-        LAC_TRY(issue(r, def, readings, k, watch, err));
     }
-    *out = r;
-    r = NULL;
+    if (status == LAC_OK || (status == LAC_EINTERRUPT && r->issues > 0)) {
+        *out = r;
+        r = NULL;
+    }
 out:
     lac_rolling_free(r);
     return status;

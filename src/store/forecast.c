@@ -252,7 +252,8 @@ static lac_status put_attributes(const writer *w, lac_error *err)
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "outliers", (long long)m->outliers, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "resets", (long long)m->resets, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "gaps", (long long)m->gaps, err));
-    LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "status", "complete", err));
+    LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "status", c->interrupted ? "interrupted" : "complete",
+                        err));
 out:
     return status;
 }

@@ -149,6 +149,34 @@ static void the_future_changes_nothing(void **state)
     lac_rolling_free(other);
 }
 
+static bool before_cut(void *context, size_t done, size_t all)
+{
+    (void)context, (void)all;
+    return done < CUT;
+}
+
+// What was issued before an interruption is kept.
+static void an_interruption_keeps_what_was_issued(void **state)
+{
+    (void)state;
+    fill();
+    lac_forecast_def def = lac_forecast_default();
+    def.model = &own;
+    const lac_readings readings = {.n = N, .time = times, .displacement = displacement};
+    const lac_rolling_watch watch = {.go_on = before_cut};
+    lac_error err = {0};
+    lac_rolling *whole = roll(N);
+    lac_rolling *part = NULL;
+    assert_int_equal(lac_rolling_create(&def, &readings, N, &watch, &part, &err), LAC_EINTERRUPT);
+    assert_non_null(part);
+    assert_int_equal(part->issues, CUT);
+    for (size_t i = 0; i < (size_t)CUT * whole->methods; i++) {
+        assert_same(&whole->forecast[i], &part->forecast[i]);
+    }
+    lac_rolling_free(part);
+    lac_rolling_free(whole);
+}
+
 // A shift of the clock by a power of two, and metres turned into others, change nothing but
 // rounding.
 static void clock_and_metre_do_not_matter(void **state)
@@ -244,6 +272,7 @@ int main(void)
         cmocka_unit_test(rows_are_whole),
         cmocka_unit_test(a_model_stands_before_the_baseline),
         cmocka_unit_test(the_future_changes_nothing),
+        cmocka_unit_test(an_interruption_keeps_what_was_issued),
         cmocka_unit_test(clock_and_metre_do_not_matter),
         cmocka_unit_test(any_numbers_are_survived),
         cmocka_unit_test(skill_is_measured),
