@@ -11,6 +11,7 @@ typedef struct lac_report_def {
     const char *run;          ///< file of a run
     const lac_series *series; ///< laid beside it; NULL: none
     const char *series_name;  ///< what it is called
+    const char *fit;          ///< file of lacuna fit, whose forecast is drawn; NULL: none
     const char *made_by;      ///< program and version
     double now;               ///< seconds since 1970 UTC: the library reads no clock
 } lac_report_def;
@@ -19,8 +20,9 @@ typedef struct lac_report_def {
 /// holds something for, its series thinned to what can be told apart on a screen. A reading of a
 /// series without dates counts from the start of the run.
 /// @param json  ends in '\0'; the caller frees it; NULL where it fails
-/// @return LAC_OK; LAC_EINPUT (no record; a series with dates beside a run without); LAC_EIO (not
-///         the file of a run, damaged); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (no record; a series or fit with dates beside a run without, or the
+///         other way round a fit); LAC_EIO (not the file of a run, or of a fit; damaged);
+///         LAC_ENOMEM
 /// @cost  memory of all records of one column set, and of 12 000 numbers for each of 40 snapshots
 lac_status lac_report_data(const lac_report_def *def, char **json, lac_error *err);
 

@@ -31,6 +31,20 @@ lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable
 void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
                              size_t size);
 
+/// Any attribute of a variable as text; "" where there is none, or where it is longer than the
+/// room.
+void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+                          char *text, size_t size);
+
+/// An attribute of one number of a variable; NaN where there is none.
+double lac_stored_file_number(const lac_stored_file *file, const char *variable,
+                              const char *attribute);
+
+/// Name of a variable, in the order of the file.
+/// @param index  from 0
+/// @return false past the last one, or where the name is longer than the room for it
+bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
+
 /// A global attribute as text, as lac_store_read_attribute.
 /// @return LAC_OK; LAC_EIO
 lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,

@@ -75,7 +75,7 @@ typedef struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
-    const char *compare;                               ///< a series laid beside a run
+    const char *compare, *fit;                         ///< a series and a fit laid beside a run
     cli_series_words series;
     cli_forecast_words forecast;
     cli_trade_words trade;

@@ -48,7 +48,7 @@ static const cli_command commands[] = {
     {"report", "RUN.nc", "a run as one HTML page to look at",
      "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
      "beside the run; --displacement and --velocity name their columns, unless the run's case "
-     "does.\n",
+     "does. --fit draws what lacuna fit forecasts.\n",
      "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"new", "[NAME]", "write a commented case file to start from",

@@ -12,6 +12,7 @@
 #include "cli/words.h"
 #include "lacuna/report.h"
 #include "lacuna/store.h"
+#include "lacuna/store_file.h"
 #include "lacuna/version.h"
 
 enum { LONGEST_CASE = 1 << 18 };
@@ -96,6 +97,64 @@ static lac_status read_series(const cli_request *request, lac_series **out, lac_
     return status;
 }
 
+// The readings that a fit was made from, of the file that it left.
+static lac_status read_fitted(const char *path, lac_series **out, lac_error *err)
+{
+    const lac_series_def def = {.path = path,
+                                .time = "reading_time",
+                                .displacement = "observed_displacement",
+                                .velocity = "observed_slip_rate"};
+    lac_stored_file *file = NULL;
+    lac_stored_values readings = {0};
+    lac_units *units = NULL;
+    lac_status status;
+    LAC_TRY(lac_stored_file_open(path, &file, err));
+    LAC_TRY(lac_stored_file_values(file, def.time, &readings, err));
+    if (readings.value == NULL) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not a file of lacuna fit", path));
+    }
+    LAC_TRY(lac_units_create(&units, err));
+    LAC_TRY(lac_series_read(&def, units, out, err));
+out:
+    lac_units_free(units);
+    lac_stored_values_clear(&readings);
+    lac_stored_file_close(file);
+    return status;
+}
+
+// A fit given in place of a run: what was meant.
+static lac_status check_run(const char *path, lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_stored_values readings = {0};
+    lac_error unsaid = {0};
+    lac_status status = LAC_OK;
+    if (lac_stored_file_open(path, &file, &unsaid) == LAC_OK &&
+        lac_stored_file_values(file, "reading_time", &readings, &unsaid) == LAC_OK &&
+        readings.value != NULL) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: is the file of a fit: run the case beside it and lay the fit on "
+                          "that: lacuna report RUN.nc --fit %s",
+                          path, path);
+    }
+    lac_stored_values_clear(&readings);
+    lac_stored_file_close(file);
+    return status;
+}
+
+static lac_status read_beside(const cli_request *request, lac_series **out, lac_error *err)
+{
+    if (request->compare != NULL) {
+        return read_series(request, out, err);
+    }
+    if (cli_given(request, CLI_OPT_SERIES)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--displacement, --velocity ... say how a series is read: name it with "
+                        "--compare SERIES.csv");
+    }
+    return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
+}
+
 static void print_result(const cli_request *request, const char *path)
 {
     if (cli_given(request, CLI_OPT_JSON)) {
@@ -114,16 +173,13 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     char *path = output_path(request);
     lac_status status;
     LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
-    if (request->compare != NULL) {
-        LAC_TRY(read_series(request, &series, err));
-    } else if (cli_given(request, CLI_OPT_SERIES)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "--displacement, --velocity ... say how a series is read: name it with "
-                         "--compare SERIES.csv"));
-    }
+    LAC_TRY(check_run(request->argument[0], err));
+    LAC_TRY(read_beside(request, &series, err));
+    const char *name = request->compare != NULL ? request->compare : request->fit;
     const lac_report_def def = {.run = request->argument[0],
                                 .series = series,
-                                .series_name = series != NULL ? base_name(request->compare) : NULL,
+                                .series_name = series != NULL ? base_name(name) : NULL,
+                                .fit = request->fit,
                                 .made_by = "lacuna " LACUNA_VERSION,
                                 .now = (double)time(NULL)};
     LAC_TRY(lac_report_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));

@@ -14,8 +14,8 @@
 static lac_status write_data(const lac_page *page, lac_error *err)
 {
     lac_status (*const sections[])(const lac_page *, lac_error *) = {
-        lac_page_about, lac_page_motion, lac_page_forces,    lac_page_solver, lac_page_series,
-        lac_page_cells, lac_page_levels, lac_page_forecasts, lac_page_events};
+        lac_page_about, lac_page_motion, lac_page_forces, lac_page_solver,    lac_page_series,
+        lac_page_fit,   lac_page_cells,  lac_page_levels, lac_page_forecasts, lac_page_events};
     lac_status status = LAC_OK;
     lac_page_open(page->text, NULL, '{');
     for (size_t i = 0; i < sizeof sections / sizeof *sections; i++) {
@@ -116,32 +116,37 @@ static lac_status take_name(const char *part, const char *path, bool force, lac_
                : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(why));
 }
 
-// A name that is taken over must be a file's: a device or a pipe would be gone.
-static lac_status check_name(const char *path, lac_error *err)
+// Where a page goes: to the file that a symbolic link leads to, as of every file of lacuna. A name
+// that is taken over must be a file's: a device or a pipe would be gone.
+static lac_status find_place(const char *path, char **place, lac_error *err)
 {
     struct stat about;
-    if (stat(path, &about) != 0 || S_ISREG(about.st_mode)) {
-        return LAC_OK;
+    const bool exists = stat(path, &about) == 0;
+    if (exists && !S_ISREG(about.st_mode)) {
+        return lac_fail(err, LAC_EIO, "%s: is %s", path,
+                        S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
     }
-    return lac_fail(err, LAC_EIO, "%s: is %s", path,
-                    S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
+    *place = exists ? realpath(path, NULL) : strdup(path);
+    return *place != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force, lac_error *err)
 {
-    char *html = NULL;
-    char *part = malloc(strlen(path) + sizeof ".part");
+    char *html = NULL, *place = NULL, *part = NULL;
     lac_status status;
-    LAC_TRY(part != NULL ? check_name(path, err) : lac_fail_memory(err));
-    (void)sprintf(part, "%s.part", path);
+    LAC_TRY(find_place(path, &place, err));
+    part = malloc(strlen(place) + sizeof ".part");
+    LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
+    (void)sprintf(part, "%s.part", place);
     LAC_TRY(lac_report_page(def, &html, err));
     LAC_TRY(write_part(part, html, err));
-    LAC_TRY(take_name(part, path, force, err));
+    LAC_TRY(take_name(part, place, force, err));
 out:
     if (status != LAC_OK && part != NULL && html != NULL) {
         (void)unlink(part);
     }
     free(html);
     free(part);
+    free(place);
     return status;
 }

@@ -74,6 +74,7 @@ lac_status lac_page_motion(const lac_page *page, lac_error *err);
 lac_status lac_page_forces(const lac_page *page, lac_error *err);
 lac_status lac_page_solver(const lac_page *page, lac_error *err);
 lac_status lac_page_series(const lac_page *page, lac_error *err);
+lac_status lac_page_fit(const lac_page *page, lac_error *err);
 lac_status lac_page_forecasts(const lac_page *page, lac_error *err);
 lac_status lac_page_cells(const lac_page *page, lac_error *err);
 lac_status lac_page_levels(const lac_page *page, lac_error *err);

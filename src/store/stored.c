@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lacuna/store_file.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,11 +70,38 @@ lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable
 void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
                              size_t size)
 {
+    lac_stored_file_text(file, variable, "comment", text, size);
+}
+
+void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+                          char *text, size_t size)
+{
     int id = 0;
     text[0] = '\0';
     if (nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) {
-        lac_netcdf_text(file->in.id, id, "comment", text, size);
+        lac_netcdf_text(file->in.id, id, attribute, text, size);
     }
+}
+
+double lac_stored_file_number(const lac_stored_file *file, const char *variable,
+                              const char *attribute)
+{
+    int id = 0;
+    double value = NAN;
+    const bool found = nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
+                       lac_input_number(&file->in, id, attribute, &value);
+    return found ? value : NAN;
+}
+
+bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)
+{
+    char longest[NC_MAX_NAME + 1];
+    if (index > INT_MAX || nc_inq_varname(file->in.id, (int)index, longest) != NC_NOERR ||
+        strlen(longest) >= size) {
+        return false;
+    }
+    (void)strcpy(name, longest);
+    return true;
 }
 
 lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
