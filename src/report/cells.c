@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_SQUARES = 12000, SNAPSHOTS = 40, LEVELS = 254 };
+// Of a line, whose snapshots are rows of one map, as many as a screen has.
+enum { MOST_SQUARES = 12000, SNAPSHOTS = 40, LINE_SNAPSHOTS = 400, LEVELS = 254 };
 
 // A cell that moves this much faster than the mean at the start is said to slip.
 static const double slipping_ratio = 10.0;
@@ -20,9 +21,9 @@ static double slipping_rate(const lac_page_run *run)
 
 // Snapshots that the page shows, in time.
 typedef struct shots {
-    size_t count;
-    size_t index[SNAPSHOTS];
-    double time[SNAPSHOTS], before[SNAPSHOTS];
+    size_t count, most;
+    size_t index[LINE_SNAPSHOTS];
+    double time[LINE_SNAPSHOTS], before[LINE_SNAPSHOTS];
 } shots;
 
 // A field of the snapshots: what is written of it.
@@ -30,7 +31,7 @@ typedef struct field {
     const char *key, *variable;
     lac_page_summary how;
     bool logarithm; // of its values
-    bool common;    // one range for all snapshots
+    bool common;    // one range for all snapshots; of a line always
 } field;
 
 static const field fields[] = {
@@ -54,13 +55,13 @@ static double before_of(const lac_page_run *run, double time)
     return run->before[low] - (time - run->time[low]);
 }
 
-// Marks at most SNAPSHOTS of n, the first and last of even parts of time and of log time before the
+// Marks at most so many of n, the first and last of even parts of time and of log time before the
 // end, as series are thinned.
-static void choose(size_t n, const double *time, const double *before, uint8_t *keep)
+static void choose(size_t n, size_t most, const double *time, const double *before, uint8_t *keep)
 {
-    size_t buckets = SNAPSHOTS / 2;
+    size_t buckets = most / 2;
     memset(keep, 1, n);
-    while (n > SNAPSHOTS && lac_page_thin(n, time, before, buckets, 0, NULL, keep) > SNAPSHOTS &&
+    while (n > most && lac_page_thin(n, time, before, buckets, 0, NULL, keep) > most &&
            buckets > 1) {
         buckets--;
     }
@@ -83,9 +84,9 @@ static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err
     for (size_t i = 0; i < n; i++) {
         before[i] = before_of(run, time.value[i]);
     }
-    choose(n, time.value, before, keep);
+    choose(n, s->most, time.value, before, keep);
     for (size_t i = 0; i < n; i++) {
-        if (keep[i] && s->count < SNAPSHOTS) {
+        if (keep[i] && s->count < s->most) {
             s->index[s->count] = i;
             s->time[s->count] = time.value[i];
             s->before[s->count++] = before[i];
@@ -216,7 +217,8 @@ static lac_status write_snapshots(const lac_page *page, const lac_page_raster *r
         bool there = false;
         LAC_TRY(read_field(page, r, s, &fields[f], to, &there, err));
         if (there) {
-            write_field(text, r, s, fields[f].key, fields[f].common, to->value, to->bytes);
+            write_field(text, r, s, fields[f].key, fields[f].common || r->ny == 1, to->value,
+                        to->bytes);
         }
         if (there && fields[f].how == LAC_PAGE_MOST) {
             write_shares(text, r, s, to);
@@ -270,6 +272,7 @@ lac_status lac_page_cells(const lac_page *page, lac_error *err)
     if (raster.cells < 2) {
         goto out; // a block
     }
+    s.most = raster.ny == 1 ? LINE_SNAPSHOTS : SNAPSHOTS;
     LAC_TRY(choose_shots(page->run, &s, err));
     const size_t room_of = (s.count > 0 ? s.count : 1) * raster.squares;
     to = (room){malloc(room_of * sizeof(double)), malloc(room_of * sizeof(double)),

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A chart: lines, dots, bars and bands over a clock or any axis, drawn as SVG, read off by pointer
-// or keys.
+// A chart: lines, dots, bars and bands over a clock or any axis, drawn as SVG.
 "use strict";
 
-const page = { data: null, clock: null, axis: "time", charts: [] };
+const page = { data: null, clock: null, axis: "time", charts: [], views: {} };
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -32,11 +31,22 @@ function clockValues(spec, line) {
 
 const xValues = (spec, line) => (spec.x.clock ? clockValues(spec, line) : line.x);
 
-function clockScale(spec, width) {
-  const lists = spec.lines.filter((l) => !l.follows).map((l) => clockValues(spec, l));
-  if (turned(spec)) return remaining(spec.x.before || extentPositive(lists), width / 74);
-  const ends = spec.x.range || extent(lists);
-  return page.clock.dated ? calendar(ends, width / 84, page.clock.start) : elapsed(ends, width / 84);
+// What the reader made of a chart: enlarged parts of its axes, the other kind of its upright axis, lines left out.
+const untouched = () => ({ x: null, y: null, kind: null, hidden: new Set() });
+
+const shown = (chart) => {
+  const left = chart.spec.lines.filter((_, i) => !chart.view.hidden.has(i));
+  return left.length ? left : chart.spec.lines;
+};
+
+// Lines that follow the run do not widen the axis, but those ahead of it do, in time.
+const widens = (spec) => (line) => !line.follows || (line.ahead && !turned(spec));
+
+function clockScale(spec, lines, width, ends = null) {
+  const lists = [...lines.filter(widens(spec)).map((l) => clockValues(spec, l)), turned(spec) ? [] : spec.x.reach || []];
+  if (turned(spec)) return remaining(ends || spec.x.before || extentPositive(lists), width / 74);
+  const range = ends || spec.x.range || extent(lists);
+  return page.clock.dated ? calendar(range, width / 84, page.clock.start) : elapsed(range, width / 84);
 }
 
 // Dots stand clear of the edges.
@@ -47,25 +57,61 @@ function widened([low, high], by) {
 function makeScale(given, lists, most) {
   const axis = typeof given.range === "function" ? { ...given, range: given.range() } : given;
   if (axis.kind === "clock") return page.clock.dated ? calendar(axis.range, most, page.clock.start) : elapsed(axis.range, most);
+  if (axis.kind === "remaining") return remaining(axis.range, most);
   if (axis.kind === "spans") return spans(axis.range || extentPositive(lists), most);
   if (axis.kind === "log") return logarithmic(axis.range || widened(extentPositive(lists), axis.clear || 0), most, axis.tick);
   return linear(axis.range || extent(lists), most, axis.tick, axis.scale);
 }
 
+function scaleAcross(chart, width) {
+  const { spec, view } = chart, lines = shown(chart);
+  const make = (range) => (spec.x.clock ? clockScale(spec, lines, width, range)
+    : makeScale(range ? { ...spec.x, range } : spec.x, lines.map((l) => l.x), width / 74));
+  const whole = make(null);
+  return view.x ? enlarged(whole, view.x, make) : whole;
+}
+
+// Values of the lines within the enlarged part, and the next ones outside.
+function valuesWithin(chart, x) {
+  const lists = [];
+  for (const line of shown(chart)) {
+    const places = xValues(chart.spec, line).map((v) => x.at(v));
+    const near = (i) => places[i] >= -0.001 && places[i] <= 1.001;
+    for (const list of line.low ? [line.y, line.low, line.high] : [line.y]) lists.push(list.filter((_, i) => near(i) || near(i - 1) || near(i + 1)));
+  }
+  return lists;
+}
+
+const others = { linear: "log", log: "linear" };
+
+function scaleUp(chart, x, height) {
+  const { spec, view } = chart;
+  const lists = view.x && !spec.y.fixed ? valuesWithin(chart, x) : shown(chart).flatMap((l) => (l.low ? [l.y, l.low, l.high] : [l.y]));
+  if (!view.x) lists.push((spec.marks || []).filter((m) => m.y !== undefined).map((m) => m.y));
+  const axis = { ...spec.y };
+  if ((view.x && !axis.fixed) || view.kind) delete axis.range;
+  if (view.kind) Object.assign(axis, { kind: view.kind, tick: axis.tick === powerTick ? plain(5) : axis.tick });
+  const make = (range) => makeScale(range ? { ...axis, range } : axis, lists, height / 46);
+  const whole = make(null);
+  return view.y ? enlarged(whole, view.y, make) : whole;
+}
+
 function clockLabel(spec, scale) {
   if (turned(spec)) return `time before ${page.clock.end}`;
-  if (page.clock.dated) return `date (UTC), ${date(page.clock.start + scale.low, "day")} to ${date(page.clock.start + scale.high, "day")}`;
+  if (page.clock.dated) {
+    const [first, last] = [scale.low, scale.high].map((t) => date(page.clock.start + t, "day"));
+    return `date (UTC), ${first === last ? first : `${first} to ${last}`}`;
+  }
   return `time since the start (${scale.unit})`;
 }
 
 // Room around the plot, by the longest label.
-function layOut(spec, width, height) {
-  const y = makeScale(spec.y, spec.lines.flatMap((l) => (l.low ? [l.y, l.low, l.high] : [l.y])).concat(
-    (spec.marks || []).filter((m) => m.y !== undefined).map((m) => [m.y])), height / 46);
+function layOut(chart, width, height) {
+  const y = scaleUp(chart, scaleAcross(chart, width), height);
   const left = 12 + 6.9 * Math.max(...y.ticks.map((t) => String(t.label).length), 2);
   const box = { left, right: width - 14, top: 26, bottom: height - 40 };
   const inner = box.right - box.left;
-  const x = spec.x.clock ? clockScale(spec, inner) : makeScale(spec.x, spec.lines.map((l) => l.x), inner / 74);
+  const x = scaleAcross(chart, inner);
   return {
     box, x, y,
     px: (v) => box.left + inner * x.at(v),
@@ -126,12 +172,33 @@ function drawDots(line, plot, xs, group) {
   }
 }
 
-function drawLines(spec, plot, group) {
-  for (const line of spec.lines) {
+// Between two curves; where the upper one is missing the area is open above.
+function areaPath(plot, xs, low, high) {
+  const top = plot.box.top - 30, under = plot.box.bottom + 30;
+  let path = "", run = [];
+  const close = () => {
+    if (run.length > 1) path += `M${run.map(([x, , up]) => `${x} ${up}`).join("L")}L${run.reverse().map(([x, down]) => `${x} ${down}`).join("L")}Z`;
+    run = [];
+  };
+  xs.forEach((v, i) => {
+    const x = plot.px(v), down = plot.py(low[i]), up = high[i] === null ? top : plot.py(high[i]);
+    if (!Number.isFinite(x) || low[i] === null) return close();
+    run.push([x.toFixed(1), (Number.isFinite(down) ? Math.min(under, Math.max(top, down)) : under).toFixed(1),
+      (Number.isFinite(up) ? Math.min(under, Math.max(top, up)) : under).toFixed(1)]);
+  });
+  close();
+  return path;
+}
+
+function drawLines(chart, plot, group) {
+  const { spec } = chart;
+  for (const line of shown(chart)) {
     const xs = xValues(spec, line);
     if (line.kind === "dots") {
       drawDots(line, plot, xs, group);
-    } else {
+    } else if (line.kind === "area") {
+      group.append(svg("path", { class: `area f-${line.colour}${line.inner ? " inner" : ""}`, d: areaPath(plot, xs, line.low, line.high) }));
+    } else if (line.kind !== "none") {
       const look = `line c-${line.colour}${line.dash ? " dash" : ""}${line.thin ? " thin" : ""}`;
       const path = svg("path", { class: look, d: pathOf(plot, xs, line.y, line.kind === "step") });
       if (line.stroke) path.style.stroke = line.stroke;
@@ -169,11 +236,27 @@ function drawMarks(spec, plot, group) {
     const at = across ? plot.py(mark.y) : markPlace(spec, plot, mark);
     if (!Number.isFinite(at) || (!across && (at < box.left - 1 || at > box.right + 1))) continue;
     const ends = across ? { x1: box.left, x2: box.right, y1: at, y2: at } : { x1: at, x2: at, y1: box.top, y2: box.bottom };
-    group.append(svg("line", { class: "mark dash", ...ends }));
+    group.append(svg("line", { class: `mark dash${mark.quiet ? " quiet" : ""}${spec.image ? " over" : ""}`, ...ends }));
     if (!mark.label) continue;
     const near = at > (box.left + box.right) / 2;
     const place = across ? { x: box.left + 6, y: at - 5 } : { x: at + (near ? -6 : 6), y: box.top + 11 + 15 * row++, "text-anchor": near ? "end" : "start" };
-    group.append(svg("text", { class: "mark-label", ...place }, mark.label));
+    group.append(svg("text", { class: mark.quiet ? "mark-label quiet" : "mark-label", ...place }, mark.label));
+  }
+}
+
+// A forecast's interval as a bar above the axis: 90 % thin, 50 % thick, its median a stroke.
+function drawSpans(spec, plot, group) {
+  const { box } = plot;
+  const clip = (v, fallback) => Math.min(box.right, Math.max(box.left, Number.isFinite(v) ? v : fallback));
+  for (const bar of spec.spans || []) {
+    const place = (t) => (t === null ? NaN : markPlace(spec, plot, { x: t }));
+    const [low90, low50, middle, high50, high90] = bar.at.map((t, i) => clip(place(t), i < 2 ? box.left : box.right));
+    const y = box.bottom - 9;
+    if (high90 - low90 < 0.5) continue;
+    group.append(svg("line", { class: "c-fit span", x1: low90, x2: high90, y1: y, y2: y }),
+      svg("line", { class: "c-fit span thick", x1: low50, x2: high50, y1: y, y2: y }),
+      svg("line", { class: "c-fit span middle", x1: middle, x2: middle, y1: y - 6, y2: y + 6 }),
+      svg("text", { class: "span-label", x: low90 - 6, y: y + 4, "text-anchor": "end" }, bar.label));
   }
 }
 
@@ -181,9 +264,12 @@ let clips = 0;
 
 function draw(chart) {
   const { spec, frame } = chart;
+  chart.view = page.views[spec.title] ||= untouched();
   const width = Math.max(240, frame.clientWidth || 640);
-  const height = spec.height || Math.round(Math.min(380, Math.max(230, width * 0.5)));
-  const plot = layOut(spec, width, height);
+  const paper = document.documentElement.classList.contains("paper"); // holds more where charts are lower
+  const height = paper ? Math.min(spec.height || Infinity, Math.max(175, Math.round(width * (spec.height ? 0.75 : 0.38))))
+    : spec.height || Math.round(Math.min(380, Math.max(230, width * 0.5)));
+  const plot = layOut(chart, width, height);
   const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": spec.title });
   const clip = `clip${++clips}`, { box } = plot;
   picture.append(svg("clipPath", { id: clip }, svg("rect", { x: box.left - 4, y: box.top - 4,
@@ -192,93 +278,12 @@ function draw(chart) {
   picture.append(under, over);
   drawBands(spec, plot, under);
   drawAxes(spec, plot, under);
-  drawLines(spec, plot, over);
-  drawMarks(spec, plot, under);
+  if (spec.image) over.append(spec.image(plot));
+  drawLines(chart, plot, over);
+  drawMarks(spec, plot, spec.image ? over : under);
+  drawSpans(spec, plot, over);
   frame.querySelector("svg")?.remove();
   frame.prepend(picture);
   Object.assign(chart, { plot, picture, cursor: null });
   if (chart.at !== null && chart.at !== undefined) readOff(chart, chart.at);
-}
-
-// The cursor stands at a point of the first line.
-function readOff(chart, index) {
-  const { spec, plot, picture } = chart;
-  const line = spec.lines[spec.read || 0];
-  const xs = xValues(spec, line), at = Math.min(xs.length - 1, Math.max(0, index));
-  const x = plot.px(xs[at]);
-  chart.at = at;
-  chart.cursor?.remove();
-  const text = spec.readout(at);
-  chart.said.textContent = text;
-  chart.frame.setAttribute("aria-valuenow", String(at));
-  chart.frame.setAttribute("aria-valuetext", text);
-  if (!Number.isFinite(x)) return;
-  chart.cursor = svg("g", {}, svg("line", { class: "cursor", x1: x, x2: x, y1: plot.box.top, y2: plot.box.bottom }));
-  const y = line.y[at] === null ? NaN : plot.py(line.y[at]);
-  if (Number.isFinite(y)) chart.cursor.append(svg("circle", { class: `bead f-${line.colour}`, cx: x, cy: y, r: 4.5 }));
-  picture.append(chart.cursor);
-}
-
-function nearest(chart, clientX) {
-  const { spec, plot, picture } = chart;
-  const box = picture.getBoundingClientRect();
-  const x = ((clientX - box.left) / box.width) * picture.viewBox.baseVal.width;
-  const xs = xValues(spec, spec.lines[spec.read || 0]);
-  let best = 0, distance = Infinity;
-  for (let i = 0; i < xs.length; i++) {
-    const d = Math.abs(plot.px(xs[i]) - x);
-    if (d < distance) [best, distance] = [i, d];
-  }
-  return best;
-}
-
-function onKey(chart, event) {
-  const last = chart.spec.lines[chart.spec.read || 0].y.length - 1;
-  const stride = event.shiftKey ? Math.ceil(last / 10) : Math.ceil(last / 200);
-  const now = chart.at ?? 0;
-  const moves = { ArrowRight: now + stride, ArrowLeft: now - stride, Home: 0, End: last, PageUp: now + Math.ceil(last / 10),
-    PageDown: now - Math.ceil(last / 10) };
-  if (!(event.key in moves)) return;
-  event.preventDefault();
-  readOff(chart, Math.min(last, Math.max(0, moves[event.key])));
-}
-
-function legendOf(spec) {
-  const named = spec.lines.filter((l) => l.name);
-  if (named.length < 2 && !spec.legend) return null;
-  const list = element("ul", { class: "legend" });
-  for (const line of named) {
-    const sample = line.kind === "dots"
-      ? svg("circle", { class: line.full ? `dot full f-${line.colour}` : `dot c-${line.colour}`, cx: 11, cy: 5, r: 3.2 })
-      : svg("path", { class: `line c-${line.colour}${line.dash ? " dash" : ""}`, d: "M0 5H22" });
-    if (line.stroke) sample.style.stroke = line.stroke;
-    list.append(element("li", {}, svg("svg", { viewBox: "0 0 22 10", "aria-hidden": "true" }, sample), line.name));
-  }
-  for (const [text, inner] of spec.legend || []) {
-    const box = svg("rect", { class: inner ? "band inner" : "band", width: 22, height: 10 });
-    list.append(element("li", {}, svg("svg", { viewBox: "0 0 22 10", "aria-hidden": "true" }, box), text));
-  }
-  return list;
-}
-
-// A figure with its chart, its words and its table.
-function figure(spec) {
-  const last = Math.max(0, spec.lines[spec.read || 0].y.length - 1);
-  const frame = element("div", { class: "frame", tabindex: "0", role: "slider", "aria-label": `Read off: ${spec.title}`,
-    "aria-valuemin": "0", "aria-valuemax": String(last), "aria-valuenow": "0", "aria-valuetext": "not read yet" });
-  const said = element("output");
-  if (page.charts.length === 0) said.dataset.hint = "Point at a chart, or focus it and use the arrow keys, to read it off.";
-  const whole = element("figure", {}, element("h3", {}, spec.title));
-  const legend = legendOf(spec);
-  if (legend) whole.append(legend);
-  whole.append(frame, said);
-  if (spec.caption) whole.append(element("figcaption", {}, spec.caption));
-  if (spec.table) whole.append(tableOf(spec.table));
-  const chart = { spec, frame, said, at: null, draw: () => draw(chart) };
-  frame.addEventListener("pointermove", (event) => readOff(chart, nearest(chart, event.clientX)));
-  frame.addEventListener("pointerdown", (event) => readOff(chart, nearest(chart, event.clientX)));
-  frame.addEventListener("keydown", (event) => onKey(chart, event));
-  page.charts.push(chart);
-  whole.chart = chart;
-  return whole;
 }

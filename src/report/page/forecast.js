@@ -28,7 +28,7 @@ function showWindow(f) {
   const issue = { x: f.issue[forecastState.issue], label: "issued" };
   for (const chart of page.charts.filter((c) => c.spec.shows === "window")) {
     chart.spec.bands = windowBands(f);
-    chart.spec.marks = [...failureMark(page.data), issue];
+    chart.spec.marks = [...marksOf(page.data), issue];
     chart.draw();
   }
 }

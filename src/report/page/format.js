@@ -31,7 +31,7 @@ function inUnits(value, units, digits = 4) {
   if (value === null || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   const [unit, scale] = units.find(([, s]) => size >= s) || units[units.length - 1];
-  return `${number(value / scale, digits)}${THIN}${size === 0 ? units[0][0] : unit}`;
+  return `${number(value / scale, digits)}${THIN}${size === 0 ? units.find(([, s]) => s === 1)[0] : unit}`;
 }
 
 const LENGTHS = [["km", 1e3], ["m", 1], ["cm", 0.01], ["mm", 1e-3], ["µm", 1e-6], ["nm", 1e-9]];
@@ -54,7 +54,13 @@ function rate(value, digits = 3) {
   return `${number(value * YEAR * 1e3, digits)}${THIN}mm/year`;
 }
 
-const plain = (digits) => (value) => number(value, digits);
+// A quantity in words, by its SI unit.
+function quantity(value, unit) {
+  const known = { m: length, "m/s": rate, Pa: pressure, s: span, N: force }[unit];
+  return value === null || value === undefined ? "–" : known ? known(value) : `${number(value)}${unit === "1" ? "" : `${THIN}${unit}`}`;
+}
+
+const plain = (digits) => (value, more = 0) => number(value, digits + more);
 
 // A time of the run: a date where it has one.
 function date(seconds, detail = "minute") {
@@ -62,7 +68,7 @@ function date(seconds, detail = "minute") {
   if (Number.isNaN(at.getTime())) return "–";
   const text = at.toISOString();
   if (detail === "day") return text.slice(0, 10);
-  return `${text.slice(0, 10)} ${text.slice(11, detail === "second" ? 19 : 16)}`;
+  return `${text.slice(0, 10)} ${text.slice(11, { second: 19, millisecond: 23 }[detail] || 16)}`;
 }
 
 function moment(clock, seconds) {

@@ -3,7 +3,7 @@
 "use strict";
 
 const SECTIONS = [
-  ["motion", motionSection], ["forecasts", forecastSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
+  ["motion", motionSection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
   ["events", eventsSection], ["solver", solverSection], ["about", aboutSection],
 ];
 
@@ -35,6 +35,7 @@ function drawAll() {
 function fillControls() {
   choice("axis", "axis", [["time", page.clock.dated ? "Date" : "Time"], ["before", `Time to ${page.clock.end}`]], page.axis, (value) => {
     page.axis = value;
+    for (const chart of page.charts.filter((c) => c.spec.x.clock)) whole(chart);
     drawAll();
   });
   choice("theme", "theme", [["", "As the system"], ["light", "Light"], ["dark", "Dark"]], "", (value) => {

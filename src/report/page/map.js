@@ -77,9 +77,9 @@ function mapKinds(cells) {
       caption: `A cell slips where it is faster than ${rate(cells.slipping_rate)}, ten times the mean at the start.` });
   }
   if (cells.rate) kinds.push({ key: "rate", title: "Slip rate", colours: RAMP, words: (v) => rate(10 ** v), caption: "Logarithmic, one range for all times; of squares of several cells their fastest." });
-  if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: "Since the start, each time in its own range." });
+  if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: cells.ny === 1 ? "Since the start." : "Since the start, each time in its own range." });
   if (cells.traction) kinds.push({ key: "traction", title: "Shear traction", colours: RAMP, words: (v) => pressure(v), caption: "The elastic side of the balance, q − Kδ, one range for all times." });
-  if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v) => pressure(v), still: true, caption: "Of the contact, before pore pressure." });
+  if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v, digits) => pressure(v, digits), still: true, caption: "Of the contact, before pore pressure." });
   return kinds;
 }
 
@@ -115,21 +115,52 @@ function squareEnd(map, greatest) {
   return rate(10 ** (map.low + ((byte - 1) / 254) * (map.high - map.low)));
 }
 
+// Where about half of what will ever slip does, or three quarters on: a time that shows something.
+function firstSnapshot(cells) {
+  const n = cells.snapshot_time.length, slips = cells.slipping_cells;
+  if (!slips || !(Math.max(...slips) > Math.min(...slips))) return Math.floor((n - 1) * 0.75);
+  const half = (Math.max(...slips) + Math.min(...slips)) / 2;
+  return slips.reduce((best, v, k) => (Math.abs(v - half) < Math.abs(slips[best] - half) ? k : best), 0);
+}
+
+function snapshotSlider(cells, at, change) {
+  return slider({ name: "Time", id: "snapshot", n: cells.snapshot_time.length, at, change,
+    words: (k) => `${moment(page.clock, cells.snapshot_time[k])}, ${beforeEnd(page.clock, cells.snapshot_before[k])}` +
+      (cells.slipping ? `, ${count(cells.slipping_cells[k])} cells slip` : "") });
+}
+
+function squaresBody(cells, kinds, moving) {
+  const maps = kinds.map((kind) => mapFigure(cells, kind)), at = moving ? firstSnapshot(cells) : 0;
+  maps.forEach((m) => m.show(at));
+  const control = moving ? [snapshotSlider(cells, at, (k) => maps.forEach((m) => m.show(k)))] : [];
+  return [...control, element("div", { class: "maps" }, ...maps.map((m) => m.whole))];
+}
+
+// Maps over place and time; the slider's time is marked in them all.
+function lineBody(data, kinds, moving) {
+  const { cells } = data, state = { at: moving ? firstSnapshot(cells) : 0 };
+  const figures = kinds.map((kind) => (kind.still ? profileFigure(data, kind) : strataFigure(data, kind, state)));
+  const control = moving ? snapshotSlider(cells, state.at, (k) => {
+    state.at = k;
+    figures.filter((f) => f.chart.spec.image).forEach((f) => f.chart.draw());
+  }) : null;
+  state.choose = (k) => {
+    if (k === state.at) return;
+    const input = control.querySelector("input");
+    input.value = String(k);
+    input.dispatchEvent(new Event("input"));
+  };
+  return [...(control ? [control] : []), element("div", { class: "pair" }, ...figures)];
+}
+
 function cellsSection(data) {
-  const cells = data.cells, kinds = mapKinds(cells), maps = kinds.map((kind) => mapFigure(cells, kind));
-  const moving = cells.snapshot_time.length > 0 && kinds.some((k) => !k.still);
-  const squares = cells.block > 1 ? ` Each square stands for ${cells.block} × ${cells.block} cells of the grid.` : "";
-  const section = openSection("cells", "Contact domain", `${count(cells.cells)} cells touch, ${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right. Empty places do not touch.${squares}`);
-  if (moving) {
-    const n = cells.snapshot_time.length, at = Math.floor((n - 1) * 0.75);
-    section.append(slider({ name: "Time", id: "snapshot", n, at, change: (k) => maps.forEach((m) => m.show(k)),
-      words: (k) => `${moment(page.clock, cells.snapshot_time[k])}, ${beforeEnd(page.clock, cells.snapshot_before[k])}` +
-        (cells.slipping ? `, ${count(cells.slipping_cells[k])} cells slip` : "") }));
-    maps.forEach((m) => m.show(at));
-  } else {
-    maps.forEach((m) => m.show(0));
-  }
-  section.append(element("div", { class: "maps" }, ...maps.map((m) => m.whole)));
+  const { cells } = data, line = cells.ny === 1;
+  const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction);
+  const kinds = mapKinds(cells);
+  const squares = cells.block > 1 ? ` Each square stands for ${line ? cells.block : `${cells.block} × ${cells.block}`} cells of the grid.` : "";
+  const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right`;
+  const section = openSection("cells", "Contact domain", `${count(cells.cells)} cells touch, ${where}. Empty places do not touch.${squares}`);
+  section.append(...(line ? lineBody(data, kinds, moving) : squaresBody(cells, kinds, moving)));
   if (moving) section.append(snapshotTable(cells));
   return section;
 }

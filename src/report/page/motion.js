@@ -4,35 +4,43 @@
 
 const MOTION_LEAD = "Mean slip and slip rate over the contact cells. The time axis can be turned, above, to the time left before the end, where every decade of the acceleration has the same width.";
 
+// A fit without another series brings its own readings.
+const seriesName = (data) => (data.fit?.name === data.series.name ? "readings fitted" : data.series.name);
+
 // Readings moved onto the run's slip by their best constant offset.
 function readings(data) {
   const s = data.series;
   if (!s || !s.displacement.some((v) => v !== null)) return [];
   const y = s.displacement.map((v) => (v === null ? null : v - (s.offset ?? 0)));
-  return [{ name: s.name, kind: "dots", colour: "seen", time: s.time, y, follows: true }];
+  return [{ name: seriesName(data), kind: "dots", colour: "seen", time: s.time, y, follows: true, words: (i) => `reading ${length(y[i])}` }];
 }
 
 function seenRates(data) {
   const s = data.series;
   if (!s || !s.rate.length) return [];
-  return [{ name: s.derived ? `${s.name}, between readings` : s.name, kind: "dots", colour: "seen", time: s.rate_time, y: s.rate, follows: true }];
+  return [{ name: s.derived ? `${seriesName(data)}, between readings` : seriesName(data), kind: "dots", colour: "seen", time: s.rate_time, y: s.rate, follows: true,
+    words: (i) => `reading ${rate(s.rate[i])}` }];
 }
 
-function failureMark(data) {
-  return data.about.failed ? [{ x: page.clock.failure, label: "failure" }] : [];
+function marksOf(data) {
+  const failure = data.about.failed ? [{ x: page.clock.failure, label: "failure" }] : [];
+  return data.fit ? [...failure, { x: data.fit.until, label: "fitted up to here", quiet: true }] : failure;
 }
+
+// What the shades of the window mean, where there is one.
+const windowLegend = (data) => (data.forecasts ? [["window of the forecasts", "band inner"], ["their 90 % intervals", "band"]] : []);
 
 function scaledLengths(high) {
   const [unit, scale] = LENGTHS.find(([, s]) => high >= s) || LENGTHS[LENGTHS.length - 1];
-  return { unit, scale, tick: (v) => number(v / scale, 5) };
+  return { unit, scale, tick: (v, more = 0) => number(v / scale, 5 + more) };
 }
 
 // In time the slip of the failure itself would flatten the creep: the axis ends just before it.
 function creepRange(data, seen) {
-  const m = data.motion, [low, high] = extent([m.slip, ...seen.map((s) => s.y)]);
+  const m = data.motion, [low, high] = extent([m.slip, ...seen.map((s) => s.y), ...fitCore(data)]);
   if (page.axis === "before" || !data.about.failed) return [low, high];
   const end = m.time[0] + 0.997 * (m.time[m.time.length - 1] - m.time[0]);
-  const [, creep] = extent([m.slip.filter((_, i) => m.time[i] <= end), ...seen.map((s) => s.y)]);
+  const [, creep] = extent([m.slip.filter((_, i) => m.time[i] <= end), ...seen.map((s) => s.y), ...fitCore(data)]);
   return [low, creep > low ? low + 1.15 * (creep - low) : high];
 }
 
@@ -41,11 +49,13 @@ function creepChart(data) {
   const unit = scaledLengths(creepRange(data, seen)[1]);
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
+  const fitted = data.fit ? ` ${fitWords(data.fit)}` : "";
   return figure({
-    title: "Creep curve", caption: `Mean slip since the start.${data.about.failed ? " Over time the axis ends just before the slip of the failure itself." : ""}${beside}`,
-    x: { clock: true }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },
-    lines: [{ name: "run", kind: "line", colour: "run", time: m.time, before: m.before, y: m.slip }, ...seen],
-    marks: failureMark(data), bands: [], shows: "window",
+    title: "Creep curve", caption: `Mean slip since the start.${data.about.failed ? " Over time the axis ends just before the slip of the failure itself." : ""}${beside}${fitted}`,
+    x: { clock: true, reach: fitReach(data) }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },
+    read: fitSlip(data).length,
+    lines: [...fitSlip(data), { name: "run", kind: "line", colour: "run", time: m.time, before: m.before, y: m.slip }, ...seen],
+    marks: marksOf(data), bands: [], shows: "window", legend: windowLegend(data), spans: fitSpans(data),
     readout: (i) => `${moment(page.clock, m.time[i])}, ${beforeEnd(page.clock, m.before[i])}: slip ${length(m.slip[i])}`,
     table: { n: m.time.length, caption: "slip and slip rate", columns: [...clockColumns(m), ["Mean slip", (i) => length(m.slip[i])],
       ["Mean rate", (i) => rate(m.rate[i])], ["Fastest cell", (i) => rate(m.max_rate[i])]] },
@@ -58,10 +68,10 @@ function rateChart(data) {
   const fastest = many ? [{ name: "fastest cell", kind: "line", thin: true, colour: "quiet", time: m.time, before: m.before, y: m.max_rate }] : [];
   return figure({
     title: "Slip rate", caption: many ? "Logarithmic. Mean over the contact cells, and of the fastest one." : "Logarithmic.",
-    x: { clock: true }, y: { kind: "log", label: "Slip rate (m/s)", tick: powerTick },
-    read: fastest.length,
-    lines: [...fastest, { name: "mean", kind: "line", colour: "run", time: m.time, before: m.before, y: m.rate }, ...seenRates(data)],
-    marks: failureMark(data),
+    x: { clock: true, reach: fitReach(data) }, y: { kind: "log", label: "Slip rate (m/s)", tick: powerTick },
+    read: fastest.length + fitRates(data).length,
+    lines: [...fitRates(data), ...fastest, { name: "mean", kind: "line", colour: "run", time: m.time, before: m.before, y: m.rate }, ...seenRates(data)],
+    marks: marksOf(data),
     readout: (i) => `${moment(page.clock, m.time[i])}, ${beforeEnd(page.clock, m.before[i])}: ${rate(m.rate[i])}` +
       (many ? `, fastest cell ${rate(m.max_rate[i])}` : ""),
     table: { n: m.time.length, caption: "slip rate", columns: [...clockColumns(m), ["Mean (m/s)", (i) => number(m.rate[i])],
@@ -78,22 +88,22 @@ const powerTick = (v) => {
 function inverseUnit(high) {
   const units = [["day/mm", 1 / (DAY * 1e3)], ["day/m", 1 / DAY], ["s/m", 1]];
   const [unit, factor] = units.find(([, f]) => high * f >= 0.5) || units[2];
-  return { unit, scale: 1 / factor, tick: (v) => number(v * factor, 4), words: (v) => `${number(v * factor, 4)}${THIN}${unit}` };
+  return { unit, scale: 1 / factor, tick: (v, more = 0) => number(v * factor, 4 + more), words: (v) => `${number(v * factor, 4)}${THIN}${unit}` };
 }
 
 function inverseChart(data) {
   const m = data.motion;
   const inverse = (list) => list.map((v) => (v > 0 ? 1 / v : null));
-  const seen = seenRates(data).map((line) => ({ ...line, y: inverse(line.y) }));
+  const seen = seenRates(data).map((line) => ({ ...line, y: inverse(line.y), words: (i) => `reading ${unit.words(1 / line.y[i])}` }));
   const y = inverse(m.rate);
   const high = Math.max(extent([y])[1], seen.length ? extent(seen.map((s) => s.y))[1] : 0);
   const top = seen.length ? Math.min(high, 6 * extent([y])[1]) : high;
   const unit = inverseUnit(top);
   return figure({
     title: "Inverse slip rate", caption: "Where it falls along a line to zero, the line meets the time of failure (Fukuzono 1985).",
-    x: { clock: true }, y: { kind: "linear", label: `1/rate (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: [0, top] },
+    x: { clock: true, reach: fitReach(data) }, y: { kind: "linear", label: `1/rate (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: [0, top] },
     lines: [{ name: "run", kind: "line", colour: "run", time: m.time, before: m.before, y }, ...seen],
-    marks: failureMark(data), bands: [], shows: "window",
+    marks: marksOf(data), bands: [], shows: "window", legend: windowLegend(data), spans: fitSpans(data),
     readout: (i) => `${moment(page.clock, m.time[i])}, ${beforeEnd(page.clock, m.before[i])}: ${y[i] === null ? "–" : unit.words(y[i])}`,
     table: { n: m.time.length, caption: "inverse slip rate", columns: [...clockColumns(m), [`1/rate (${unit.unit})`, (i) => (y[i] === null ? "–" : unit.tick(y[i]))]] },
   });
@@ -108,7 +118,7 @@ function motionSection(data) {
 }
 
 function seriesNote(series) {
-  const parts = [`${series.name}: ${count(series.readings)} readings, ${count(series.outside)} outside the run.`];
+  const parts = [`${page.data.fit?.name === series.name ? "Readings of " : ""}${series.name}: ${count(series.readings)}${page.data.fit?.name === series.name ? "" : " readings"}, ${count(series.outside)} outside the run.`];
   if (series.rate_rms_log10 !== null) parts.push(`Measured and modelled rates differ by a factor of ${number(10 ** series.rate_rms_log10, 2)} rms over ${count(series.rate_readings)} readings.`);
   if (series.attribution) parts.push(series.attribution);
   return element("p", { class: "note" }, parts.join(" "));
@@ -130,7 +140,7 @@ function forcesSection(data) {
   if (high - low > 1e-6 * Math.abs(high)) {
     row.append(figure({
       title: "Effective normal force", caption: "Normal force less pore pressure times nominal area.", x: { clock: true },
-      y: { kind: "linear", label: "Force", tick: (v) => force(v, 4) },
+      y: { kind: "linear", label: "Force", tick: (v, more = 0) => force(v, 4 + more) },
       lines: [{ kind: "line", colour: "run", time: f.time, before: f.before, y: f.effective }],
       readout: (i) => `${moment(page.clock, f.time[i])}: ${force(f.effective[i], 5)}`,
       table: { n: f.time.length, caption: "effective normal force", columns: [...clockColumns(f), ["Force", (i) => force(f.effective[i], 5)]] },
@@ -154,7 +164,7 @@ function solverCharts(s) {
   pair.append(solverChart(s, "Step size", "step", { kind: "log", label: "Step (s)", tick: powerTick }, span, "Of the step that ended at each record."));
   if (s.order.some((v) => v !== null)) {
     const most = extent([s.order])[1];
-    pair.append(solverChart(s, "Order", "order", { kind: "linear", label: "Order", tick: (v) => (Number.isInteger(v) ? String(v) : ""), range: [0, most + 0.5] }, plain(3), "Of the method in that step."));
+    pair.append(solverChart(s, "Order", "order", { kind: "linear", fixed: true, label: "Order", tick: (v) => (Number.isInteger(v) ? String(v) : ""), range: [0, most + 0.5] }, plain(3), "Of the method in that step."));
   }
   if (s.residual.filter((v) => v > 0).length > s.residual.length / 2) {
     pair.append(solverChart(s, "Balance residual", "residual", { kind: "log", label: "Relative", tick: powerTick }, plain(3), "Worst cell: |q − Kδ − pf − ηv| over f₀p. A measure of accuracy that costs nothing."));

@@ -34,11 +34,13 @@ function evenStep(span, most) {
 // `scale`: what one of the unit that is shown measures in SI, so that ticks are round in it.
 function linear([low, high], most, format, scale = 1) {
   if (low === high) [low, high] = low === 0 ? [0, 1] : [low - Math.abs(low) * 0.05, high + Math.abs(high) * 0.05];
-  const step = scale * evenStep((high - low) / scale, most);
+  const step = scale * evenStep((high - low) / scale, most), values = range(low, high, step).map((v) => (Math.abs(v) < step * 1e-6 ? 0 : v));
+  const digits = [0, 3, 6].find((more) => new Set(values.map((v) => format(v, more))).size === values.length) ?? 6;
   return {
     low, high,
     at: (v) => (v === null ? NaN : (v - low) / (high - low)),
-    ticks: range(low, high, step).map((v) => ({ value: v, label: format(Math.abs(v) < step * 1e-6 ? 0 : v) })),
+    back: (p) => low + p * (high - low),
+    ticks: values.map((v) => ({ value: v, label: format(v, digits) })),
   };
 }
 
@@ -55,7 +57,9 @@ function logarithmic([low, high], most, format) {
       if (k % step === 0 && value >= low * 0.999 && value <= high * 1.001) ticks.push({ value, label: format(value) });
     }
   }
-  return { low, high, at: (v) => (v > 0 ? (Math.log10(v) - from) / (to - from) : NaN), ticks };
+  // less than a decade is told by even ticks where 1, 2 and 5 leave fewer than two
+  if (ticks.length < 2) ticks.splice(0, ticks.length, ...linear([low, high], most, format).ticks.filter((t) => t.value > 0));
+  return { low, high, at: (v) => (v > 0 ? (Math.log10(v) - from) / (to - from) : NaN), back: (p) => 10 ** (from + p * (to - from)), ticks };
 }
 
 // Time before the end, running to it: the ticks people know.
@@ -66,23 +70,42 @@ const KNOWN_SPANS = [
   [100 * YEAR, "100 years"], [1000 * YEAR, "1000 years"],
 ];
 
+// Ticks where those that people know are too few: 1, 2, 5 ... of one unit, or even ones.
+function denseSpans(low, high, most) {
+  const [unit, scale] = SPANS.find(([, s]) => low >= s) || SPANS[SPANS.length - 1];
+  const tick = (n) => ({ value: n * scale, label: `${number(n, 6)} ${n === 1 ? unit.replace(/s$/, (s) => (unit.length > 2 ? "" : s)) : unit}` });
+  const [from, to] = [low / scale, high / scale];
+  if (to < 3 * from) return range(from, to, evenStep(to - from, most)).map(tick);
+  const all = [];
+  for (let k = Math.floor(Math.log10(from)); 10 ** k <= to; k++) all.push(...[1, 2, 5].map((m) => m * 10 ** k));
+  return all.filter((n) => n >= from && n <= to).map(tick);
+}
+
 function remaining([low, high], most) {
   if (!(low > 0)) [low, high] = [1e-3, 1];
   if (low === high) low = high / 10;
   const from = Math.log10(high), to = Math.log10(low);
   let ticks = KNOWN_SPANS.filter(([v]) => v >= low && v <= high).map(([value, label]) => ({ value, label }));
+  if (ticks.length < 3) ticks = denseSpans(low, high, most);
   const every = Math.ceil(ticks.length / Math.max(2, most));
   ticks = ticks.filter((_, i) => i % every === 0);
-  return { low, high, at: (v) => (v > 0 ? (Math.log10(v) - from) / (to - from) : v === 0 ? 1 : NaN), ticks };
+  return { low, high, at: (v) => (v > 0 ? (Math.log10(v) - from) / (to - from) : v === 0 ? 1 : NaN), back: (p) => 10 ** (from + p * (to - from)), ticks };
 }
 
 // The same, growing.
 function spans(ends, most) {
   const turned = remaining(ends, most);
-  return { ...turned, at: (v) => (v > 0 ? 1 - turned.at(v) : NaN) };
+  return { ...turned, at: (v) => (v > 0 ? 1 - turned.at(v) : NaN), back: (p) => turned.back(1 - p) };
 }
 
-const STEPS = [1, 5, 15, 30, 60, 300, 900, 1800, 3600, 10800, 21600, 43200, DAY, 2 * DAY, 7 * DAY, 14 * DAY];
+// A part of an axis, from one fraction of it to another; `make` builds the axis of a range.
+function enlarged(whole, [from, to], make) {
+  const ends = [whole.back(from), whole.back(to)].sort((a, b) => a - b);
+  const part = make(ends), wide = to - from;
+  return { ...part, low: ends[0], high: ends[1], at: (v) => (whole.at(v) - from) / wide, back: (p) => whole.back(from + p * wide), whole };
+}
+
+const STEPS = [0.001, 0.01, 0.1, 1, 5, 15, 30, 60, 300, 900, 1800, 3600, 10800, 21600, 43200, DAY, 2 * DAY, 7 * DAY, 14 * DAY];
 
 function monthTicks(start, low, high, most) {
   const first = new Date((start + low) * 1000);
@@ -107,11 +130,12 @@ function calendar([low, high], most, start) {
   const wide = (high - low) / most;
   const step = STEPS.find((s) => s >= wide);
   const at = (v) => (v === null ? NaN : (v - low) / (high - low));
-  if (step === undefined) return { low, high, at, ticks: monthTicks(start, low, high, most) };
+  const back = (p) => low + p * (high - low);
+  if (step === undefined) return { low, high, at, back, ticks: monthTicks(start, low, high, most) };
   const detail = step >= DAY ? "day" : "minute";
-  const label = (t) => (detail === "day" ? date(t, "day").slice(5) : date(t, step < 60 ? "second" : "minute").slice(11));
+  const label = (t) => (detail === "day" ? date(t, "day").slice(5) : date(t, step < 1 ? "millisecond" : step < 60 ? "second" : "minute").slice(11));
   const ticks = range(start + low, start + high, step).map((t) => ({ value: t - start, label: label(t) }));
-  return { low, high, at, ticks };
+  return { low, high, at, back, ticks };
 }
 
 // Seconds since the start, in the unit that their range asks for.
@@ -119,7 +143,7 @@ function elapsed([low, high], most) {
   const [unit, scale] = SPANS.find(([, s]) => (high - low) / s >= 2) || SPANS[SPANS.length - 1];
   const inner = linear([low / scale, high / scale], most, plain(5));
   return {
-    low, high, unit, at: (v) => (v === null ? NaN : inner.at(v / scale)),
+    low, high, unit, at: (v) => (v === null ? NaN : inner.at(v / scale)), back: (p) => low + p * (high - low),
     ticks: inner.ticks.map((t) => ({ value: t.value * scale, label: t.label })),
   };
 }
