@@ -59,6 +59,7 @@ static void write_distribution(lac_page_text *text, size_t n, const double *sort
     }
     lac_page_column(text, "at_least", steps, at, NULL, 6);
     lac_page_column(text, "count", steps, count, NULL, 17);
+    text->broken = text->broken || at == NULL;
     free(at);
 }
 

@@ -7,19 +7,18 @@
 
 enum { BUCKETS = 300, COMMENT = 600 };
 
-static double read_scalar(const lac_stored_file *file, const char *name)
+// A variable of one number; null on the page where the file has none.
+static lac_status write_scalar(const lac_page *page, const char *name, lac_error *err)
 {
     lac_stored_values value = {0};
-    double found = NAN;
-    if (lac_stored_file_values(file, name, &value, NULL) == LAC_OK && value.value != NULL &&
-        value.n == 1) {
-        found = value.value[0];
-    }
+    const lac_status status = lac_stored_file_values(page->run->file, name, &value, err);
+    const bool there = status == LAC_OK && value.value != NULL && value.n == 1;
+    lac_page_number(page->text, name, there ? value.value[0] : NAN, 6);
     lac_stored_values_clear(&value);
-    return found;
+    return status;
 }
 
-static void write_fixed_points(const lac_page *page)
+static lac_status write_fixed_points(const lac_page *page, lac_error *err)
 {
     static const char *const scalars[] = {"critical_fraction",
                                           "critical_fraction_low",
@@ -31,13 +30,16 @@ static void write_fixed_points(const lac_page *page)
                                           "run_lambda_low",
                                           "run_lambda_high"};
     char comment[COMMENT];
+    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
-        lac_page_number(page->text, scalars[i], read_scalar(page->run->file, scalars[i]), 6);
+        LAC_TRY(write_scalar(page, scalars[i], err));
     }
     lac_stored_file_comment(page->run->file, "critical_fraction", comment, sizeof comment);
     lac_page_string(page->text, "source", comment);
     lac_stored_file_comment(page->run->file, "n_slip", comment, sizeof comment);
     lac_page_string(page->text, "definition", comment);
+out:
+    return status;
 }
 
 static void write_counts(const lac_page *page, const lac_stored_values *n_slip, const uint8_t *keep)
@@ -55,9 +57,9 @@ static void write_counts(const lac_page *page, const lac_stored_values *n_slip, 
     lac_page_close(page->text, ']');
 }
 
-static void write_levels(const lac_page *page, const lac_stored_values *n_slip,
-                         const lac_stored_values *size, const lac_stored_values *total,
-                         const uint8_t *keep)
+static lac_status write_levels(const lac_page *page, const lac_stored_values *n_slip,
+                               const lac_stored_values *size, const lac_stored_values *total,
+                               const uint8_t *keep, lac_error *err)
 {
     const lac_page_run *run = page->run;
     lac_page_text *text = page->text;
@@ -73,8 +75,9 @@ static void write_levels(const lac_page *page, const lac_stored_values *n_slip,
         lac_page_column(text, "criticality", run->n, criticality, keep, 6);
     }
     write_counts(page, n_slip, keep);
-    write_fixed_points(page);
+    const lac_status status = write_fixed_points(page, err);
     lac_page_close(text, '}');
+    return status;
 }
 
 lac_status lac_page_levels(const lac_page *page, lac_error *err)
@@ -95,7 +98,7 @@ lac_status lac_page_levels(const lac_page *page, lac_error *err)
     keep = malloc(run->n);
     LAC_TRY(keep != NULL ? LAC_OK : lac_fail_memory(err));
     (void)lac_page_thin(run->n, run->time, run->before, BUCKETS, 2, columns, keep);
-    write_levels(page, &n_slip, &size, &total, keep);
+    LAC_TRY(write_levels(page, &n_slip, &size, &total, keep, err));
 out:
     free(keep);
     lac_stored_values_clear(&n_slip);

@@ -15,6 +15,7 @@
 #include "lacuna/lacuna.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
+#include "memory/report.h"
 #include "memory/whole_run.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
@@ -372,9 +373,19 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_forecast, true);
 }
 
+static void a_page_fails(void **state)
+{
+    (void)state;
+    report_prepare();
+    every_allocation_fails(whole_report, false);
+    every_allocation_fails(whole_report, true);
+    report_remove();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_page_fails),
         cmocka_unit_test(one_fails),
         cmocka_unit_test(all_fail_from_one_on),
     };

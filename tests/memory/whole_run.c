@@ -227,7 +227,8 @@ out:
     return status;
 }
 
-// Cells of a file to a run that is stopped amid its events, and on from its checkpoint.
+// Cells of a file to a run, left at the path, that is stopped amid its events, and on from its
+// checkpoint.
 lac_status whole_resumed(const char *path, lac_error *err)
 {
     char cells[64], out[64];
@@ -253,7 +254,7 @@ out:
     lac_case_free(c);
     lac_case_report_clear(&report);
     (void)unlink(cells);
-    (void)unlink(out);
+    (void)rename(out, path);
     (void)snprintf(out, sizeof out, "%s.nc.checkpoint", path);
     (void)unlink(out);
     return status;

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_MEMORY_REPORT_H
+#define LACUNA_MEMORY_REPORT_H
+
+#include "lacuna/error.h"
+
+/// Makes the runs and the fit that are reported, while allocations succeed.
+void report_prepare(void);
+void report_remove(void);
+
+/// Two runs to pages: one beside readings and a fit, one with events.
+lac_status whole_report(const char *path, lac_error *err);
+
+#endif
