@@ -79,6 +79,7 @@ bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct 
         look_for(&s, request->argument[i]);
     }
     look_for(&s, request->compare);
+    look_for(&s, request->fit);
     look_for(&s, request->forecast.case_file);
     if (c != NULL) {
         look_for(&s, c->path);

@@ -8,7 +8,7 @@
 #include "lacuna/hindcast.h"
 #include "report/run.h"
 
-enum { ISSUES = 40, BUCKETS = 100, FEWEST = 6 };
+enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };
 
 // What the forecasts saw.
 typedef struct sight {

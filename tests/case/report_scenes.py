@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small runs whose pages the tests look at, and how to read a page's data."""
 
+import datetime
 import json
 import re
 import subprocess
@@ -41,6 +42,55 @@ time: {start: "2020-01-01", end: "200 day"}
 # Cells, but neither snapshots nor an analysis; and a run of few records that does not fail.
 BARE = JOINT[:JOINT.index("analysis:")].replace("title:", "references: none\ntitle:")
 BRIEF = BLOCK.replace("200 day", "1 s")
+
+# A line in slabs whose every record keeps its cells.
+LINE = """lacuna: 1
+title: A line
+interface: {shape: line, size: "16 km", cells_x: 60, domain: {full: {}}}
+material: {shear_modulus: "30 GPa", shear_speed: "3 km/s"}
+load:
+  normal: {pressure: "50 MPa"}
+  shear: [{back-slip: {rate: "1e-9 m/s"}}]
+friction:
+  aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "16 mm", v0: "1 um/s", form: regularised}
+initial:
+  slip_rate: "1e-10 m/s"
+  state: {ratio_to_steady: 0.5}
+  spread: {slip_rate: {lognormal: {sigma: 0.1, seed: 1}}}
+transfer: {elastic: {mode: antiplane, thickness: "8 km"}}
+time: {end: "1000 year", failure: {mean_slip_rate: "1 cm/s"}}
+output: {every: {per_decade: 10}, fields: [slip_rate, slip], fields_every: {per_decade: 20}}
+"""
+
+# What a block is fitted to: made-up readings of one, over a part of its life.
+FIT = """fit:
+  parameters:
+    initial.slip_rate: {range: ["0.1 mm/day", "20 mm/day"]}
+  time: date
+  displacement: "move_mm:mm"
+  starts: 1
+  walkers: 8
+  steps: 16
+  burn: 8
+  rounds: 1
+"""
+
+
+def fit(program, text, series, path, *words):
+    """Fits a case to a series into path (.nc); the fitted case stands beside it (.yaml)."""
+    case = path[:-3] + "-case.yaml"
+    with open(case, "w", encoding="utf-8") as file:
+        file.write(text + FIT)
+    subprocess.run([program, "fit", case, series, "-o", path, "--force", "-q", *words], check=True, stdout=subprocess.DEVNULL)
+
+
+def readings(path, time, slip):
+    """Displacements of a dated run as a series: whole seconds since its start on 2020-01-01, mm past a zero of 7."""
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("# made up\ndate,move_mm\n")
+        for t, d in zip(time, slip):
+            day, second = divmod(int(t), 86400)
+            file.write(f"{datetime.date(2020, 1, 1) + datetime.timedelta(day)}T{second // 3600:02}:{second // 60 % 60:02}:{second % 60:02},{1e3 * d + 7:.9f}\n")
 
 
 def run(program, text, path):

@@ -148,10 +148,7 @@ class Block(unittest.TestCase):
             time, slip = column(file, "time"), column(file, "slip")
         at = numpy.linspace(1e5, 0.9 * time[-1], 30)
         series = os.path.join(FOLDER, "prism.csv")
-        with open(series, "w", encoding="utf-8") as file:
-            file.write("# made up\ndate,move_mm\n")
-            for t, d in zip(at, numpy.interp(at, time, slip)):
-                file.write(f"{numpy.datetime64('2020-01-01') + numpy.timedelta64(int(t), 's')},{1e3 * d + 7:.9f}\n")
+        scenes.readings(series, at, numpy.interp(at, time, slip))
         shown = page_of(path, "--compare", series, "--displacement", "move_mm:mm")["series"]
         self.assertEqual((shown["name"], shown["readings"], shown["attribution"]), ("prism.csv", 30, "made up"))
         numpy.testing.assert_allclose(shown["offset"], 7e-3, rtol=1e-3)
@@ -165,6 +162,95 @@ class Block(unittest.TestCase):
         self.test_series()
         shown = page_of(made("with-columns", text), "--compare", os.path.join(FOLDER, "prism.csv"))["series"]
         self.assertEqual(shown["readings"], 30)
+
+
+class Line(unittest.TestCase):
+    def test_every_snapshot_in_one_range(self):
+        path = made("line", scenes.LINE)
+        cells = page_of(path)["cells"]
+        with netCDF4.Dataset(path) as file:
+            time, slip = column(file, "snapshot_time"), column(file, "cell_slip")
+        self.assertEqual((cells["nx"], cells["ny"], cells["place"]), (60, 1, list(range(60))))
+        self.assertGreater(len(time), 60)  # more than of a plane
+        self.assertEqual(len(cells["snapshot_time"]), len(time))
+        self.assertEqual({(one["low"], one["high"]) for one in cells["slip"]},
+                         {(float(f"{slip.min():.5g}"), float(f"{slip.max():.5g}"))})
+        for k in (0, len(time) // 2, len(time) - 1):
+            bytes_ = numpy.frombuffer(base64.b64decode(cells["slip"][k]["map"]), numpy.uint8)
+            shown = slip.min() + (bytes_ - 1.0) / 254 * (slip.max() - slip.min())
+            self.assertLess(abs(shown - slip[k]).max(), 0.51 / 254 * (slip.max() - slip.min()) + 1e-5 * slip.max())
+
+
+class Fit(unittest.TestCase):
+    """A block fitted to its readings over most of its life."""
+
+    fit = None
+
+    @classmethod
+    def setUpClass(cls):
+        path = made("block", scenes.BLOCK)
+        with netCDF4.Dataset(path) as file:
+            time, slip = column(file, "time"), column(file, "slip")
+        cls.at = numpy.floor(numpy.linspace(0, 0.96 * time[-1], 40))
+        cls.truth = numpy.interp(cls.at, time, slip)
+        noise = 1e-4 * numpy.random.default_rng(1).standard_normal(40)
+        cls.series, cls.fit = os.path.join(FOLDER, "fitted.csv"), os.path.join(FOLDER, "fit.nc")
+        scenes.readings(cls.series, cls.at, cls.truth + noise)
+        scenes.fit(PROGRAM, scenes.BLOCK, cls.series, cls.fit)
+        cls.path = path
+        cls.page = page_of(path, "--fit", cls.fit)
+
+    def test_band_is_the_file_s(self):
+        fit = self.page["fit"]
+        with netCDF4.Dataset(self.fit) as file:
+            numpy.testing.assert_allclose(fit["time"], column(file, "prediction_time"), rtol=1e-9)
+            for key, name in (("slip", "predicted_displacement"), ("rate", "predicted_slip_rate")):
+                band = numpy.array([[numpy.nan if v is None else v for v in one] for one in fit[key]])
+                numpy.testing.assert_allclose(band, column(file, name), rtol=1e-6)
+            failures = numpy.sort(column(file, "failure_time"))
+        failures = failures[~numpy.isnan(failures)]
+        self.assertEqual(fit["failure"]["failing"], len(failures))
+        if len(failures) == fit["failure"]["draws"]:
+            numpy.testing.assert_allclose(fit["failure"]["quantile"], numpy.quantile(failures, [0.05, 0.25, 0.5, 0.75, 0.95]), rtol=1e-9)
+        for t, share in zip(fit["failure"]["time"], fit["failure"]["share"]):
+            draws = round(share * fit["failure"]["draws"])  # of several at one time, any
+            self.assertTrue(numpy.sum(failures < t * (1 - 1e-11)) < draws <= numpy.sum(failures <= t * (1 + 1e-11)), (t, share))
+
+    def test_it_saw_nothing_later(self):
+        fit = self.page["fit"]
+        self.assertEqual((fit["readings"], fit["from"], fit["until"]), (40, 0, self.at[-1]))
+        self.assertGreater(fit["time"][-1], fit["until"])  # and looks ahead of it
+
+    def test_its_readings_lie_on_the_run(self):
+        series = self.page["series"]
+        self.assertEqual(series["name"], "fit.nc")
+        numpy.testing.assert_allclose(series["time"], self.at)
+        numpy.testing.assert_allclose(series["offset"], 7e-3, atol=1e-4)
+        fit = self.page["fit"]
+        middle = numpy.interp(self.at, fit["time"], numpy.array(fit["slip"][2], float)) - series["offset"]
+        self.assertLess(abs(middle - self.truth).max(), 3e-4)
+
+    def test_estimates(self):
+        (rate, error) = self.page["fit"]["estimates"]
+        self.assertEqual((rate["key"], rate["unit"], error["key"]), ("initial.slip_rate", "m/s", "error.displacement"))
+        with netCDF4.Dataset(self.fit) as file:
+            draws = column(file, "initial_slip_rate").ravel()
+        for key, share in (("low90", 0.05), ("median", 0.5), ("high90", 0.95)):
+            numpy.testing.assert_allclose(rate[key], numpy.quantile(draws, share), rtol=1e-4)
+
+    def test_beside_a_longer_series(self):
+        path = os.path.join(FOLDER, "longer.csv")
+        scenes.readings(path, [*self.at, self.at[-1] + 8e4], [*self.truth, self.truth[-1] + 1e-3])
+        page = page_of(made("brief", scenes.BRIEF), "--fit", self.fit, "--compare", path, "--displacement", "move_mm:mm")
+        self.assertEqual((page["series"]["readings"], page["fit"]["until"]), (41, self.at[-1]))
+
+    def test_least_squares_alone(self):
+        path = os.path.join(FOLDER, "best.nc")
+        scenes.fit(PROGRAM, scenes.BLOCK, self.series, path, "--set", "fit.steps=0")
+        fit = page_of(made("brief", scenes.BRIEF), "--fit", path)["fit"]
+        self.assertEqual((fit["slip"], fit["rate"], "failure" in fit), ([], [], False))
+        self.assertEqual(len(fit["best"]), len(fit["time"]))
+        self.assertNotIn("median", fit["estimates"][0])
 
 
 class Refused(unittest.TestCase):
@@ -224,6 +310,17 @@ class Refused(unittest.TestCase):
         self.assertTrue(stat.S_ISFIFO(os.stat(pipe).st_mode))
         self.refused(3, "is a folder", path, "-o", FOLDER, "--force")
 
+    def test_fits(self):
+        run, html = made("block", scenes.BLOCK), os.path.join(FOLDER, "no-fit.html")
+        if not os.path.exists(Fit.fit or ""):
+            Fit.setUpClass()
+        self.refused(2, "is the file of a fit", Fit.fit, "-o", html)
+        self.refused(3, "is not a file of lacuna fit", run, "--fit", made("joint", scenes.JOINT), "-o", html)
+        self.refused(3, "No such file", run, "--fit", os.path.join(FOLDER, "nothing.nc"), "-o", html)
+        self.refused(2, "has dates", made("joint", scenes.JOINT), "--fit", Fit.fit, "-o", html)
+        self.refused(2, "is read by this command", run, "--fit", Fit.fit, "-o", Fit.fit, "--force")
+        self.assertFalse(os.path.exists(html))
+
     def test_dates_beside_a_run_without(self):
         series = os.path.join(FOLDER, "dated.csv")
         with open(series, "w", encoding="utf-8") as file:
@@ -277,6 +374,34 @@ class Big(unittest.TestCase):
                 value = random.random(60000)
                 value[777] = 5e3 if name == "event_potency" else value[777]
                 new.createVariable(name, "f8", ("event",))[:] = value
+
+
+class Link(unittest.TestCase):
+    """As of every file of lacuna, what a symbolic link leads to is replaced, not the link."""
+
+    def test_page_behind_a_link(self):
+        folder = tempfile.mkdtemp(dir=FOLDER)
+        page, link = os.path.join(folder, "page.html"), os.path.join(folder, "link.html")
+        os.symlink("page.html", link)
+        with open(page, "w", encoding="utf-8") as file:
+            file.write("old")
+        run = made("brief", scenes.BRIEF)
+        self.assertEqual(scenes.report(PROGRAM, run, "-o", link)[0], 2)
+        self.assertEqual(scenes.report(PROGRAM, run, "-o", link, "--force")[0], 0)
+        self.assertTrue(os.path.islink(link))
+        self.assertFalse(os.path.islink(page))
+        self.assertEqual(scenes.data_of(page)["about"]["title"], "A block")
+        self.assertEqual(sorted(os.listdir(folder)), ["link.html", "page.html"])
+
+    def test_runs_do_the_same(self):
+        folder = tempfile.mkdtemp(dir=FOLDER)
+        case, link = os.path.join(folder, "case.yaml"), os.path.join(folder, "link.nc")
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(scenes.BRIEF)
+        shutil.copy(made("brief", scenes.BRIEF), os.path.join(folder, "run.nc"))
+        os.symlink("run.nc", link)
+        subprocess.run([PROGRAM, "run", case, "-o", link, "--force", "-q"], check=True, stdout=subprocess.DEVNULL)
+        self.assertTrue(os.path.islink(link))
 
 
 class Json(unittest.TestCase):

@@ -18,8 +18,10 @@ import tempfile
 import unittest
 
 import matplotlib.image
+import netCDF4
 import numpy
 from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -42,6 +44,8 @@ return [...document.querySelectorAll('figure')].map((figure) => {
   }
   const lines = [...figure.querySelectorAll('.frame path.line')].map((p) => p.getTotalLength());
   const dots = figure.querySelectorAll('.frame circle.dot').length;
+  const picture = figure.querySelector('.frame image');
+  if (picture) return [title, picture.getAttribute('href').length / 100];
   const labels = figure.querySelectorAll('.frame text').length;
   return [title, labels > 4 ? Math.max(dots, ...lines) : 0];
 });
@@ -79,15 +83,40 @@ class Page(unittest.TestCase):
     def setUpClass(cls):
         cls.driver = browser()
         cls.addClassCleanup(cls.driver.quit)
-        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF)):
+        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("line", scenes.LINE)):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
-            status, _, wrong = scenes.report(PROGRAM, os.path.join(FOLDER, name + ".nc"), "-o",
-                                             os.path.join(FOLDER, name + ".html"))
-            assert status == 0, wrong
+            cls.make(name, name)
+        cls.make_fitted()
 
-    def show(self, name, size=DESK, scheme="light"):
+    @classmethod
+    def make(cls, name, run, *words):
+        status, _, wrong = scenes.report(PROGRAM, os.path.join(FOLDER, run + ".nc"), "-o", os.path.join(FOLDER, name + ".html"), *words)
+        assert status == 0, wrong
+
+    @classmethod
+    def make_fitted(cls):
+        """The block beside readings over most of its life, one of them absurd, and what was fitted to them."""
+        with netCDF4.Dataset(os.path.join(FOLDER, "block.nc")) as file:
+            time, slip = file["time"][:], file["slip"][:]
+        at = numpy.floor(numpy.linspace(0, 0.96 * time[-1], 40))
+        seen = numpy.interp(at, time, slip) + 1e-4 * numpy.random.default_rng(1).standard_normal(40)
+        scenes.readings(os.path.join(FOLDER, "seen.csv"), at, seen)
+        scenes.fit(PROGRAM, scenes.BLOCK, os.path.join(FOLDER, "seen.csv"), os.path.join(FOLDER, "fit.nc"))
+        seen[20] = 5.0
+        scenes.readings(os.path.join(FOLDER, "absurd.csv"), at, seen)
+        with open(os.path.join(FOLDER, "absurd.csv"), encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        lines[12] = lines[12].split(",")[0] + ",NaN"
+        with open(os.path.join(FOLDER, "absurd.csv"), "w", encoding="utf-8") as file:
+            file.write("\n".join(lines) + "\n")
+        cls.make("fitted", "block", "--fit", os.path.join(FOLDER, "fit.nc"))
+        cls.make("absurd", "block", "--fit", os.path.join(FOLDER, "fit.nc"), "--compare", os.path.join(FOLDER, "absurd.csv"),
+                 "--displacement", "move_mm:mm")
+
+    def show(self, name, size=DESK, scheme="light", media="", motion="no-preference"):
         command = self.driver.execute_cdp_cmd
-        command("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        command("Emulation.setEmulatedMedia", {"media": media, "features": [
+            {"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": motion}]})
         command("Emulation.setDeviceMetricsOverride",
                 {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600})
         self.driver.get("file://" + os.path.join(FOLDER, name + ".html"))
@@ -108,7 +137,7 @@ class Page(unittest.TestCase):
         return matplotlib.image.imread(io.BytesIO(data), format="png")[..., :3]
 
     def test_every_chart_is_drawn(self):
-        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3)):
+        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
             self.show(name)
             for axis in ("time", "before"):
                 self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
@@ -207,16 +236,177 @@ class Page(unittest.TestCase):
         self.assertNotEqual(light, self.driver.execute_script(ground))
 
     def test_everything_has_a_name(self):
+        for name in ("joint", "line", "fitted"):
+            self.show(name)
+            self.assertEqual(self.driver.execute_script(UNNAMED), [])
+
+    def test_requests_would_be_seen(self):
+        """That none is found means something: one that is made is found."""
+        other = os.path.join(FOLDER, "other.html")
+        with open(other, "w", encoding="utf-8") as file:
+            file.write('<!doctype html><link rel="icon" href="data:,"><img src="http://127.0.0.1:9/x.png" alt="">')
+        self.driver.get("file://" + other)
+        self.assertEqual(requests(self.driver), ["http://127.0.0.1:9/x.png"])
+        self.assertNotEqual(self.driver.get_log("browser"), [])
+
+    def chart(self, place=0, section="motion"):
+        """The frame of a chart, in sight."""
+        frame = self.driver.find_elements(By.CSS_SELECTOR, f"#{section} .frame")[place]
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", frame)
+        return frame
+
+    def ticks(self, frame):
+        return [text.text for text in frame.find_elements(By.CSS_SELECTOR, "svg text[text-anchor=middle]")]
+
+    def view(self, title):
+        return self.driver.execute_script(f"const v = page.views[{json.dumps(title)}]; return {{x: v.x, y: v.y, kind: v.kind, hidden: [...v.hidden]}}")
+
+    def test_drawing_over_a_chart_enlarges_it(self):
+        self.show("block")
+        frame = self.chart()
+        before, wide = self.ticks(frame), frame.rect["width"]
+        ActionChains(self.driver).move_to_element_with_offset(frame, -int(wide / 4), 0).click_and_hold().move_to_element_with_offset(
+            frame, int(wide / 8), 5).release().perform()
+        low, high = self.view("Creep curve")["x"]
+        self.assertAlmostEqual(high - low, 3 / 8, delta=0.05)
+        self.assertNotEqual(self.ticks(frame), before)
+        self.assertIsNone(self.view("Slip rate")["x"])
+        ActionChains(self.driver).move_to_element(frame).double_click().perform()
+        self.assertIsNone(self.view("Creep curve")["x"])
+        self.assertEqual(self.ticks(frame), before)
+
+    def test_enlarging_by_keys(self):
+        self.show("block")
+        frame, said = self.chart(), self.driver.find_element(By.CSS_SELECTOR, "#motion figure output")
+        before = self.ticks(frame)
+        frame.send_keys("++++")
+        low, high = self.view("Creep curve")["x"]
+        self.assertAlmostEqual(high - low, 1 / 16, places=6)
+        self.assertIn("Enlarged", said.text)
+        frame.send_keys(Keys.END)  # the part follows the cursor
+        self.assertAlmostEqual(self.view("Creep curve")["x"][1], 1, places=6)
+        frame.send_keys("-")
+        low, high = self.view("Creep curve")["x"]
+        self.assertAlmostEqual(high - low, 1 / 8, places=6)
+        frame.send_keys("0")
+        self.assertEqual(self.ticks(frame), before)
+
+    def test_enlarged_ticks_stand_apart(self):
+        """However much is enlarged, labels differ and stand in the plot."""
+        for name in ("block", "joint"):
+            self.show(name)
+            for axis in ("time", "before"):
+                self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
+                frame = self.chart()
+                for _ in range(5):
+                    frame.send_keys("++")
+                    texts = self.ticks(frame)
+                    if (name, axis) != ("block", "time"):  # where hours come again day by day, midnight is a date
+                        self.assertEqual(len(set(texts)), len(texts), texts)
+                    elif len(set(texts)) < len(texts):
+                        self.assertTrue(any("-" in text for text in texts), texts)
+                    self.assertNotIn("00:00", texts)
+                    up = [t.text for t in frame.find_elements(By.CSS_SELECTOR, "svg text[text-anchor=end]")][:-1]
+                    self.assertEqual(len(set(up)), len(up), up)
+
+    def test_both_axes_are_enlarged_where_neither_is_time(self):
         self.show("joint")
-        self.assertEqual(self.driver.execute_script(UNNAMED), [])
+        frame = self.chart(2, "scales")
+        ActionChains(self.driver).move_to_element_with_offset(frame, -60, 60).click_and_hold().move_to_element_with_offset(frame, 60, -60).release().perform()
+        view = self.view("Renormalization map")
+        self.assertTrue(view["x"] and view["y"], view)
+
+    def test_logarithm_and_names(self):
+        self.show("fitted")
+        frame = self.chart()
+        labels = "return [...document.querySelectorAll('#motion .frame')[0].querySelectorAll('text[text-anchor=end]')].map((t) => t.textContent).join(' ')"
+        before = self.driver.execute_script(labels)
+        frame.send_keys("l")
+        self.assertNotEqual(self.driver.execute_script(labels), before)
+        frame.send_keys("l")
+        self.assertEqual(self.driver.execute_script(labels), before)
+        name = next(b for b in self.driver.find_elements(By.CSS_SELECTOR, "#motion .legend button") if b.text == "readings fitted")
+        dots = lambda: len(frame.find_elements(By.CSS_SELECTOR, "circle.dot"))
+        self.assertEqual(dots(), 40)
+        name.send_keys(Keys.ENTER)
+        self.assertEqual((dots(), name.get_attribute("aria-pressed")), (0, "false"))
+        name.send_keys(Keys.ENTER)
+        self.assertEqual((dots(), name.get_attribute("aria-pressed")), (40, "true"))
+
+    def test_fitted_band(self):
+        self.show("fitted")
+        frame = self.chart()
+        self.assertEqual(len(frame.find_elements(By.CSS_SELECTOR, "path.area")), 2)
+        self.assertIn("fitted up to here", frame.text)
+        self.assertIn("failure, fitted model", frame.text)
+        # the 90 % hold the 50 %, and what was read lies on them
+        boxes = [path.rect for path in frame.find_elements(By.CSS_SELECTOR, "path.area")]
+        self.assertGreaterEqual(boxes[0]["height"], boxes[1]["height"])
+        frame.send_keys(Keys.HOME, *[Keys.ARROW_RIGHT] * 20)
+        said = self.driver.find_element(By.CSS_SELECTOR, "#motion figure output").text
+        self.assertIn("fitted model", said)
+        self.assertIn("Fitted model", [head.text for head in self.driver.find_elements(By.TAG_NAME, "h2")])
+        self.assertIn("initial.slip_rate", self.driver.find_element(By.ID, "fit").text)
+
+    def test_line_over_place_and_time(self):
+        self.show("line")
+        picture = "return document.querySelector('#cells image').getAttribute('href')"
+        mark = "return document.querySelector('#cells .mark').getAttribute('y1')"
+        place, seen = self.driver.execute_script(mark), self.driver.execute_script(picture)
+        self.driver.find_element(By.ID, "snapshot").send_keys(Keys.END)
+        self.assertNotEqual(self.driver.execute_script(mark), place)
+        self.assertEqual(self.driver.execute_script(picture), seen)
+        frame = self.chart(0, "cells")
+        ActionChains(self.driver).move_to_element(frame).perform()  # its time becomes the slider's
+        self.assertNotEqual(self.driver.find_element(By.ID, "snapshot").get_attribute("value"), self.driver.find_element(By.ID, "snapshot").get_attribute("max"))
+        self.assertRegex(self.driver.find_element(By.CSS_SELECTOR, "#cells figure output").text, "km.*before failure: (sticks|slips)")
+
+    def test_order_of_keys(self):
+        """From the top the Tab key reaches what leads to the results, the switches, every chart, slider and table, and goes on."""
+        self.show("joint")
+        body = self.driver.find_element(By.TAG_NAME, "body")
+        order = []
+        for _ in range(120):
+            (body if not order else self.driver.switch_to.active_element).send_keys(Keys.TAB)
+            focus = self.driver.switch_to.active_element
+            word = focus.get_attribute("id") or focus.get_attribute("class") or focus.tag_name
+            if focus.tag_name == "body" or (order and word == "skip"):
+                break
+            order.append(word)
+        self.assertEqual(order[0], "skip")
+        charts = len(self.driver.find_elements(By.CSS_SELECTOR, ".frame"))
+        self.assertEqual(order.count("frame"), charts)
+        self.assertLess(order.index("method"), order.index("issue"))
+        self.assertLess(order.index("issue"), order.index("snapshot"))
+        self.assertLess(order.index("snapshot"), order.index("level-time"))
+        self.assertEqual(order.count("summary"), len(self.driver.find_elements(By.TAG_NAME, "summary")))
+
+    def test_motion_is_reduced(self):
+        glide = "return getComputedStyle(document.documentElement).scrollBehavior"
+        self.show("brief")
+        self.assertEqual(self.driver.execute_script(glide), "smooth")
+        self.show("brief", motion="reduce")
+        self.assertEqual(self.driver.execute_script(glide), "auto")
+
+    def test_dark_pages_print_light(self):
+        ground = "const s = getComputedStyle(document.body); return [s.backgroundColor, s.color]"
+        self.show("brief", scheme="dark")
+        dark = self.driver.execute_script(ground)
+        self.show("brief", scheme="dark", media="print")
+        light = self.driver.execute_script(ground)
+        self.assertEqual(light[0], "rgb(255, 255, 255)")
+        self.assertNotEqual(light, dark)
+        hidden = "return ['nav', '.controls', '.tools', '.slider button'].map((s) => getComputedStyle(document.querySelector(s) || document.querySelector('nav')).display)"
+        self.assertEqual(set(self.driver.execute_script(hidden)), {"none"})
 
     def test_sizes_and_schemes(self):
         for label, size in (("desk", DESK), ("phone", PHONE)):
             brightness = []
             for scheme in ("light", "dark"):
-                self.show("joint", size, scheme)
-                self.assertEqual(self.driver.execute_script(WIDE), [], label)
-                self.assertEqual(self.driver.execute_script("return document.documentElement.scrollWidth"), size[0])
+                for name in ("line", "fitted", "joint"):
+                    self.show(name, size, scheme)
+                    self.assertEqual(self.driver.execute_script(WIDE), [], (name, label))
+                    self.assertEqual(self.driver.execute_script("return document.documentElement.scrollWidth"), size[0])
                 seen = self.picture(f"{label}-{scheme}")
                 self.assertEqual(seen.shape[1], size[0])
                 self.assertGreater(seen.shape[0], 3 * size[1])

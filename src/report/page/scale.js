@@ -133,7 +133,8 @@ function calendar([low, high], most, start) {
   const back = (p) => low + p * (high - low);
   if (step === undefined) return { low, high, at, back, ticks: monthTicks(start, low, high, most) };
   const detail = step >= DAY ? "day" : "minute";
-  const label = (t) => (detail === "day" ? date(t, "day").slice(5) : date(t, step < 1 ? "millisecond" : step < 60 ? "second" : "minute").slice(11));
+  const clock = step < 1 ? "millisecond" : step < 60 ? "second" : "minute";
+  const label = (t) => (detail === "day" || (clock === "minute" && t % DAY === 0) ? date(t, "day").slice(5) : date(t, clock).slice(11));
   const ticks = range(start + low, start + high, step).map((t) => ({ value: t - start, label: label(t) }));
   return { low, high, at, back, ticks };
 }
