@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run as one page to look at.
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,27 +98,38 @@ static lac_status read_series(const cli_request *request, lac_series **out, lac_
     return status;
 }
 
+// The name of a fit's variable, NULL where all of its values are missing.
+static lac_status find_column(const lac_stored_file *file, const char *name, const char **out,
+                              lac_error *err)
+{
+    lac_stored_values values = {0};
+    const lac_status status = lac_stored_file_values(file, name, &values, err);
+    *out = NULL;
+    for (size_t i = 0; status == LAC_OK && values.value != NULL && i < values.n; i++) {
+        *out = isfinite(values.value[i]) ? name : *out;
+    }
+    lac_stored_values_clear(&values);
+    return status;
+}
+
 // The readings that a fit was made from, of the file that it left.
 static lac_status read_fitted(const char *path, lac_series **out, lac_error *err)
 {
-    const lac_series_def def = {.path = path,
-                                .time = "reading_time",
-                                .displacement = "observed_displacement",
-                                .velocity = "observed_slip_rate"};
+    lac_series_def def = {.path = path};
     lac_stored_file *file = NULL;
-    lac_stored_values readings = {0};
     lac_units *units = NULL;
     lac_status status;
     LAC_TRY(lac_stored_file_open(path, &file, err));
-    LAC_TRY(lac_stored_file_values(file, def.time, &readings, err));
-    if (readings.value == NULL) {
+    LAC_TRY(find_column(file, "reading_time", &def.time, err));
+    LAC_TRY(find_column(file, "observed_displacement", &def.displacement, err));
+    LAC_TRY(find_column(file, "observed_slip_rate", &def.velocity, err));
+    if (def.time == NULL || (def.displacement == NULL && def.velocity == NULL)) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not a file of lacuna fit", path));
     }
     LAC_TRY(lac_units_create(&units, err));
     LAC_TRY(lac_series_read(&def, units, out, err));
 out:
     lac_units_free(units);
-    lac_stored_values_clear(&readings);
     lac_stored_file_close(file);
     return status;
 }

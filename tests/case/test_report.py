@@ -226,6 +226,9 @@ class Fit(unittest.TestCase):
         self.assertEqual(series["name"], "fit.nc")
         numpy.testing.assert_allclose(series["time"], self.at)
         numpy.testing.assert_allclose(series["offset"], 7e-3, atol=1e-4)
+        self.assertTrue(series["derived"])  # no velocities were read
+        self.assertEqual(len(series["rate"]), 39)
+        self.assertTrue(self.page["forecasts"]["measured"])
         fit = self.page["fit"]
         middle = numpy.interp(self.at, fit["time"], numpy.array(fit["slip"][2], float)) - series["offset"]
         self.assertLess(abs(middle - self.truth).max(), 3e-4)
