@@ -113,13 +113,20 @@ endif()
 
 # Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md
-     ${CMAKE_SOURCE_DIR}/docs/howto-*.md)
-list(FILTER pages EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
+file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/*.md)
+list(FILTER documented EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
 if(NOT TARGET lacuna_shared)
-  list(FILTER pages EXCLUDE REGEX "howto-embed")
+  list(FILTER documented EXCLUDE REGEX "howto-embed")
 endif()
-foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/README.md)
+set(pages ${CMAKE_SOURCE_DIR}/README.md)
+foreach(page ${documented})
+  file(STRINGS ${page} shown REGEX "^```sh")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
+  if(shown)
+    list(APPEND pages ${page})
+  endif()
+endforeach()
+foreach(page ${pages})
   get_filename_component(name ${page} NAME_WE)
   add_test(NAME case.${name}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
@@ -127,6 +134,12 @@ foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/RE
   set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
                        ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
+
+# All other commands that the documentation shows.
+if(NOT LACUNA_SANITIZE)
+  set(test_commands_files ${CMAKE_BINARY_DIR})
+  lacuna_python_test(test_commands)
+endif()
 
 # The library's allocations fail one after the other.
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
