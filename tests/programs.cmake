@@ -42,11 +42,14 @@ function(lacuna_cases group command)
                        FIXTURES_REQUIRED outputs_${group})
 endfunction()
 
-foreach(group cases domain friction load momentum normal peers solver surface transfer)
+set(groups cases domain friction load momentum normal peers solver surface transfer)
+foreach(group ${groups})
   lacuna_cases(${group} run)
 endforeach()
 lacuna_cases(contact contact --set interface.levels=9)
 lacuna_cases(rg rg --set interface.levels=7)
+list(TRANSFORM groups PREPEND outputs_ OUTPUT_VARIABLE case_outputs)
+list(APPEND case_outputs outputs_contact outputs_rg)
 
 # The tables of docs/case.md are the program's.
 add_test(NAME case.tables COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/case_tables.py --check
@@ -139,6 +142,11 @@ endforeach()
 if(NOT LACUNA_SANITIZE)
   set(test_commands_files ${CMAKE_BINARY_DIR})
   lacuna_python_test(test_commands)
+
+  # Names that pages state: of options, keys, variables and attributes, those of the bundled cases' files too.
+  set(test_names_files ${CMAKE_CURRENT_BINARY_DIR})
+  lacuna_python_test(test_names)
+  set_tests_properties(case.test_names PROPERTIES FIXTURES_REQUIRED "${case_outputs}")
 endif()
 
 # The library's allocations fail one after the other.
