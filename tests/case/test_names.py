@@ -270,6 +270,14 @@ class Keys(unittest.TestCase):
                         self.assertIn(value, self.choices[key].split())
         self.assertGreater(tried, 120)
 
+    def test_data(self):
+        """Every file that is shipped as data is in the table of its folder, and nothing else."""
+        folder = os.path.join(SOURCE, "cases", "data")
+        text = doc_commands.read(os.path.join(folder, "README.md"))
+        rows = [line.split("|")[1] for line in text.split("\n") if line.startswith("| `")]
+        named = {name for row in rows for name in re.findall(r"`([^`]*)`", row)}
+        self.assertEqual(named, set(os.listdir(folder)) - {"README.md"})
+
     def test_options(self):
         """Options that pages quote are of the program, of a tool, or of what builds and tests."""
         tools = [path for pattern in ("tools/*", "tools/lint/*", "tests/support/*.py")
