@@ -22,7 +22,7 @@ static const option table[] = {
     {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
     {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
     {CLI_OPT_COMPARE, '\0', "compare", "SERIES", "monitoring data to lay beside the run"},
-    {CLI_OPT_COMPARE, '\0', "fit", "FIT.nc", "of lacuna fit: its forecast beside the run"},
+    {CLI_OPT_COMPARE, '\0', "fit", "FIT", "file of lacuna fit: its forecast beside the run"},
     {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
     {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
      "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
