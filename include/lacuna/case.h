@@ -241,6 +241,10 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
 
+/// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
+/// its law, loads and transfer lac_run_events_follows tells.
+bool lac_case_admits_events(const lac_case *c);
+
 /// Frees a case; NULL is fine.
 void lac_case_free(lac_case *c);
 
