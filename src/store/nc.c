@@ -115,3 +115,17 @@ lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, co
 out:
     return status;
 }
+
+lac_status lac_nc_reals(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
+                        int deflate, const double *values, int *id, lac_error *err)
+{
+    int own = 0;
+    id = id != NULL ? id : &own;
+    lac_status status = lac_nc_define(file, var, rank, dims, NULL, deflate, id, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    errno = 0;
+    return lac_nc_check(file->path, nc_put_var_double(file->id, *id, values), err, "write",
+                        var->name);
+}
