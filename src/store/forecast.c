@@ -228,6 +228,40 @@ out:
     return status;
 }
 
+// Why each was not issued, as text that is as long as the longest needs.
+static lac_status put_reasons(const writer *w, lac_error *err)
+{
+    const size_t count = w->length[ISSUE] * w->length[METHOD];
+    const lac_nc_var var = {.name = "reason",
+                            .long_name = "why the forecast is not issued",
+                            .comment = "empty where it is",
+                            .coordinates = "issue_time method",
+                            .type = NC_CHAR};
+    size_t longest = 1;
+    int dims[] = {w->dim[ISSUE], w->dim[METHOD], 0};
+    int id = 0;
+    lac_status status;
+    for (size_t i = 0; i < count; i++) {
+        const size_t n = strlen(forecast(w, i)->fit.reason);
+        longest = n > longest ? n : longest;
+    }
+    char *text = calloc(count, longest);
+    LAC_TRY(text != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < count; i++) {
+        const char *reason = forecast(w, i)->fit.reason;
+        memcpy(text + i * longest, reason, strlen(reason));
+    }
+    LAC_TRY(lac_nc_dim(w->file, "reason_length", longest, &dims[2], err));
+    LAC_TRY(lac_nc_define(w->file, &var, 3, dims, NULL, 1, &id, err));
+    LAC_TRY(lac_nc_text(w->file, id, "_Encoding", "utf-8", err));
+    errno = 0;
+    LAC_TRY(lac_nc_check(w->file->path, nc_put_var_text(w->file->id, id, text), err, "write",
+                         var.name));
+out:
+    free(text);
+    return status;
+}
+
 static lac_status put_attributes(const writer *w, lac_error *err)
 {
     const lac_forecast_file *c = w->content;
@@ -267,6 +301,7 @@ static lac_status put_all(const lac_nc *file, void *context, lac_error *err)
     for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++) {
         LAC_TRY(put(w, &variables[i], err));
     }
+    LAC_TRY(put_reasons(w, err));
     LAC_TRY(lac_nc_indicators(w->file, w->content, w->dim[ISSUE], w->length[ISSUE], err));
     LAC_TRY(put_attributes(w, err));
 out:

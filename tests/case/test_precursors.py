@@ -236,6 +236,7 @@ class Precursors(unittest.TestCase):
                 self.assertEqual(data["issue_time"][i], issue["issue_time_s"])
                 for k, f in enumerate(issue["forecasts"]):
                     self.assertEqual(data["issued"][i, k], f["issued"])
+                    self.assertEqual(data["reason"][i, k], f["reason"] or "")
                     stored = data["failure_time"][i, k]
                     self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
                                      f["tc_s"])
