@@ -188,9 +188,10 @@ typedef struct lac_case {
     double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
                        ///< picked [1]; NaN: as given
     bool method_given, formulation_given;
-    int fft_planning;  ///< 0: estimate, reproducible to the bit; 1: measure
-    char *output_file; ///< NULL: named after the case
-    unsigned fields;   ///< LAC_FIELD_* of store.h
+    double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
+    int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure
+    char *output_file;        ///< NULL: named after the case
+    unsigned fields;          ///< LAC_FIELD_* of store.h
     int64_t compression;
     int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
