@@ -249,7 +249,9 @@ static lac_status put_reasons(const writer *w, lac_error *err)
     LAC_TRY(text != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t i = 0; i < count; i++) {
         const char *reason = forecast(w, i)->fit.reason;
-        memcpy(text + i * longest, reason, strlen(reason));
+        for (size_t k = 0; reason[k] != '\0'; k++) {
+            text[i * longest + k] = reason[k];
+        }
     }
     LAC_TRY(lac_nc_dim(w->file, "reason_length", longest, &dims[2], err));
     LAC_TRY(lac_nc_define(w->file, &var, 3, dims, NULL, 1, &id, err));
