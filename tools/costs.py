@@ -7,9 +7,9 @@
 Runs scenes that name more and more parts and counts bytes (the library build/tests/libcount_bytes.so
 that the tests build is loaded into the program) and, with valgrind, instructions: of the program's start before main, of
 the database of units, of the scene, of FFT plans, of opening the file, of an evaluation of the right-hand side a cell. Counts are
-the same on a busy machine; the CPU time, the least of many runs, nearly. --check: what the tests hold to; exit 1 where a block
+the same on a busy machine; the CPU time is the least of many runs. --check: what the tests hold to; exit 1 where a block
 allocates 4 MiB, held or in all, or takes more instructions than 20 ms allow, or a thread is begun. --quick: exit 1 where a
-block takes 20 ms of CPU from start to end.
+block takes 20 ms of CPU from start to end, 77 where the machine is too slow or busy to tell.
 """
 
 import argparse
@@ -46,8 +46,9 @@ SCENES = [
 MOST_INSTRUCTIONS = 80e6
 MOST_TIME = 0.020
 # What `lacuna --version`, hardly more than the dynamic linker, takes there. Where it takes more,
-# the machine is slower or busy, and so is a block allowed to be.
+# the machine is slower or busy, and nothing can be said of 20 ms.
 YARDSTICK = 0.0084
+UNKNOWN = 77
 PARTS = ["ut_read_xml", "lac_scene_create", "lac_store_create", "lac_problem_derivative"]
 
 
@@ -102,19 +103,20 @@ def run_words(options, case, folder):
             "--json"]
 
 
-def least_times(options, case, folder, runs=25):
-    """The least CPU time of the program's start alone and of the scene, measured by turns."""
+def times_of(options, case, folder, runs=25):
+    """CPU times of the program's start alone and of the scene, measured by turns; in order."""
     words = [[options.lacuna, "--version"], run_words(options, case, folder)]
     times = [[cpu_time(program) for program in words] for _ in range(runs)]
-    return [min(column) for column in zip(*times)]
+    return [sorted(column) for column in zip(*times)]
 
 
 def check_time(options, case, folder):
-    start, block = least_times(options, case, folder)
-    most = MOST_TIME * max(1.0, start / YARDSTICK)
-    print(f"a block: {block * 1e3:.1f} ms of CPU, at most {most * 1e3:.1f} ms; "
-          f"the program's start alone: {start * 1e3:.1f} ms, {YARDSTICK * 1e3:.1f} ms where it is quiet")
-    return block < most
+    start, block = (times[0] for times in times_of(options, case, folder))
+    print(f"a block: {block * 1e3:.1f} ms of CPU, {start * 1e3:.1f} ms of it the program's start, "
+          f"which takes {YARDSTICK * 1e3:.1f} ms on a quiet machine")
+    if block < MOST_TIME:
+        return 0
+    return UNKNOWN if start > 1.1 * YARDSTICK else 1
 
 
 def million(count):
@@ -142,7 +144,7 @@ def check(options, case, folder):
         if name == "a block" and shutil.which("valgrind"):
             counted = count_instructions(options, case, folder)[0]
         kept = check_counts(name, found, allocated, counted) and kept
-    return kept
+    return 0 if kept else 1
 
 
 def write(case, text):
@@ -160,14 +162,14 @@ def print_table(options, case, folder):
         found, (peak, total, threads) = count_bytes(options, case, folder)
         everything, start, parts, plans = count_instructions(options, case, folder)
         one = parts[3] / found["rhs_evaluations"] / found["n_cells"]
-        _, time = least_times(options, case, folder)
+        time = times_of(options, case, folder)[1][0]
         print(f"| {name} | {found['n_cells']} | {time * 1e3:.0f} | {peak / 1e6:.2f} | {total / 1e6:.1f} "
               f"| {threads} | {found['peak_memory_bytes'] / 1e6:.1f} | {million(everything)} "
               f"| {million(start)} | {million(parts[0])} | {million(parts[1])} | {million(plans)} "
               f"| {million(parts[2])} | {one:.0f} |", flush=True)
-    start, _ = least_times(options, case, folder)
+    start = times_of(options, case, folder)[0][0]
     print(f"\nThe program's start alone, `lacuna --version`: {start * 1e3:.1f} ms of CPU.")
-    return True
+    return 0
 
 
 def main():
@@ -181,7 +183,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         case = os.path.join(folder, "scene.yaml")
         write(case, BLOCK)
-        return 0 if (options.what or print_table)(options, case, folder) else 1
+        return (options.what or print_table)(options, case, folder)
 
 
 if __name__ == "__main__":
