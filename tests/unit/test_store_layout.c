@@ -12,10 +12,14 @@
 #include <cmocka.h>
 
 #include <netcdf.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "lacuna/store.h"
 #include "support/scratch.h"
 #include "support/store_records.h"
+
+#define VALUE 1.2345e6
 
 enum { FEW = 3, MANY = 600 };
 
@@ -42,7 +46,7 @@ static const char *write_file(const char *name, size_t cells)
     double pressure[MANY];
     for (size_t i = 0; i < cells; i++) {
         index[i] = (uint32_t)i;
-        pressure[i] = 1.2345e6 + (double)i;
+        pressure[i] = VALUE + (double)i;
     }
     lac_domain domain = {.grid = {.nx = MANY, .ny = 1, .dx = 0.5, .dy = 0.5},
                          .n = cells,
@@ -100,25 +104,35 @@ static void small_variables_stand_in_their_headers(void **state)
     (void)nc_close(file);
 }
 
-static bool reads(const char *path)
+static bool read_pressure(const char *path)
 {
     double pressure[FEW];
     int file = 0;
     int id = 0;
-    if (nc_open(path, NC_NOWRITE, &file) != NC_NOERR) {
-        return false;
+    return nc_open(path, NC_NOWRITE, &file) == NC_NOERR &&
+           nc_inq_varid(file, "pressure", &id) == NC_NOERR &&
+           nc_get_var_double(file, id, pressure) == NC_NOERR && pressure[0] == VALUE;
+}
+
+// In a process of its own: HDF5 keeps what it had read of a header that it refuses.
+static bool reads(const char *path)
+{
+    int status = 0;
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(read_pressure(path) ? 0 : 1);
     }
-    bool read = nc_inq_varid(file, "pressure", &id) == NC_NOERR &&
-                nc_get_var_double(file, id, pressure) == NC_NOERR;
-    (void)nc_close(file);
-    return read && pressure[0] == 1.2345e6;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status) == 0;
 }
 
 // Whichever bit of a value in a header is turned: HDF5's readers are told.
 static void a_changed_bit_in_a_header_is_seen(void **state)
 {
     (void)state;
-    const double value = 1.2345e6;
+    const double value = VALUE;
     size_t size = 0;
     unsigned char *bytes = scratch_read(write_file("sound.nc", FEW), &size);
     unsigned char *at = memmem(bytes, size, &value, sizeof value);

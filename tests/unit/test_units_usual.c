@@ -18,7 +18,13 @@
 #include "base/units.h"
 #include "base/units_usual.h"
 
-static bool same_bits(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
+static bool same_bits(double a, double b)
+{
+    uint64_t bits[2];
+    memcpy(&bits[0], &a, sizeof a);
+    memcpy(&bits[1], &b, sizeof b);
+    return bits[0] == bits[1];
+}
 
 static void their_factors_are_those_of_udunits(void **state)
 {
