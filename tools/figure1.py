@@ -17,9 +17,14 @@ import sys
 import tempfile
 
 # first: it says what is missing
-from figures import BLUE, INK, RED, ROOT, STYLE, WIDTH, json_of, length, matplotlib, np, open_file, plt, save
+from figures import BLUE, INK, RED, ROOT, STYLE, WIDTH, json_of, length as length_in, matplotlib, np, open_file, plt, save
 from matplotlib import ticker
 from matplotlib.colors import LightSource, LogNorm
+
+
+def length(value):
+    """A length in metres; no centimetres, since the axes are in millimetres."""
+    return length_in(value, {"km": 1e3, "m": 1.0, "mm": 1e-3, "µm": 1e-6})
 
 
 class Solved:
@@ -220,7 +225,7 @@ def draw(face):
     draw_interface(ax, face)
     figure.text(0.02, 0.968, "(a)", fontweight="bold")
     figure.text(0.24, 0.968, "composite surface", ha="center")
-    ax = figure.add_axes((0.53, 0.715, 0.36, 0.25))
+    ax = figure.add_axes((0.53, 0.715, 0.34, 0.25))
     draw_scheme(ax, face, rows[:5], corner)
     name(ax, "b", "a cut, coarse to fine", -0.03)
     least = 1e-6 * rows[0]["pressure_Pa"] / 30

@@ -3,12 +3,14 @@
 
 import io
 import json
+import logging
 import os
 import re
 import subprocess
 import sys
 from datetime import datetime, timezone
 
+logging.getLogger("fontTools").setLevel(logging.ERROR)  # it says that PDF files have no date
 TOOL = os.path.splitext(os.path.basename(sys.argv[0]))[0]
 
 try:
@@ -103,9 +105,9 @@ def unit_of(value, units, least=1.0):
     return next((u for u in units.items() if size >= least * u[1] * 0.9995), list(units.items())[-1])
 
 
-def length(value):
-    """A length in metres with the unit that reads best."""
-    name, size = unit_of(value, LENGTHS)
+def length(value, units=None):
+    """A length in metres with the unit that reads best, of LENGTHS or of these."""
+    name, size = unit_of(value, units or LENGTHS)
     return f"{value / size:.3g} {name}"
 
 
@@ -139,7 +141,7 @@ def panel(axes, letter, text="", **where):
 def plain_ticks(axis):
     """Numbers instead of powers on a logarithmic axis that spans little."""
     low, high = axis.get_view_interval()
-    if 0 < low < high < 30 * low:
+    if 0 < low < high < 100 * low:
         wide = high > 5 * low
         axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5) if wide else (1, 1.5, 2, 3, 4, 5, 6, 8), numticks=99))
         axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda value, _: f"{value:.4g}"))

@@ -236,8 +236,8 @@ def draw_map(axes, run, part, colours):
             axes.plot(part[slips, k], part[slips, k + 1], color=colour, lw=0.7)
             axes.plot(part[slips, k][-1], part[slips, k + 1][-1], "o", ms=3, color=colour)
     given = "given" in run["critical_fraction"].attrs.get("comment", "") if "critical_fraction" in run else False
-    for name, colour, mark, text in (("critical_fraction", RED, "D", "given" if given else "static cascade"),
-                                     ("run_critical_fraction", BLUE, "s", "this run")):
+    for name, colour, mark, text in (("critical_fraction", RED, "D", "given" if given else "cascade"),
+                                     ("run_critical_fraction", BLUE, "s", "run")):
         value = float(run[name]) if name in run else np.nan
         if np.isfinite(value):
             axes.plot(value, value, mark, ms=5, mfc="white", mec=colour, mew=1.2, label=f"$C$ = {value:.2f}, {text}", clip_on=False, zorder=5)

@@ -37,7 +37,7 @@ def case(name):
 def press(program, levels, mega, folder):
     """A specimen under a mean pressure: what is printed, and where it touches."""
     path = os.path.join(folder, "pressed.nc")
-    found = json_of(program, "contact", case("contact/joint.yaml"), "-o", path, "--force",
+    found = json_of(program, "contact", case("contact/joint.yaml"), "-o", path, "--force", "--coarsest", str(min(64, 2 ** (levels - 3))),
                     *settings(*SPECIMEN, f"interface.levels={levels}", f"load.normal.pressure={mega} MPa"))
     with open_file(path, "pressure") as data:
         return found, data["pressure"].values > 0
@@ -64,14 +64,14 @@ def draw_domain(ax, touches, found, letter, mega):
     ax.imshow(touches, origin="lower", extent=(0, side, 0, side), cmap=ListedColormap(["white", INK]), interpolation="nearest",
               rasterized=True)
     ax.spines[["top", "right"]].set_visible(True)
-    panel(ax, letter, f"{mega} MPa: $D_{{box}}$ = {found['d_box']:.2f} ± {found['d_box_error']:.2f}")
+    panel(ax, letter, f"{mega} MPa, $D$ = {found['d_box']:.2f} ± {found['d_box_error']:.2f}")
     ax.set_xlabel("x (cm)")
     ax.tick_params(labelleft=letter == "a")
 
 
 def draw_dimensions(ax, rows):
     loads = [mega for mega in rows if rows[mega]["delta_s"] is not None]
-    for key, colour, mark, name in (("d_box", INK, "o", "$D_{box}$"), ("delta_s", BLUE, "s", "$\\Delta_S$")):
+    for key, colour, mark, name in (("d_box", INK, "o", "$D$, boxes"), ("delta_s", BLUE, "s", "$\\Delta_S$, area")):
         ax.errorbar(loads, [rows[m][key] for m in loads], [rows[m][key + "_error"] for m in loads], color=colour, marker=mark, ms=3.5,
                     capsize=2, elinewidth=0.7, label=name)
     ax.set(xscale="log", xlabel="mean pressure (MPa)", ylabel="dimension", xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
@@ -89,7 +89,7 @@ def draw_tilt(ax, rows):
     ax.set(xscale="log", xlabel="side of the specimen (cm)", ylabel="angle of sliding (degrees)")
     plain_ticks(ax.xaxis)
     ax.legend()
-    panel(ax, "e", "apparent friction, 40° at 10 cm")
+    panel(ax, "e", "tilt, if 40° at 10 cm")
 
 
 def draw_strength(ax, rows):
