@@ -240,8 +240,8 @@ def draw(face):
         else:
             ax.set_yticklabels([])
     box = ax.get_position()
-    bar = figure.colorbar(image, cax=figure.add_axes((0.915, box.y0, 0.015, box.height)))
-    bar.set_label("pressure (MPa)", labelpad=1)
+    bar = figure.colorbar(image, cax=figure.add_axes((0.905, box.y0, 0.014, box.height)))
+    bar.set_label("pressure (MPa)", labelpad=2)
     bar.outline.set_linewidth(0.4)
     left = figure.add_axes((0.075, 0.055, 0.375, 0.205))
     right = figure.add_axes((0.56, 0.055, 0.375, 0.205))
@@ -263,6 +263,7 @@ def main():
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/contact/joint.yaml"))
     parser.add_argument("-o", "--output", default="figure1.png", help="picture to write")
     parser.add_argument("--coarsest", type=int, default=64, help="cells a side of the coarsest grid")
+    parser.add_argument("--small", action="store_true", help="a PNG of 256 colours, for the documentation")
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="override the case; may be repeated")
@@ -270,7 +271,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="lacuna-figure1-") as folder, \
             matplotlib.rc_context(STYLE):
         face = Interface(arguments, folder)
-        save(draw(face), arguments.output)
+        save(draw(face), arguments.output, small=arguments.small)
     result = face.result
     print(f"Delta_S {result['delta_s']:.3f} +/- {result['delta_s_error']:.3f}, "
           f"D_box {result['d_box']:.3f} +/- {result['d_box_error']:.3f}")

@@ -264,6 +264,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/rg/table.yaml"))
     parser.add_argument("-o", "--output", default="figure3.png")
+    parser.add_argument("--small", action="store_true", help="a PNG of 256 colours, for the documentation")
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--seeds", type=int, default=12, help="interfaces of (f) and (g)")
     parser.add_argument("--seed", type=int, default=3, help="of the interface of (a) to (d)")
@@ -276,7 +277,7 @@ def main():
         parser.error("--seeds must be at least 2 and --jobs 1")
     plt.rcParams.update(STYLE)
     with tempfile.TemporaryDirectory(prefix="lacuna-figure3-") as folder:
-        save(draw(arguments, folder), arguments.output)
+        save(draw(arguments, folder), arguments.output, small=arguments.small)
 
 
 if __name__ == "__main__":

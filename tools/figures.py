@@ -148,21 +148,21 @@ def plain_ticks(axis):
         axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
 
 
-def save_small(figure, path, dpi):
-    """A PNG of 256 colours, a third of the size; Pillow comes with matplotlib."""
+def save_small(figure, path):
+    """A PNG of 256 colours, a third of the size, for the documentation; Pillow comes with matplotlib."""
     data = io.BytesIO()
-    figure.savefig(data, format="png", dpi=dpi)
-    Image.open(data).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    figure.savefig(data, format="png")
+    Image.open(data).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, 2, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
-def save(figure, path, dpi=None):
+def save(figure, path, dpi=None, small=False):
     """Writes the figure and says where; of SVG and PDF without a date, so that it is the same twice."""
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
-        if path.endswith(".png"):
-            save_small(figure, path, dpi)
+        if small and path.endswith(".png"):
+            save_small(figure, path)
         else:
-            figure.savefig(path, metadata=undated.get(os.path.splitext(path)[1]))
+            figure.savefig(path, dpi=dpi or plt.rcParams["savefig.dpi"], metadata=undated.get(os.path.splitext(path)[1]))
     except OSError as wrong:
         stop(f"{path}: {wrong.strerror}")
     except ValueError as wrong:  # a suffix that names no format
