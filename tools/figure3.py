@@ -145,14 +145,14 @@ def draw_drop(ax):
     """(e) What a cell holds as it slips."""
     ax.plot([0, 1, 1], [0, 1, 1], color=INK)
     for beta, colour in COLOURS.items():
-        ax.plot([1, 1.02, 2.4], [1, beta, beta], color=colour)
-        ax.text(2.45, beta, f"β = {beta:g}", color=colour, va="center", fontsize=8)
+        ax.plot([1, 1.02, 2.75], [1, beta, beta], color=colour)
+        ax.text(2.82, beta, f"β = {beta:g}", color=colour, va="center", fontsize=8)
     ax.annotate("", (1.55, 1.0), (1.55, 0.6), arrowprops={"arrowstyle": "<->", "color": QUIET,
                                                         "linewidth": 0.7, "shrinkA": 0,
                                                         "shrinkB": 0})
-    ax.plot([1, 2.4], [1, 1], color=QUIET, linewidth=0.6, linestyle=":")
+    ax.plot([1, 2.75], [1, 1], color=QUIET, linewidth=0.6, linestyle=":")
     ax.text(1.62, 0.89, "(1 - β) f p", fontsize=8, va="center")
-    ax.set_xlim(0, 3.15)
+    ax.set_xlim(0, 3.65)
     ax.set_ylim(0, 1.15)
     ax.set_xticks([])
     ax.set_yticks([0, 0.6, 0.7, 0.8, 1])
@@ -186,7 +186,7 @@ def draw_map(ax, runs, levels_least=8):
         ax.plot(fraction[:, keep].ravel(), fraction[:, keep + 1].ravel(), marker, color=colour,
                 markersize=2, alpha=0.35, markeredgewidth=0)
         ax.plot(s, 1 / (1 + np.exp(-slope * np.log(s / (1 - s)) - intercept)), color=colour,
-                label=f"{field}: λ = {slope:.2f}, C = {fixed:.2f}")
+                label=f"{field}: λ {slope:.2f}, C {fixed:.2f}")
         if field == "equal":
             ax.plot([fixed], [fixed], "D", color=INK, markersize=4, zorder=5)
             ax.annotate("C", (fixed, fixed), (-11, 4), textcoords="offset points")
