@@ -133,8 +133,9 @@ def draw_shear(ax, program, quick, folder):
 def fractal_series(program, hurst, seeds, levels, folder):
     """Exponents 2 - Delta_S of interfaces of one Hurst exponent, pressed to where a tenth or more touches."""
     found = [json_of(program, "contact", case("contact/self-affine.yaml"), "-o", os.path.join(folder, "sizes.nc"), "--force",
-                     *settings(f"interface.levels={levels}",
-                               f"interface.surface={{self-affine: {{hurst: {hurst}, rms_height: 10 mm, seed: {seed}}}}}"))
+                     "--coarsest", str(min(64, 2 ** (levels - 3))), *settings(
+                         f"interface.levels={levels}",
+                         f"interface.surface={{self-affine: {{hurst: {hurst}, rms_height: 10 mm, seed: {seed}}}}}"))
              for seed in range(1, seeds + 1)]
     return np.array([2 - one["delta_s"] for one in found]), found[0]["published_exponents"]
 
@@ -177,7 +178,7 @@ def figure4(program, quick, folder):
     figure, axes = plt.subplots(2, 2, figsize=(WIDTH, 4.9), layout="constrained")
     draw_shear(axes[0][0], program, quick, folder)
     for ax, (letter, name, hurst) in zip((axes[0][1], axes[1][0]), SETS):
-        exponents, published = fractal_series(program, hurst, 2 if quick else 6, 9 if quick else 10, folder)
+        exponents, published = fractal_series(program, hurst, 2 if quick else 6, 8 if quick else 10, folder)
         draw_sizes(ax, letter, name, hurst, exponents, published)
     draw_onset(axes[1][1], program, (5, 6) if quick else (5, 6, 7, 8), 2 if quick else 6, folder)
     return figure
