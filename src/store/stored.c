@@ -100,7 +100,7 @@ bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *n
         strlen(longest) >= size) {
         return false;
     }
-    (void)strcpy(name, longest);
+    (void)memcpy(name, longest, strlen(longest) + 1);
     return true;
 }
 
