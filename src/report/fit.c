@@ -124,7 +124,7 @@ static void write_failures(lac_page_text *text, const fitted *f)
     const lac_stored_values *all = &f->value[FAILURE];
     size_t failing = 0;
     for (size_t i = 0; i < all->n; i++) {
-        failing += isfinite(all->value[i]);
+        failing += isfinite(all->value[i]) ? 1 : 0;
         all->value[i] = isfinite(all->value[i]) ? all->value[i] + f->shift : INFINITY;
     }
     qsort(all->value, all->n, sizeof *all->value, ascending);

@@ -81,7 +81,9 @@ def fit(program, text, series, path, *words):
     case = path[:-3] + "-case.yaml"
     with open(case, "w", encoding="utf-8") as file:
         file.write(text + FIT)
-    subprocess.run([program, "fit", case, series, "-o", path, "--force", "-q", *words], check=True, stdout=subprocess.DEVNULL)
+    done = subprocess.run([program, "fit", case, series, "-o", path, "--force", "-q", *words], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL, check=False)
+    assert done.returncode in (0, 1), done  # so short a chain may not have converged
 
 
 def readings(path, time, slip):

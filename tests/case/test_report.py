@@ -191,7 +191,7 @@ class Fit(unittest.TestCase):
         path = made("block", scenes.BLOCK)
         with netCDF4.Dataset(path) as file:
             time, slip = column(file, "time"), column(file, "slip")
-        cls.at = numpy.floor(numpy.linspace(0, 0.96 * time[-1], 40))
+        cls.at = numpy.floor(numpy.linspace(0, 0.85 * time[-1], 40))
         cls.truth = numpy.interp(cls.at, time, slip)
         noise = 1e-4 * numpy.random.default_rng(1).standard_normal(40)
         cls.series, cls.fit = os.path.join(FOLDER, "fitted.csv"), os.path.join(FOLDER, "fit.nc")

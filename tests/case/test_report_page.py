@@ -98,7 +98,7 @@ class Page(unittest.TestCase):
         """The block beside readings over most of its life, one of them absurd, and what was fitted to them."""
         with netCDF4.Dataset(os.path.join(FOLDER, "block.nc")) as file:
             time, slip = file["time"][:], file["slip"][:]
-        at = numpy.floor(numpy.linspace(0, 0.96 * time[-1], 40))
+        at = numpy.floor(numpy.linspace(0, 0.85 * time[-1], 40))
         seen = numpy.interp(at, time, slip) + 1e-4 * numpy.random.default_rng(1).standard_normal(40)
         scenes.readings(os.path.join(FOLDER, "seen.csv"), at, seen)
         scenes.fit(PROGRAM, scenes.BLOCK, os.path.join(FOLDER, "seen.csv"), os.path.join(FOLDER, "fit.nc"))
