@@ -143,7 +143,7 @@ static int width_of(const cli_trade_job *job, size_t d)
 static void print_row(const cli_trade_job *job, size_t run)
 {
     const lac_trade_measure *m = &job->measure[run];
-    char error[32], cpu[32], wall[32];
+    char error[32], sure[32], cpu[32], wall[32];
     printf("%c ", job->verdict.on_front[run] ? '*' : ' ');
     for (size_t d = 0; d < job->plan.dials; d++) {
         if (job->plan.dial[d].shown > 0) {
@@ -154,8 +154,9 @@ static void print_row(const cli_trade_job *job, size_t run)
         printf("  %s: %s\n", end_word(m->end), m->message);
         return;
     }
-    printf(" %9s %10s %10s %8.3g %9" PRId64 "\n",
+    printf(" %9s +- %-7s %10s %10s %8.3g %9" PRId64 "\n",
            error_text(job->verdict.error[run], error, sizeof error),
+           error_text(job->verdict.uncertainty, sure, sizeof sure),
            cli_quantity(m->cpu_time, "s", cpu, sizeof cpu),
            cli_quantity(m->wall_time, "s", wall, sizeof wall), (double)m->memory / 1e6, m->steps);
 }
@@ -177,7 +178,7 @@ static void print_head(const cli_trade_job *job)
             printf(" %-*s", width_of(job, d), job->plan.dial[d].dial->name);
         }
     }
-    printf(" %9s %10s %10s %8s %9s\n", "error", "CPU", "wall", "MB", "steps");
+    printf(" %9s    %-7s %10s %10s %8s %9s\n", "error", "", "CPU", "wall", "MB", "steps");
 }
 
 static void print_left_out(const cli_trade_job *job)

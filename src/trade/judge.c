@@ -85,8 +85,8 @@ static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,
     if (ask->quantity >= 0) {
         return ask->quantity;
     }
-    if (plan->cascade) {
-        return LAC_QUANTITY_CRITICAL;
+    if (plan->of != LAC_OF_RUN) {
+        return plan->of == LAC_OF_CASCADE ? LAC_QUANTITY_CRITICAL : LAC_QUANTITY_FRACTION;
     }
     if (!isnan(value[LAC_QUANTITY_FAILURE])) {
         return LAC_QUANTITY_FAILURE;
@@ -105,6 +105,8 @@ static lac_status no_quantity(int quantity, lac_error *err)
         return lac_fail(err, LAC_EINPUT,
                         "--quantity events: the case keeps no catalogue; name it, "
                         "analysis: {events: {...}}");
+    case LAC_QUANTITY_WORK:
+        return lac_fail(err, LAC_EINPUT, "--quantity work: the case has no load.history");
     default:
         return lac_fail(err, LAC_EINPUT, "--quantity %s: the reference has none",
                         lac_quantity_about_of(quantity)->name);

@@ -13,6 +13,10 @@ static const lac_quantity_about quantities[] = {
     [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell"},
     [LAC_QUANTITY_CRITICAL] = {"q-crit", "1", "critical shear force over f P"},
     [LAC_QUANTITY_EVENTS] = {"events", "1", "events of the catalogue"},
+    [LAC_QUANTITY_FRACTION] = {"contact-fraction", "1", "fraction in contact", .contact = true},
+    [LAC_QUANTITY_PRESSURE] = {"pressure", "Pa", "mean normal pressure", .contact = true},
+    [LAC_QUANTITY_DIMENSION] = {"dimension", "1", "box dimension", .contact = true},
+    [LAC_QUANTITY_WORK] = {"work", "J", "frictional work", .contact = true},
 };
 
 const lac_quantity_about *lac_quantity_about_of(int quantity) { return &quantities[quantity]; }
@@ -72,6 +76,9 @@ lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
                             bool catalogue, double *value)
 {
+    for (int q = 0; q < LAC_QUANTITIES; q++) {
+        value[q] = NAN;
+    }
     value[LAC_QUANTITY_FAILURE] =
         result->failed ? result->failure_origin + result->failure_local : NAN;
     value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;

@@ -111,7 +111,7 @@ static void plan_of_a_run(void **state)
     (void)state;
     lac_trade_plan plan;
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.dials, 3);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 5 * (1 + 3 + 3));
     const lac_trade_run *reference = &plan.run[plan.reference];
@@ -123,8 +123,8 @@ static void plan_of_a_run(void **state)
     assert_true(lac_trade_is_coarser(&plan, plan.coarsest[0], plan.coarser[0]));
     assert_false(lac_trade_is_coarser(&plan, plan.coarser[0], plan.coarsest[0]));
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, false, "method,rtol=1e-3:1e-5", true, &plan, NULL),
-                     LAC_OK);
+    assert_int_equal(
+        lac_trade_plan_create(c, LAC_OF_RUN, "method,rtol=1e-3:1e-5", true, &plan, NULL), LAC_OK);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * 2);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
@@ -140,7 +140,7 @@ static void own_tolerance(void **state)
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t k = 0; k < sizeof own / sizeof own[0]; k++) {
         c->run.rtol = own[k];
-        const size_t n = lac_dial_at(0)->values(c, false, value);
+        const size_t n = lac_dial_at(0)->values(c, LAC_OF_RUN, value);
         bool found = false;
         double before = INFINITY;
         assert_int_equal(n, rungs[k]);
@@ -162,7 +162,7 @@ static void plan_of_a_scene(void **state)
     (void)state;
     lac_trade_plan plan;
     lac_case *c = read_text(joint, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "levels,transfer", false, &plan, NULL),
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "levels,transfer", false, &plan, NULL),
                      LAC_OK);
     const lac_trade_run *reference = &plan.run[plan.reference];
     assert_int_equal(plan.dials, 3); // and rtol, for the reference
@@ -172,14 +172,15 @@ static void plan_of_a_scene(void **state)
     assert_int_equal(plan.dial[2].shown, 0);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, true, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.dials, 1); // uniform: no contacts along a path
     assert_string_equal(plan.dial[0].dial->name, "shifts");
     assert_string_equal(plan.dial[0].value[plan.run[plan.reference].at[0]].label, "16");
-    assert_true(lac_trade_is_cascade(&plan, plan.reference));
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CASCADE);
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, true, "fidelity", false, &plan, NULL), LAC_OK);
-    assert_false(lac_trade_is_cascade(&plan, plan.reference));
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "fidelity", false, &plan, NULL),
+                     LAC_OK);
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_RUN);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
@@ -195,7 +196,8 @@ static void wrong_dials(void **state)
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         lac_trade_plan plan;
         lac_error err = {""};
-        assert_int_equal(lac_trade_plan_create(c, false, words[i], false, &plan, &err), LAC_EINPUT);
+        assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, words[i], false, &plan, &err),
+                         LAC_EINPUT);
         assert_non_null(strstr(err.message, "--dials"));
     }
     lac_case_free(c);
@@ -222,7 +224,8 @@ static void verdict(void **state)
     lac_trade_verdict v;
     lac_trade_measure m[64];
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "rtol,method", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
+                     LAC_OK);
     assert_true(plan.runs <= 64);
     fill(&plan, m);
     lac_trade_ask ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .spend = NAN};
@@ -267,7 +270,8 @@ static void poor_references(void **state)
     lac_trade_measure m[64];
     lac_error err = {""};
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "rtol,method", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
+                     LAC_OK);
     fill(&plan, m);
     lac_trade_ask ask = {.quantity = -1, .reach = NAN, .within = NAN, .spend = NAN};
     m[plan.reference].end = LAC_TRADE_BROKEN;
