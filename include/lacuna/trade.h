@@ -153,7 +153,7 @@ typedef struct lac_trade_measure {
     int64_t memory, output;            ///< peak, size of its file [bytes]
     int64_t steps, evaluations, cells; ///< of the right-hand side; of a contact its solver's
                                        ///< iterations and elastic products
-    char message[160];                 ///< what went wrong
+    char message[240];                 ///< what went wrong
 } lac_trade_measure;
 
 /// What is asked for.

@@ -156,6 +156,12 @@ const char *cli_trade_sentence(const cli_trade_job *job, char *text, size_t size
     } else {
         (void)snprintf(text, size, "Nothing tried has this quantity.");
     }
+    if (isnan(v->uncertainty)) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, size - used,
+                       " The reference's own error is not known: no coarser run was "
+                       "done.");
+    }
     return text;
 }
 

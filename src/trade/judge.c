@@ -105,8 +105,12 @@ static lac_status no_quantity(int quantity, lac_error *err)
         return lac_fail(err, LAC_EINPUT,
                         "--quantity events: the case keeps no catalogue; name it, "
                         "analysis: {events: {...}}");
+    case LAC_QUANTITY_DIMENSION:
+        return lac_fail(err, LAC_EINPUT,
+                        "--quantity dimension: boxes of the contact cannot be counted; "
+                        "contact-fraction can be asked for");
     case LAC_QUANTITY_WORK:
-        return lac_fail(err, LAC_EINPUT, "--quantity work: the case has no load.history");
+        return lac_fail(err, LAC_EINPUT, "--quantity work: the case has no load.history to do any");
     default:
         return lac_fail(err, LAC_EINPUT, "--quantity %s: the reference has none",
                         lac_quantity_about_of(quantity)->name);

@@ -34,6 +34,12 @@ static const char block[] = "lacuna: 1\n"
                             "initial: {slip_rate: 1 mm/week, state: {ratio_to_steady: 0.5}}\n"
                             "time: {end: 1 year}\n";
 
+static const char pressed[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {pressure: 1e6}, history: {friction: 0.5, steps: [{ratio_x: 0.5}]}}\n";
+
 static const char joint[] = "lacuna: 1\n"
                             "interface: {size: 1 m, levels: 4, domain: {full: {}}}\n"
                             "material: {shear_modulus: 20 GPa}\n"
@@ -152,6 +158,36 @@ static void own_tolerance(void **state)
         }
         assert_true(found);
     }
+    lac_case_free(c);
+}
+
+// A contact is traded over its grid and how its history is followed, and over nothing of a run.
+static void plan_of_a_contact(void **state)
+{
+    (void)state;
+    lac_trade_plan plan;
+    lac_error err;
+    lac_case *c = read_text(pressed, LAC_FOR_CONTACT);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(plan.dials, 2);
+    assert_string_equal(plan.dial[0].dial->name, "levels");
+    assert_string_equal(plan.dial[1].dial->name, "history");
+    const lac_trade_run *reference = &plan.run[plan.reference];
+    assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
+    assert_string_equal(plan.dial[1].value[reference->at[1]].label, "direct");
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CONTACT);
+    assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
+    lac_trade_plan_clear(&plan);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, "rtol", false, &plan, &err),
+                     LAC_EINPUT);
+    assert_non_null(strstr(err.message, "turns nothing in a contact"));
+    c->interface.levels = 0;
+    c->history.count = 0;
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, &err),
+                     LAC_EINPUT);
+    assert_non_null(strstr(err.message, "no dial to turn"));
+    c->interface.levels = 4;
+    c->history.count = 1;
     lac_case_free(c);
 }
 
@@ -348,10 +384,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(richardson),      cmocka_unit_test(front_of_many),
-        cmocka_unit_test(plan_of_a_run),   cmocka_unit_test(own_tolerance),
-        cmocka_unit_test(plan_of_a_scene), cmocka_unit_test(wrong_dials),
-        cmocka_unit_test(verdict),         cmocka_unit_test(poor_references),
-        cmocka_unit_test(probe),
+        cmocka_unit_test(plan_of_a_run),   cmocka_unit_test(plan_of_a_contact),
+        cmocka_unit_test(own_tolerance),   cmocka_unit_test(plan_of_a_scene),
+        cmocka_unit_test(wrong_dials),     cmocka_unit_test(verdict),
+        cmocka_unit_test(poor_references), cmocka_unit_test(probe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
