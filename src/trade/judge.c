@@ -76,7 +76,9 @@ static double uncertainty(const lac_trade_plan *plan, const lac_trade_measure *m
         sum += lac_richardson_error(coarse, middle, fine, plan->dial[d].dial->ratio);
         known = true;
     }
-    return known ? fmax(sum / scale, DBL_EPSILON) : NAN;
+    // Counts jump by ones: that two are alike says no more.
+    const double least = v->quantity == LAC_QUANTITY_EVENTS ? 1.0 : DBL_EPSILON * scale;
+    return known ? fmax(sum, least) / scale : NAN;
 }
 
 static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,

@@ -330,6 +330,15 @@ static void poor_references(void **state)
                          q == LAC_QUANTITY_SLIP ? LAC_OK : LAC_EINPUT);
         lac_trade_verdict_clear(&v);
     }
+    // Counts that agree are known to one event, no better.
+    for (size_t i = 0; i < plan.runs; i++) {
+        m[i].value[LAC_QUANTITY_EVENTS] = 50.0;
+    }
+    ask.quantity = LAC_QUANTITY_EVENTS;
+    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
+    assert_near(v.uncertainty, 0.02, 1e-15);
+    assert_int_equal(v.recommended, SIZE_MAX);
+    lac_trade_verdict_clear(&v);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
