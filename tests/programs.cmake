@@ -103,6 +103,9 @@ target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wsha
 set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
 lacuna_python_test(test_trade)
 
+# How many of its runs go side by side.
+target_sources(unit_test_free_memory PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/memory.c)
+
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)
@@ -161,7 +164,7 @@ endif()
 
 # The library's allocations fail one after the other.
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
-                                 memory/failing_malloc.c)
+                                 memory/trade.c memory/failing_malloc.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})

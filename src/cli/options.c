@@ -38,8 +38,7 @@ static const option table[] = {
     {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
     {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
     {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
-    {CLI_OPT_TRADE, '\0', "quantity", "NAME",
-     "failure, limit, slip, rate, peak-rate, q-crit, events"},
+    {CLI_OPT_TRADE, '\0', "quantity", "NAME", "failure, slip, rate, q-crit, contact-fraction ..."},
     {CLI_OPT_TRADE, '\0', "reach", "ERROR", "to reach: 1%, or \"1 h\" of a time of failure"},
     {CLI_OPT_TRADE, '\0', "spend", "TIME", "that a run may take: \"10 min\""},
     {CLI_OPT_TRADE, '\0', "dials", "LIST", "rtol,method, or positions: rtol=1e-3:1e-6,levels"},
@@ -65,6 +64,7 @@ static const struct {
     size_t offset;
 } places[] = {
     {"compare", offsetof(cli_request, compare)},
+    {"accuracy", offsetof(cli_request, accuracy)},
     {"time", offsetof(cli_request, series.time)},
     {"time-format", offsetof(cli_request, series.time_format)},
     {"displacement", offsetof(cli_request, series.displacement)},

@@ -76,6 +76,7 @@ typedef struct cli_request {
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
     const char *compare;                               ///< a series laid beside a run
+    const char *accuracy; ///< among the overrides too, as solver.accuracy
     cli_series_words series;
     cli_forecast_words forecast;
     cli_trade_words trade;

@@ -15,6 +15,7 @@
 #include "lacuna/lacuna.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
+#include "memory/trade.h"
 #include "memory/whole_run.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
@@ -353,6 +354,8 @@ static void one_fails(void **state)
     every_allocation_fails(whole_dimension, false);
     every_allocation_fails(whole_loads, false);
     every_allocation_fails(whole_forecast, false);
+    every_allocation_fails(whole_trade, false);
+    every_allocation_fails(whole_accuracy, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -370,6 +373,8 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_dimension, true);
     every_allocation_fails(whole_loads, true);
     every_allocation_fails(whole_forecast, true);
+    every_allocation_fails(whole_trade, true);
+    every_allocation_fails(whole_accuracy, true);
 }
 
 int main(void)
