@@ -44,6 +44,27 @@ lac_status lac_recording_once(lac_recording *recording, const double *once, lac_
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
                              const char *long_name, double value, lac_error *err);
 
+/// Sets a text that a file has among its global attributes; one of that name is replaced.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
+                              lac_error *err);
+
+/// Such a text; NULL where there is none.
+const char *lac_recording_text_of(const lac_recording *recording, const char *name);
+
+/// Keeps some places along a dimension, and drops the others for good.
+/// @param dimension  "time" (records), "snapshot" or "event"
+/// @param keep       a byte a place, 0: drop it
+void lac_recording_thin(lac_recording *recording, const char *dimension, const uint8_t *keep);
+
+/// Puts what the file of a run holds up to a time before all that comes, of its snapshots 40 at most:
+/// for a run that goes on.
+/// @param recording  without a record yet
+/// @param until      of the last record, snapshot and event [s]
+/// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
+lac_status lac_recording_load(lac_recording *recording, const char *path, double until,
+                              lac_error *err);
+
 /// The index-th variable.
 /// @return false past the end
 bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out);

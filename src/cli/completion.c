@@ -35,6 +35,9 @@ static bool takes(const cli_command *command, const cli_option *o)
     return ((command->options | CLI_OPT_COMMON) & o->bit) != 0;
 }
 
+// Whether the word after it is its value, whatever it is.
+static bool needs_value(const cli_option *o) { return o->value != NULL && o->value[0] != '['; }
+
 static bool takes_files(const cli_command *command)
 {
     return strstr(command->arguments, "CASE") != NULL || strstr(command->arguments, ".nc") != NULL;
@@ -96,7 +99,7 @@ static void put_free_values(void)
     const cli_option *o;
     const char *bar = "";
     for (size_t i = 0; (o = cli_option_at(i)) != NULL; i++) {
-        if (o->value != NULL && o->bit != CLI_OPT_KIND && o->bit != CLI_OPT_OUTPUT) {
+        if (needs_value(o) && o->bit != CLI_OPT_KIND && o->bit != CLI_OPT_OUTPUT) {
             printf("%s--%s", bar, o->name);
             bar = "|";
         }
@@ -166,13 +169,13 @@ static void put_zsh_option(const cli_option *o)
     for (int form = o->letter != '\0' ? 0 : 1; form < 2; form++) {
         printf(" \\\n                '%s", again);
         if (form == 0) {
-            printf("-%c%s[", o->letter, o->value != NULL ? "+" : "");
+            printf("-%c%s[", o->letter, needs_value(o) ? "+" : "");
         } else {
-            printf("--%s%s[", o->name, o->value != NULL ? "=" : "");
+            printf("--%s%s[", o->name, needs_value(o) ? "=" : "");
         }
         put_zsh(o->doc);
         printf("]");
-        if (o->value != NULL) {
+        if (needs_value(o)) {
             printf(":");
             put_zsh(o->value);
             printf(":");
@@ -272,7 +275,7 @@ static void put_fish_option(const cli_option *o)
     if (o->letter != '\0') {
         printf(" -s %c", o->letter);
     }
-    printf(" -l %s%s", o->name, o->value == NULL ? "" : o->bit == CLI_OPT_OUTPUT ? " -r" : " -x");
+    printf(" -l %s%s", o->name, !needs_value(o) ? "" : o->bit == CLI_OPT_OUTPUT ? " -r" : " -x");
     if (o->bit == CLI_OPT_KIND) {
         printf(" -a '");
         put_templates();
