@@ -3,7 +3,7 @@
 #define LACUNA_RECORDING_H
 
 #include "lacuna/hierarchy.h"
-#include "lacuna/run.h"
+#include "lacuna/store_checkpoint.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -57,13 +57,12 @@ const char *lac_recording_text_of(const lac_recording *recording, const char *na
 /// @param keep       a byte a place, 0: drop it
 void lac_recording_thin(lac_recording *recording, const char *dimension, const uint8_t *keep);
 
-/// Puts what the file of a run holds up to a time before all that comes, of its snapshots 40 at most:
-/// for a run that goes on.
+/// Puts what the file of a run holds up to its checkpoint before all that comes, of the snapshots
+/// about 40: for a run that goes on.
 /// @param recording  without a record yet
-/// @param until      of the last record, snapshot and event [s]
 /// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
-lac_status lac_recording_load(lac_recording *recording, const char *path, double until,
-                              lac_error *err);
+lac_status lac_recording_load(lac_recording *recording, const char *path,
+                              const lac_kept_checkpoint *checkpoint, lac_error *err);
 
 /// The index-th variable.
 /// @return false past the end

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/date.h"
+#include "cli/libraries.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/view_feed.h"
@@ -145,6 +146,7 @@ out:
 static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *err)
 {
     const lac_provenance *from = &def->provenance;
+    char netcdf[32], libraries[320];
     const struct {
         const char *name, *text;
     } texts[] = {{"title", from->title},
@@ -152,11 +154,13 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
                  {"references", from->references},
                  {"source", "Lacuna " LACUNA_VERSION},
                  {"history", from->command_line},
-                 {"libraries", from->libraries},
+                 {"libraries", libraries},
                  {"fidelity", from->fidelity},
                  {"case", from->case_text},
                  {"status", "running"}};
     lac_status status = LAC_OK;
+    (void)cli_netcdf_version(netcdf, sizeof netcdf); // as the file has it
+    (void)snprintf(libraries, sizeof libraries, "%s, netCDF %s", from->libraries, netcdf);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         if (texts[i].text != NULL) {
             LAC_TRY(lac_recording_text(view->recording, texts[i].name, texts[i].text, err));
@@ -186,12 +190,12 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
     lac_status status;
     LAC_TRY(lac_recording_create(&as, &view->recording, err));
     LAC_TRY(describe(view, def, err));
+    if (def->resume != NULL) {
+        LAC_TRY(lac_recording_load(view->recording, def->path, def->resume, err));
+        view->fresh = true;
+    }
     if (once != NULL) {
         LAC_TRY(lac_recording_once(view->recording, once, err));
-    }
-    if (def->resume != NULL) {
-        LAC_TRY(lac_recording_load(view->recording, def->path, def->resume->from.time, err));
-        view->fresh = true;
     }
 out:
     return status;
@@ -295,8 +299,10 @@ void cli_view_begin(cli_view *view, const lac_store_def *def, const double *once
     view->inbox.cells = def->domain->n;
     view->inbox.fields = def->fields;
     view->data.at = view->issue.at = -INFINITY;
-    if (record(view, def, once, NULL) != LAC_OK) {
-        lac_recording_free(view->recording); // the page then says only where the run stands
+    lac_error err = {0};
+    if (record(view, def, once, &err) != LAC_OK) {
+        cli_note("warning: --view shows no charts: %s", err.message);
+        lac_recording_free(view->recording);
         view->recording = NULL;
         return;
     }

@@ -102,7 +102,7 @@ void cli_feed_drain(cli_feed *feed, double seconds)
     (void)pthread_mutex_unlock(&feed->lock);
 }
 
-char *cli_feed_take(cli_feed *feed, double seconds, size_t *size)
+char *cli_feed_take(cli_feed *feed, double seconds, uint64_t *version)
 {
     const double end = cli_clock() + seconds;
     char *copy = NULL;
@@ -113,10 +113,16 @@ char *cli_feed_take(cli_feed *feed, double seconds, size_t *size)
     }
     if (feed->data != NULL) {
         copy = strdup(feed->data);
-        *size = strlen(feed->data);
-        feed->taken++;
-        (void)pthread_cond_broadcast(&feed->changed);
+        *version = feed->version;
     }
     (void)pthread_mutex_unlock(&feed->lock);
     return copy;
+}
+
+void cli_feed_taken(cli_feed *feed, uint64_t version)
+{
+    (void)pthread_mutex_lock(&feed->lock);
+    feed->taken += version == feed->version;
+    (void)pthread_cond_broadcast(&feed->changed);
+    (void)pthread_mutex_unlock(&feed->lock);
 }

@@ -19,7 +19,7 @@ typedef struct cli_feed {
     char *data;                 ///< JSON; owned; NULL: none yet
     uint64_t version;           ///< of the data; 0: none yet
     unsigned watchers;          ///< streams of events that are open
-    unsigned taken;             ///< times that the newest data were asked for
+    unsigned taken;             ///< times that the newest data were sent
     unsigned expected;          ///< streams that were open at the last event
     bool wanted;                ///< somebody waits for data
     bool ended;                 ///< the newest event is the last
@@ -49,8 +49,10 @@ void cli_feed_drain(cli_feed *feed, double seconds);
 /// Waits for a change under the lock. @return false when `seconds` are over
 bool cli_feed_wait(cli_feed *feed, double seconds);
 
-/// A copy of the newest data, waiting for the first ones a while; NULL: none.
-/// @param size  of the text; the caller frees it
-char *cli_feed_take(cli_feed *feed, double seconds, size_t *size);
+/// A copy of the newest data, waiting for the first ones a while; NULL: none. The caller frees it.
+char *cli_feed_take(cli_feed *feed, double seconds, uint64_t *version);
+
+/// Says that data have been sent.
+void cli_feed_taken(cli_feed *feed, uint64_t version);
 
 #endif

@@ -31,6 +31,8 @@ typedef struct functions {
     void (*stop)(struct MHD_Daemon *daemon);
     struct MHD_Response *(*from_buffer)(size_t size, void *buffer,
                                         enum MHD_ResponseMemoryMode mode);
+    struct MHD_Response *(*from_buffer_freed)(size_t size, const void *buffer,
+                                              MHD_ContentReaderFreeCallback done, void *context);
     struct MHD_Response *(*from_callback)(uint64_t size, size_t block,
                                           MHD_ContentReaderCallback read, void *context,
                                           MHD_ContentReaderFreeCallback done);
@@ -68,6 +70,8 @@ static lac_status load(cli_http *http, lac_error *err)
         {"MHD_start_daemon", offsetof(functions, start)},
         {"MHD_stop_daemon", offsetof(functions, stop)},
         {"MHD_create_response_from_buffer", offsetof(functions, from_buffer)},
+        {"MHD_create_response_from_buffer_with_free_callback_cls",
+         offsetof(functions, from_buffer_freed)},
         {"MHD_create_response_from_callback", offsetof(functions, from_callback)},
         {"MHD_add_response_header", offsetof(functions, add_header)},
         {"MHD_queue_response", offsetof(functions, queue)},
@@ -202,17 +206,43 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
                 http->mhd.from_buffer(strlen(html), html, MHD_RESPMEM_MUST_FREE));
 }
 
+// Data on their way: a run that has ended waits for them.
+typedef struct parcel {
+    cli_feed *feed;
+    uint64_t version;
+    char *json;
+} parcel;
+
+static void end_parcel(void *context)
+{
+    parcel *sent = context;
+    cli_feed_taken(sent->feed, sent->version);
+    free(sent->json);
+    free(sent);
+}
+
 static enum MHD_Result send_data(const cli_http *http, struct MHD_Connection *connection)
 {
     static const header more[] = {{"Content-Type", "application/json"},
                                   {"Content-Security-Policy", CLOSED_POLICY},
                                   {NULL, NULL}};
-    size_t size = 0;
-    char *json = cli_feed_take(http->feed, patience, &size);
-    return json != NULL ? deliver(http, connection, MHD_HTTP_OK, more,
-                               http->mhd.from_buffer(size, json, MHD_RESPMEM_MUST_FREE))
-                        : refuse(http, connection, MHD_HTTP_SERVICE_UNAVAILABLE,
-                                 "The run has put out nothing yet.\n");
+    parcel *sent = calloc(1, sizeof *sent);
+    if (sent == NULL) {
+        return MHD_NO;
+    }
+    sent->feed = http->feed;
+    sent->json = cli_feed_take(http->feed, patience, &sent->version);
+    if (sent->json == NULL) {
+        free(sent);
+        return refuse(http, connection, MHD_HTTP_SERVICE_UNAVAILABLE,
+                      "The run has put out nothing yet.\n");
+    }
+    struct MHD_Response *response =
+        http->mhd.from_buffer_freed(strlen(sent->json), sent->json, end_parcel, sent);
+    if (response == NULL) {
+        end_parcel(sent);
+    }
+    return deliver(http, connection, MHD_HTTP_OK, more, response);
 }
 
 // Waits for the next event, or for the time of a sign of life. Runs on the connection's own thread.
@@ -341,6 +371,14 @@ static enum MHD_Result answer(void *context, struct MHD_Connection *connection, 
                : refuse(http, connection, MHD_HTTP_NOT_FOUND, "There is /, /data and /events.\n");
 }
 
+// A path is compared as it was sent: what %00 and %2f would hide is no name here.
+static size_t leave_as_it_is(void *context, struct MHD_Connection *connection, char *text)
+{
+    (void)context;
+    (void)connection;
+    return strlen(text);
+}
+
 // Its threads take no signals: those are the run's.
 static struct MHD_Daemon *start_daemon(cli_http *http)
 {
@@ -350,7 +388,8 @@ static struct MHD_Daemon *start_daemon(cli_http *http)
     struct MHD_Daemon *daemon = http->mhd.start(
         MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION | MHD_USE_POLL, 0, NULL,
         NULL, answer, http, MHD_OPTION_LISTEN_SOCKET, http->socket, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE, MHD_OPTION_END);
+        (unsigned)CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE,
+        MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, NULL, MHD_OPTION_END);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     return daemon;
 }

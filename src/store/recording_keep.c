@@ -64,20 +64,6 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
     }
 }
 
-// How many of the times are not after `until`.
-static lac_status count_until(const lac_stored_file *file, const char *axis, double until,
-                              size_t *n, lac_error *err)
-{
-    lac_stored_values time = {0};
-    const lac_status status = lac_stored_file_values(file, axis, &time, err);
-    *n = 0;
-    while (time.value != NULL && *n < time.n && time.value[*n] <= until) {
-        ++*n;
-    }
-    lac_stored_values_clear(&time);
-    return status;
-}
-
 static lac_status missing(const char *name, lac_error *err)
 {
     return lac_fail(err, LAC_EIO, "%s is missing or shorter than its dimension", name);
@@ -114,32 +100,31 @@ out:
     return status;
 }
 
-static lac_status load_axis(lac_recording *recording, const char *const axis[2], double until,
+static lac_status load_axis(lac_recording *recording, size_t axis, size_t n,
                             const lac_stored_file *file, lac_error *err)
 {
     lac_recorded seen;
-    size_t n = 0;
-    lac_status status;
-    LAC_TRY(count_until(file, axis[1], until, &n, err));
+    lac_status status = LAC_OK;
     for (size_t v = 0; n > 0 && lac_recording_at(recording, v, &seen); v++) {
-        if (runs_over(&seen, axis[0])) {
-            LAC_TRY(axis == axes[SNAPSHOTS] ? load_some(recording, v, seen.name, n, file, err)
-                                            : load(recording, v, seen.name, n, file, err));
+        if (runs_over(&seen, axes[axis][0])) {
+            LAC_TRY(axis == SNAPSHOTS ? load_some(recording, v, seen.name, n, file, err)
+                                      : load(recording, v, seen.name, n, file, err));
         }
     }
 out:
     return status;
 }
 
-lac_status lac_recording_load(lac_recording *recording, const char *path, double until,
-                              lac_error *err)
+lac_status lac_recording_load(lac_recording *recording, const char *path,
+                              const lac_kept_checkpoint *checkpoint, lac_error *err)
 {
+    const uint64_t counts[AXES] = {checkpoint->records, checkpoint->snapshots, checkpoint->events};
     lac_stored_file *file = NULL;
     lac_recorded origin, local;
     lac_status status;
     LAC_TRY(lac_stored_file_open(path, &file, err));
     for (size_t a = 0; a < AXES; a++) {
-        LAC_TRY(load_axis(recording, axes[a], until, file, err));
+        LAC_TRY(load_axis(recording, a, (size_t)counts[a], file, err));
     }
     if (lac_recording_find(recording, "time_origin", &origin) && origin.count > 0 &&
         lac_recording_find(recording, "time_local", &local)) {

@@ -59,6 +59,17 @@ class Run:
         assert status == 200, text
         return json.loads(text)
 
+    def data_of(self, records):
+        """The data once they tell of so many records: a held run has put them out."""
+        stream = self.events()
+        version = -1
+        while True:
+            version = stream.until(lambda event, v=version: event["version"] > v)["version"]
+            data = self.data() if version > 0 else {"motion": {"records": -1}}
+            if data["motion"]["records"] >= records:
+                stream.close()
+                return data
+
     def events(self, last=None):
         return Events(self.port, last)
 
@@ -81,6 +92,7 @@ class Events:
         while True:
             line = self.answer.readline().decode()
             if not line:
+                self.close()
                 raise StopIteration
             if line.startswith("id: "):
                 self.id = line[4:].strip()
@@ -97,4 +109,5 @@ class Events:
         raise AssertionError("the stream has ended")
 
     def close(self):
+        self.answer.close()
         self.connection.close()

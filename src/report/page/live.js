@@ -19,15 +19,16 @@ const over = (state) => ["complete", "failure", "interrupted", "failed"].include
 
 function whereWords(event) {
   if (!(event.end > 0)) return "";
-  const clock = page.clock;
-  const at = clock && clock.dated ? `${date(clock.start + event.time)} of ${date(clock.start + event.end, "day")}` : `${span(event.time, 4)} of ${span(event.end, 4)}`;
-  return `${at} · ${rate(event.rate)} · ${count(event.steps)} steps`;
+  const clock = page.clock, dated = clock && clock.dated;
+  const at = dated ? date(clock.start + event.time) : span(event.time, 4);
+  const end = over(event.state) ? "" : dated ? `, to ${date(clock.start + event.end, "day")}` : ` of ${span(event.end, 4)}`;
+  return `${at}${end} · ${rate(event.rate)} · ${count(event.steps)} steps`;
 }
 
-function afterWords(event) {
-  const words = [STATES[event.state][1], event.message].filter((text) => text).join(" ");
+function afterWords(event, state) {
+  const words = [STATES[state][1], state === "lost" ? "" : event.message].filter((text) => text).join(" ");
   const file = page.data ? page.data.about.file : "";
-  return over(event.state) && file ? `${words} This page stays as it is; lacuna report ${file} makes a file of it.` : words;
+  return over(state) && file ? [`${words} This page stays as it is; `, element("code", {}, `lacuna report ${file}`), " makes a file of it."] : [words];
 }
 
 function showState(event, state = event.state) {
@@ -38,7 +39,7 @@ function showState(event, state = event.state) {
   document.getElementById("live").hidden = over(state);
   document.getElementById("state").textContent = name;
   document.getElementById("where").textContent = whereWords(event);
-  document.getElementById("after").textContent = state === "lost" ? words : afterWords(event);
+  document.getElementById("after").replaceChildren(...afterWords(event, state).filter((text) => text));
   part.hidden = over(state) || !(event.end > 0);
   part.value = event.end > 0 ? Math.min(1, event.time / event.end) : 0;
   if (said.dataset.state !== state) said.textContent = `${name}. ${words}`;
