@@ -9,15 +9,15 @@
 
 /// What a page shows. Texts are borrowed.
 typedef struct lac_report_def {
-    const char *run;          ///< file of a run
+    const char *run;                ///< file of a run
     const lac_recording *recording; ///< read instead of the file, whose name is then only shown;
                                     ///< with the texts that are the file's attributes; NULL: none
-    const lac_series *series; ///< laid beside it; NULL: none
-    const char *series_name;  ///< what it is called
-    const char *made_by;      ///< program and version
-    double now;               ///< seconds since 1970 UTC: the library reads no clock
-    int issues; ///< times at which forecasts are issued, at most: they cost more than all else; 0: 40,
-                ///< -1: none
+    const lac_series *series;       ///< laid beside it; NULL: none
+    const char *series_name;        ///< what it is called
+    const char *made_by;            ///< program and version
+    double now;                     ///< seconds since 1970 UTC: the library reads no clock
+    int issues; ///< times at which forecasts are issued, at most: they cost more than all else; 0:
+                ///< 40, -1: none
 } lac_report_def;
 
 /// The data of a page as one JSON object, which a page's script draws: every section that the file

@@ -11,8 +11,8 @@ typedef struct lac_stored_file lac_stored_file;
 /// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written); LAC_ENOMEM
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err);
 
-/// A run that is kept in memory, read as its file would be. It must outlive what is opened here, and
-/// not change while it is read.
+/// A run that is kept in memory, read as its file would be. It must outlive what is opened here,
+/// and not change while it is read.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
                               lac_error *err);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of a run while it goes on. Three kinds of thread: the run's, which copies what it puts out
-// into an inbox; the viewer's, which makes the page's data of that; the server's, which wait and send.
-// netCDF is the run's alone.
+// The page of a run while it goes on. Three kinds of thread: the run's, which copies what it puts
+// out into an inbox; the viewer's, which makes the page's data of that; the server's, which wait
+// and send. netCDF is the run's alone.
 #include "cli/view.h"
 
 #include <inttypes.h>
@@ -23,13 +23,13 @@
 #include "lacuna/report.h"
 #include "lacuna/version.h"
 
-// Between looks into the inbox, and between data; for so many times as long as the last data took none
-// are made, so that the viewer takes little of a processor that the run may need.
+// Between looks into the inbox, and between data; for so many times as long as the last data took
+// none are made, so that the viewer takes little of a processor that the run may need.
 static const double look = 0.2, least_pause = 1.0, rest = 15.0;
 static const double last_wait = 3.0;
 
-// Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps those it
-// has.
+// Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps
+// those it has.
 enum { NO_FORECASTS = -1, SOME_FORECASTS = 12, ALL_FORECASTS = 0 };
 
 // Data of a kind: when they were ready, how long they took.
@@ -84,7 +84,8 @@ static void say(cli_view *view, const char *state, const lac_progress *now, cons
                    "{\"state\":\"%s\",\"version\":%" PRIu64 ",\"time\":%.9g,\"end\":%.9g,"
                    "\"rate\":%.4g,\"steps\":%" PRId64 ",\"last\":%s,\"message\":\"%s\"}",
                    state, view->feed.version, now->time, now->end,
-                   isfinite(now->mean_rate) ? now->mean_rate : 0.0, now->steps, last ? "true" : "false", words);
+                   isfinite(now->mean_rate) ? now->mean_rate : 0.0, now->steps,
+                   last ? "true" : "false", words);
     cli_feed_event(&view->feed, json, last);
 }
 
@@ -136,8 +137,8 @@ static lac_status put_grid(cli_view *view, const lac_grid *grid, lac_error *err)
     LAC_TRY(put_number(view, "grid_ny", (double)grid->ny, err));
     LAC_TRY(put_number(view, "grid_dx_m", grid->dx, err));
     LAC_TRY(put_number(view, "grid_dy_m", grid->dy, err));
-    LAC_TRY(lac_recording_text(view->recording, "boundary", grid->periodic ? "periodic" : "free",
-                               err));
+    LAC_TRY(
+        lac_recording_text(view->recording, "boundary", grid->periodic ? "periodic" : "free", err));
 out:
     return status;
 }
@@ -250,8 +251,7 @@ static bool make_next(cli_view *view)
     if (!view->fresh || !(issue || is_due(&view->data, begun))) {
         return false;
     }
-    const bool made =
-        make_data(view, view->recording, issue ? SOME_FORECASTS : NO_FORECASTS);
+    const bool made = make_data(view, view->recording, issue ? SOME_FORECASTS : NO_FORECASTS);
     const double now = cli_clock();
     pace *of = issue ? &view->issue : &view->data;
     view->data.at = now;
@@ -268,7 +268,8 @@ static void look_in(cli_view *view)
     bool moved;
     view->fresh = cli_inbox_empty(&view->inbox, &sink, &now, &moved) > 0 || view->fresh;
     (void)lac_report_thin(view->recording, NULL);
-    if (cli_feed_watched(&view->feed) && (make_next(view) || moved)) {
+    const bool made = cli_feed_watched(&view->feed) && make_next(view);
+    if (made || moved) {
         say(view, "running", &now, "", false);
     }
 }
@@ -382,7 +383,7 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
     const char *state = failed ? "failure" : status;
     stop_watching(view);
     view->ended = true;
-    if (stay || cli_feed_watched(&view->feed)) {
+    if (stay || cli_feed_streams(&view->feed)) {
         show_end(view, state, message);
     }
     say(view, state, &view->inbox.progress, message, true);

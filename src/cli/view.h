@@ -5,8 +5,8 @@
 #include "cli/options.h"
 #include "lacuna/store.h"
 
-/// The page of a run while it goes on (`lacuna run --view`). Nothing here stops a run: what fails is
-/// missing on the page. All functions take NULL, a run without --view.
+/// The page of a run while it goes on (`lacuna run --view`). Nothing here stops a run: what fails
+/// is missing on the page. All functions take NULL, a run without --view.
 typedef struct cli_view cli_view;
 
 /// Where --view is given: serves from now on and says where; else *out is NULL and nothing is
@@ -26,8 +26,8 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next);
 /// After every step.
 void cli_view_progress(cli_view *view, const lac_progress *now);
 
-/// Shows how the run ended, from its file, which is closed; then, on a terminal, stays until Ctrl-C,
-/// else for as long as the pages that are open take to fetch it, 3 seconds at most.
+/// Shows how the run ended, from its file, which is closed; then, on a terminal, stays until
+/// Ctrl-C, else for as long as the pages that are open take to fetch it, 3 seconds at most.
 /// @param status   "complete", "interrupted" or "failed"
 /// @param failed   the slope did
 /// @param message  what went wrong; "": nothing

@@ -70,6 +70,14 @@ bool cli_feed_watched(cli_feed *feed)
     return watched;
 }
 
+bool cli_feed_streams(cli_feed *feed)
+{
+    (void)pthread_mutex_lock(&feed->lock);
+    const bool streams = feed->watchers > 0;
+    (void)pthread_mutex_unlock(&feed->lock);
+    return streams;
+}
+
 void cli_feed_close(cli_feed *feed)
 {
     (void)pthread_mutex_lock(&feed->lock);
@@ -107,8 +115,9 @@ char *cli_feed_take(cli_feed *feed, double seconds, uint64_t *version)
     const double end = cli_clock() + seconds;
     char *copy = NULL;
     (void)pthread_mutex_lock(&feed->lock);
+    feed->wanted = true; // newer ones next time, for who asks again and again
+    (void)pthread_cond_broadcast(&feed->changed);
     while (feed->data == NULL && !feed->ended && cli_clock() < end) {
-        feed->wanted = true;
         (void)cli_feed_wait(feed, fmax(end - cli_clock(), 0.0));
     }
     if (feed->data != NULL) {

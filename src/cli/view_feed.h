@@ -21,7 +21,7 @@ typedef struct cli_feed {
     unsigned watchers;          ///< streams of events that are open
     unsigned taken;             ///< times that the newest data were sent
     unsigned expected;          ///< streams that were open at the last event
-    bool wanted;                ///< somebody waits for data
+    bool wanted;                ///< data were asked for since there were new ones
     bool ended;                 ///< the newest event is the last
     bool closed;                ///< nothing is served any more
 } cli_feed;
@@ -37,8 +37,11 @@ void cli_feed_event(cli_feed *feed, const char *json, bool last);
 /// @return their version
 uint64_t cli_feed_data(cli_feed *feed, char *json);
 
-/// Whether anybody looks.
+/// Whether anybody looks: a stream is open, or data were asked for.
 bool cli_feed_watched(cli_feed *feed);
+
+/// Whether a stream is open, to which the end can be told.
+bool cli_feed_streams(cli_feed *feed);
 
 /// Lets all that wait go.
 void cli_feed_close(cli_feed *feed);

@@ -145,7 +145,7 @@ typedef struct header {
 } header;
 
 static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *connection,
-                            unsigned status, const header *more, struct MHD_Response *response)
+                               unsigned status, const header *more, struct MHD_Response *response)
 {
     static const header always[] = {{"Cache-Control", "no-store"},
                                     {"X-Content-Type-Options", "nosniff"},
@@ -178,7 +178,7 @@ static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *conne
     char *copy = strdup(words);
     return copy == NULL ? MHD_NO
                         : deliver(http, connection, status, more,
-                               http->mhd.from_buffer(strlen(copy), copy, MHD_RESPMEM_MUST_FREE));
+                                  http->mhd.from_buffer(strlen(copy), copy, MHD_RESPMEM_MUST_FREE));
 }
 
 static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *connection)
@@ -203,7 +203,7 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
         return MHD_NO;
     }
     return deliver(http, connection, MHD_HTTP_OK, more,
-                http->mhd.from_buffer(strlen(html), html, MHD_RESPMEM_MUST_FREE));
+                   http->mhd.from_buffer(strlen(html), html, MHD_RESPMEM_MUST_FREE));
 }
 
 // Data on their way: a run that has ended waits for them.
@@ -321,7 +321,7 @@ static enum MHD_Result send_events(const cli_http *http, struct MHD_Connection *
     bool over = false;
     if (head) {
         return deliver(http, connection, MHD_HTTP_OK, more,
-                    http->mhd.from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT));
+                       http->mhd.from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT));
     }
     stream *s = open_stream(http->feed, header_of(http, connection, "Last-Event-ID"), &over);
     if (s == NULL) {
@@ -407,8 +407,9 @@ lac_status cli_http_start(unsigned port, cli_feed *feed, cli_http **out, lac_err
     LAC_TRY(load(http, err));
     LAC_TRY(listen_at(http, port, err));
     http->daemon = start_daemon(http);
-    LAC_TRY(http->daemon != NULL ? LAC_OK : lac_fail(err, LAC_EIO, "--view: no server: %s",
-                                                     strerror(errno)));
+    LAC_TRY(http->daemon != NULL
+                ? LAC_OK
+                : lac_fail(err, LAC_EIO, "--view: no server: %s", strerror(errno)));
 out:
     if (status != LAC_OK) {
         cli_http_stop(http);

@@ -199,8 +199,8 @@ static void pass_snapshot(const cli_inbox *inbox, const unsigned char *at, size_
     free(values);
 }
 
-static void pass(const cli_inbox *inbox, const entry *head, const unsigned char *at,
-                 double *extra, const lac_sink *sink)
+static void pass(const cli_inbox *inbox, const entry *head, const unsigned char *at, double *extra,
+                 const lac_sink *sink)
 {
     lac_event event;
     switch (head->what) {

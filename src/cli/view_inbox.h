@@ -11,14 +11,14 @@
 typedef struct cli_inbox {
     pthread_mutex_t lock;
     lac_progress progress;
-    bool moved;               ///< progress came since the last look
-    unsigned char *bytes;     ///< records, snapshots and events as they came
-    size_t used, room;        ///< [bytes]
-    size_t extras;            ///< values that an analysis adds to a record
-    size_t cells;             ///< of a snapshot; 0: none is kept
-    unsigned fields;          ///< LAC_FIELD_* of a snapshot
-    lac_sink next;            ///< where everything goes first
-    bool refused;             ///< no memory: something is missing
+    bool moved;           ///< progress came since the last look
+    unsigned char *bytes; ///< records, snapshots and events as they came
+    size_t used, room;    ///< [bytes]
+    size_t extras;        ///< values that an analysis adds to a record
+    size_t cells;         ///< of a snapshot; 0: none is kept
+    unsigned fields;      ///< LAC_FIELD_* of a snapshot
+    lac_sink next;        ///< where everything goes first
+    bool refused;         ///< no memory: something is missing
 } cli_inbox;
 
 /// @return false where the system gives no lock

@@ -83,14 +83,10 @@ static const double *values_of(const lac_recording *recording, const char *name,
 
 static lac_status thin_records(lac_recording *recording, lac_error *err)
 {
-    static const char *const watched[] = {"slip_rate",
-                                          "max_slip_rate",
-                                          "apparent_friction",
-                                          "shear_force",
-                                          "effective_normal_force",
-                                          "step_size",
-                                          "balance_residual",
-                                          "slip_fraction"};
+    static const char *const watched[] = {
+        "slip_rate",        "max_slip_rate",          "apparent_friction",
+        "shear_force",      "effective_normal_force", "step_size",
+        "balance_residual", "slip_fraction"};
     enum { WATCHED = sizeof watched / sizeof *watched };
     const double *column[WATCHED];
     size_t n, same;

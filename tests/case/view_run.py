@@ -6,6 +6,7 @@ import json
 import os
 import re
 import subprocess
+import time
 
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/")
 
@@ -60,15 +61,12 @@ class Run:
         return json.loads(text)
 
     def data_of(self, records):
-        """The data once they tell of so many records: a held run has put them out."""
-        stream = self.events()
-        version = -1
-        while True:
-            version = stream.until(lambda event, v=version: event["version"] > v)["version"]
-            data = self.data() if version > 0 else {"motion": {"records": -1}}
-            if data["motion"]["records"] >= records:
-                stream.close()
-                return data
+        """The data once they tell of so many records, which a held run has put out."""
+        data = self.data()
+        while data["motion"]["records"] < records:
+            time.sleep(0.1)
+            data = self.data()
+        return data
 
     def events(self, last=None):
         return Events(self.port, last)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Loaded before a run (LD_PRELOAD), it holds the run's thread once a checkpoint has got its name, until
-// somebody opens FIFO.COUNT for writing and closes it; other threads go on:
+// Loaded before a run (LD_PRELOAD), it holds the run's thread once a checkpoint has got its name,
+// until somebody opens FIFO.COUNT for writing and closes it; other threads go on:
 //   HOLD_AT_CHECKPOINT=COUNT,COUNT...:FIFO
 // So a test looks at a run that is known to stand still.
 #include <fcntl.h>

@@ -144,7 +144,8 @@ static void test_memory_stays_bounded(void **state)
         assert_true(i == 0 || time.values[i] > time.values[i - 1]);
     }
     assert_true(peak == 1.0);
-    const lac_recorded shots = find(recording, "snapshot_time"), slip = find(recording, "cell_slip");
+    const lac_recorded shots = find(recording, "snapshot_time"),
+                       slip = find(recording, "cell_slip");
     assert_int_equal(slip.count, CELLS * shots.count);
     for (size_t i = 0; i < shots.count; i++) {
         assert_true(slip.values[CELLS * i] == shots.values[i]);
@@ -189,8 +190,10 @@ static void test_live_page(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_read_as_a_file),  cmocka_unit_test(test_thinned_by_hand),
-        cmocka_unit_test(test_memory_stays_bounded), cmocka_unit_test(test_data_from_memory),
+        cmocka_unit_test(test_read_as_a_file),
+        cmocka_unit_test(test_thinned_by_hand),
+        cmocka_unit_test(test_memory_stays_bounded),
+        cmocka_unit_test(test_data_from_memory),
         cmocka_unit_test(test_live_page),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
