@@ -405,6 +405,7 @@ lac_status cli_http_start(unsigned port, cli_feed *feed, cli_http **out, lac_err
     http->feed = feed;
     http->socket = -1;
     LAC_TRY(load(http, err));
+    LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
     LAC_TRY(listen_at(http, port, err));
     http->daemon = start_daemon(http);
     LAC_TRY(http->daemon != NULL
