@@ -198,6 +198,14 @@ lacuna_python_test(test_precursors)
 lacuna_python_test(test_report)
 lacuna_python_test(test_report_page)
 
+# The same page while a run goes on, which is held where the tests look at it.
+add_library(hold_at_checkpoint MODULE stop/hold_at_checkpoint.c)
+target_compile_options(hold_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_view_files $<TARGET_FILE:hold_at_checkpoint>)
+set(test_view_page_files $<TARGET_FILE:hold_at_checkpoint>)
+lacuna_python_test(test_view)
+lacuna_python_test(test_view_page)
+
 # The notebook, and figures for a publication.
 lacuna_python_test(test_pictures)
 

@@ -11,7 +11,9 @@ static const cli_command commands[] = {
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
      "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY, cli_run},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
+         CLI_OPT_VIEW,
+     cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
