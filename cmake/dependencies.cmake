@@ -6,6 +6,7 @@ pkg_check_modules(LACUNA_LIBS REQUIRED IMPORTED_TARGET gsl fftw3 fftw3f netcdf y
 find_library(UDUNITS2_LIBRARY udunits2 REQUIRED)
 find_path(UDUNITS2_INCLUDE udunits2.h PATH_SUFFIXES udunits2 REQUIRED)
 find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)
+find_path(MICROHTTPD_INCLUDE microhttpd.h REQUIRED) # loaded by `run --view` alone, not linked
 find_package(OpenMP REQUIRED COMPONENTS C)
 
 add_library(lacuna_dependencies INTERFACE)

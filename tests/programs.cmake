@@ -103,6 +103,9 @@ target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wsha
 set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
 lacuna_python_test(test_trade)
 
+# How many of its runs go side by side.
+target_sources(unit_test_free_memory PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/memory.c)
+
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)
@@ -161,7 +164,7 @@ endif()
 
 # The library's allocations fail one after the other.
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
-                                 memory/report.c memory/failing_malloc.c)
+                                 memory/report.c memory/trade.c memory/failing_malloc.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})
@@ -194,6 +197,14 @@ lacuna_python_test(test_precursors)
 # brings the browser; without it the test fails.
 lacuna_python_test(test_report)
 lacuna_python_test(test_report_page)
+
+# The same page while a run goes on, which is held where the tests look at it.
+add_library(hold_at_checkpoint MODULE stop/hold_at_checkpoint.c)
+target_compile_options(hold_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+set(test_view_files $<TARGET_FILE:hold_at_checkpoint>)
+set(test_view_page_files $<TARGET_FILE:hold_at_checkpoint>)
+lacuna_python_test(test_view)
+lacuna_python_test(test_view_page)
 
 # The notebook, and figures for a publication.
 lacuna_python_test(test_pictures)

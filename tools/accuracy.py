@@ -38,7 +38,7 @@ SCENES = [
     ("load/reservoir.yaml",),
     ("load/shaking.yaml",),
     ("load/tides.yaml",),
-    ("transfer/elastic.yaml", "interface.levels=4"),
+    ("transfer/elastic.yaml",),
     ("transfer/hierarchy.yaml", "interface.domain.cascade.seed=8"),
     ("transfer/line.yaml",),
     ("momentum/runaway.yaml",),

@@ -2,83 +2,116 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The measured trade of every bundled case, as a table in markdown.
 
-    tools/trade_table.py [--lacuna PROGRAM] [--page PAGE.md] [--jobs N] [CASE ...]
+    tools/trade_table.py [--page PAGE.md] [--resume] [--jobs N] [--lacuna PROGRAM] [CASE ...]
 
-Calls `lacuna trade --json` on each case of the folder cases/ that has a run in time or a cascade, all
-but those that LEFT_OUT names, and says which settings reach 1 % and 1e-4 for the least CPU time, and
-what the case's own settings do. --page writes the table between the markers of that page. Three
-minutes of one core.
+Calls `lacuna trade --json` on each case of the folder cases/ and says which settings reach 1 % and
+1e-4 for the least CPU time, and what the case's own settings do. What is asked of a case is what
+`lacuna trade` asks of it by itself, but for those that ASKED names, each with its reason, which the
+page has too. --page writes the table between the markers of that page, after every case; a case that
+could not be measured keeps the row that stands there. What was measured is kept in --keep FOLDER:
+with --resume a case is measured anew only where it, the program or the question is another. Some
+six minutes of one core.
 """
 
 import argparse
+import datetime
 import glob
+import hashlib
 import json
 import os
 import re
 import subprocess
 import sys
-import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LEFT_OUT = {
-    "contact/j07.yaml": "49 273 contact cells, eight seconds a run",
-    "contact/joint.yaml": "made to be pressed, not to be run",
-    "contact/self-affine.yaml": "made to be pressed, not to be run",
-    "peers/plane-patch.yaml": "128 x 128 elastic cells, a minute a run",
-    "peers/periodic-line.yaml": "1 024 elastic cells over 475 years, some seconds a run",
-    "rg/creep-to-failure.yaml": "a run and a cascade each, seconds a run",
-    "rg/table.yaml": "two interfaces with three beta each, many seconds a run",
-    "transfer/micro-slips.yaml": "20 000 steps of elastic cells a run",
-    "transfer/elastic.yaml": "1 075 elastic cells to failure, some seconds a run; at levels 4",
+CONTACT = "a contact: what its grid gives away"
+# Words for `lacuna trade`, and why: the other cases are asked with none.
+ASKED = {
+    "contact/j07.yaml": ("--quantity contact-fraction", CONTACT),
+    "contact/joint.yaml": ("--quantity contact-fraction", CONTACT),
+    "contact/self-affine.yaml": ("--quantity contact-fraction", CONTACT),
+    "normal/dimension.yaml": ("--quantity pressure", "its dimension is given, the load follows"),
+    "one-by-one.yaml": ("--dials rtol,fidelity", "made for fidelity: events"),
+    "peers/plane-patch.yaml": (
+        "--dials rtol=1e-3:1e-4:1e-5 --until '1.1e9 s'",
+        "128 x 128 elastic cells, 13 s a run to the end: the first of its three earthquakes"),
+    "rg/creep-to-failure.yaml": (
+        "--dials rtol,formulation",
+        "three seconds a run: methods are left out"),
+    "shear-cycle.yaml": ("--quantity work", "the work of a cycle of shear is what it shows"),
+    "transfer/micro-slips.yaml": ("--quantity events", "its catalogue is what it shows"),
 }
-SET = {"transfer/elastic.yaml": ["interface.levels=4"]}
-DIALS = {"one-by-one.yaml": "rtol,fidelity"}
 BEGIN, END = "<!-- trade table -->", "<!-- end of the trade table -->"
+HEAD = ("| case | quantity | cells | reference's own error | the case as it is | for 1 % | for 1e-4 | "
+        "runs, of which given up or broken | measured |\n" + "|" + " --- |" * 9)
 REACH = (1e-2, 1e-4)
 
 
 def find_cases():
-    """Bundled cases that can be traded, by their names below cases/."""
-    found = []
-    for path in sorted(glob.glob(os.path.join(ROOT, "cases", "**", "*.yaml"), recursive=True)):
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        name = os.path.relpath(path, os.path.join(ROOT, "cases"))
-        kind = "run" if re.search(r"^time:", text, re.M) else "rg" if "\nrg:" in text else None
-        if kind and not name.startswith("fit/"):
-            found.append((name, kind))
-    return found
+    """Names of all bundled cases, below cases/."""
+    folder = os.path.join(ROOT, "cases")
+    return sorted(os.path.relpath(path, folder) for path in
+                  glob.glob(os.path.join(folder, "**", "*.yaml"), recursive=True))
 
 
-def trade(options, folder, name, kind, settings):
+def words_of(name):
+    return re.findall(r"'[^']*'|\S+", ASKED.get(name, ("", ""))[0])
+
+
+def digest(options, name):
+    """Stands for all that a measurement depends on."""
+    total = hashlib.sha256(" ".join(words_of(name)).encode())
+    for path in (options.lacuna, os.path.join(ROOT, "cases", name)):
+        with open(path, "rb") as file:
+            total.update(file.read())
+    return total.hexdigest()
+
+
+def trade(options, name, out):
+    """What `lacuna trade` says; None and why where it has no answer."""
     words = [options.lacuna, "trade", os.path.join(ROOT, "cases", name), "--json", "--quiet",
-             "--force", "-o", os.path.join(folder, "trade.nc"), "--jobs", str(options.jobs)]
-    if kind == "rg":
-        words += ["--quantity", "q-crit"]
-    if name in DIALS:
-        words += ["--dials", DIALS[name]]
-    for setting in settings:
-        words += ["--set", setting]
+             "--force", "-o", out, "--jobs", str(options.jobs)]
+    words += [word.strip("'") for word in words_of(name)]
+    if options.resume and os.path.exists(out + ".runs"):
+        words.append("--resume")
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return None, done.stderr.strip().splitlines()[-1]
+        return None, (done.stderr.strip().splitlines() or ["no message"])[-1]
     return json.loads(done.stdout), None
 
 
+def measure(options, name):
+    """The trade of a case with its date: the one that is kept, where it still holds."""
+    place = os.path.join(options.keep, name.replace("/", "-"))
+    mark = digest(options, name)
+    if options.resume and os.path.exists(place + ".json"):
+        with open(place + ".json", encoding="utf-8") as file:
+            kept = json.load(file)
+        if kept["digest"] == mark:
+            return kept, None
+    found, why = trade(options, name, place + ".nc")
+    if found is None:
+        return None, why
+    kept = {"digest": mark, "date": datetime.date.today().isoformat(), "trade": found}
+    with open(place + ".part", "w", encoding="utf-8") as file:
+        json.dump(kept, file)
+    os.replace(place + ".part", place + ".json")
+    return kept, None
+
+
 def error_text(error):
-    return f"{100 * error:.2g} %" if error >= 9.95e-4 else f"{error:.0e}"
+    return f"{100 * error:.2g} %" if error >= 9.95e-4 else f"{error:.0e}" if error > 0 else "0"
 
 
 def describe(run):
-    """Settings of a run in a few words."""
-    def value(x):
-        return f"{x:g}" if isinstance(x, float | int) else x
-
-    settings = run["settings"]
-    words = [value(settings[k]) for k in ("solver.method", "solver.formulation", "solver.fidelity")
-             if k in settings and not (k == "solver.fidelity" and settings[k] == "static")]
-    words += [f"{k.rsplit('.', maxsplit=1)[-1]} {value(v)}" for k, v in settings.items()
-              if k in ("solver.rtol", "rg.contacts", "rg.shifts")]
+    """Settings of a run in a few words: names as they are, numbers after their key."""
+    words = []
+    for key, value in run["settings"].items():
+        short = key.rsplit(".", maxsplit=1)[-1]
+        if isinstance(value, str):
+            words += [value] if value not in ("static", "-") else []
+        else:
+            words.append(f"{short} {value:g}")
     return ", ".join(words)
 
 
@@ -92,52 +125,95 @@ def cheapest(found, reach):
     return f"{describe(run)}: {error_text(run['error'])}, {run['cpu_time_s']:.3g} s"
 
 
-def row(name, settings, found):
+def row(name, kept):
+    found = kept["trade"]
     reference = found["reference"]
     own = [r for r in found["runs"] if r["options"] == "" and r["end"] == "done"]
     mine = f"{error_text(own[0]['error'])}, {own[0]['cpu_time_s']:.3g} s" if own else "-"
-    short = name + (f" ({', '.join(s.rsplit('.', maxsplit=1)[-1] for s in settings)})" if settings
-                    else "")
     cut = sum(r["end"] != "done" for r in found["runs"])
-    return (f"| {short} | {found['quantity']} | {reference['n_cells']} | "
-            f"{error_text(reference['error_uncertainty'] or 0.0)} | {mine} | "
+    sure = reference["error_uncertainty"]
+    star = " \\*" if name in ASKED else ""
+    return (f"| {name}{star} | {found['quantity']} | "
+            f"{reference['n_cells']} | {'-' if sure is None else error_text(sure)} | {mine} | "
             + " | ".join(cheapest(found, reach) for reach in REACH)
-            + f" | {len(found['runs'])}, {cut} |")
+            + f" | {len(found['runs'])}, {cut} | {kept['date']} |")
 
 
-def table(options):
-    lines = ["| case | quantity | cells | reference's own error | the case as it is | for 1 % | "
-             "for 1e-4 | runs, of which given up or broken |", "|" + " --- |" * 8]
-    names = [(n, k) for n, k in find_cases() if not options.case or n in options.case]
-    with tempfile.TemporaryDirectory() as folder:
-        for name, kind in names:
-            settings = SET.get(name, [])
-            if name in LEFT_OUT and not settings:
-                continue
-            found, why = trade(options, folder, name, kind, settings)
-            print(f"trade_table: {name}: {why or 'done'}", file=sys.stderr)
-            if found is not None:
-                lines.append(row(name, settings, found))
-    return "\n".join(lines)
+def reasons():
+    """What was asked otherwise, and why."""
+    return "\n".join(f"- {name}: `{asked}`; {why}." for name, (asked, why) in sorted(ASKED.items()))
 
 
-def main():
+def case_of(line):
+    """The case that a row is of."""
+    return line.split("|")[1].strip().split(" ")[0]
+
+
+def rows_of(page):
+    """The rows that stand between the markers, by case."""
+    lines = page.split(BEGIN)[1].split(END)[0].splitlines()
+    return {case_of(line): line for line in lines
+            if line.startswith("| ") and ".yaml" in case_of(line)}
+
+
+def compose(rows):
+    lines = [rows[name] for name in find_cases() if name in rows]
+    return (HEAD + "\n" + "\n".join(lines)
+            + "\n\nAsked otherwise than by themselves (\\*), by these words:\n\n" + reasons())
+
+
+def write_page(path, rows):
+    with open(path, encoding="utf-8") as file:
+        page = file.read()
+    before, rest = page.split(BEGIN)
+    part = path + ".part"
+    with open(part, "w", encoding="utf-8") as file:
+        file.write(before + BEGIN + "\n\n" + compose(rows) + "\n\n" + END + rest.split(END)[1])
+    os.replace(part, path)
+
+
+def read_rows(options):
+    if options.page is None:
+        return {}
+    with open(options.page, encoding="utf-8") as file:
+        page = file.read()
+    if page.count(BEGIN) != 1 or page.count(END) != 1:
+        sys.exit(f"trade_table: {options.page}: has no place for the table, from {BEGIN} to {END}")
+    return rows_of(page)
+
+
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("case", nargs="*", help="names below cases/; all if none")
     parser.add_argument("--lacuna", default=os.path.join(ROOT, "build", "lacuna"))
     parser.add_argument("--page")
+    parser.add_argument("--keep", default=os.path.join(ROOT, "build", "trade-table"))
+    parser.add_argument("--resume", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    text = table(options)
+    unknown = set(options.case) - set(find_cases())
+    if unknown:
+        parser.error(f"no bundled case: {', '.join(sorted(unknown))}")
+    os.makedirs(options.keep, exist_ok=True)
+    return options
+
+
+def main():
+    options = arguments()
+    rows, failed = read_rows(options), 0
+    names = options.case or find_cases()
+    for count, name in enumerate(names, 1):
+        kept, why = measure(options, name)
+        print(f"trade_table: {count} of {len(names)}: {name}: {why or 'done'}", file=sys.stderr)
+        failed += kept is None
+        if kept is not None:
+            rows[name] = row(name, kept)
+        if options.page is not None and kept is not None:
+            write_page(options.page, rows)
     if options.page is None:
-        print(text)
-        return
-    with open(options.page, encoding="utf-8") as file:
-        page = file.read()
-    before, rest = page.split(BEGIN)
-    with open(options.page, "w", encoding="utf-8") as file:
-        file.write(before + BEGIN + "\n\n" + text + "\n\n" + END + rest.split(END)[1])
+        print(compose(rows))
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -3,7 +3,7 @@
 #define LACUNA_RECORDING_H
 
 #include "lacuna/hierarchy.h"
-#include "lacuna/run.h"
+#include "lacuna/store_checkpoint.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -43,6 +43,26 @@ lac_status lac_recording_once(lac_recording *recording, const double *once, lac_
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
                              const char *long_name, double value, lac_error *err);
+
+/// Sets a text that a file has among its global attributes; one of that name is replaced.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
+                              lac_error *err);
+
+/// Such a text; NULL where there is none.
+const char *lac_recording_text_of(const lac_recording *recording, const char *name);
+
+/// Keeps some places along a dimension, and drops the others for good.
+/// @param dimension  "time" (records), "snapshot" or "event"
+/// @param keep       a byte a place, 0: drop it
+void lac_recording_thin(lac_recording *recording, const char *dimension, const uint8_t *keep);
+
+/// Puts what the file of a run holds up to its checkpoint before all that comes, of the snapshots
+/// about 40: for a run that goes on.
+/// @param recording  without a record yet
+/// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
+lac_status lac_recording_load(lac_recording *recording, const char *path,
+                              const lac_kept_checkpoint *checkpoint, lac_error *err);
 
 /// The index-th variable.
 /// @return false past the end

@@ -4,16 +4,21 @@
 
 #include <stdbool.h>
 
+#include "lacuna/recording.h"
 #include "lacuna/series.h"
 
 /// What a page shows. Texts are borrowed.
 typedef struct lac_report_def {
-    const char *run;          ///< file of a run
-    const lac_series *series; ///< laid beside it; NULL: none
-    const char *series_name;  ///< what it is called
-    const char *fit;          ///< file of lacuna fit, whose forecast is drawn; NULL: none
-    const char *made_by;      ///< program and version
-    double now;               ///< seconds since 1970 UTC: the library reads no clock
+    const char *run;                ///< file of a run
+    const lac_recording *recording; ///< read instead of the file, whose name is then only shown;
+                                    ///< with the texts that are the file's attributes; NULL: none
+    const lac_series *series;       ///< laid beside it; NULL: none
+    const char *series_name;        ///< what it is called
+    const char *fit;                ///< file of lacuna fit, whose forecast is drawn; NULL: none
+    const char *made_by;            ///< program and version
+    double now;                     ///< seconds since 1970 UTC: the library reads no clock
+    int issues; ///< times at which forecasts are issued, at most: they cost more than all else; 0:
+                ///< 40, -1: none
 } lac_report_def;
 
 /// The data of a page as one JSON object, which a page's script draws: every section that the file
@@ -37,5 +42,18 @@ lac_status lac_report_page(const lac_report_def *def, char **html, lac_error *er
 /// @return as lac_report_data; LAC_EINPUT where the file exists and `force` is not set
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force,
                             lac_error *err);
+
+/// The page of a run that goes on: without data, which its script asks for at `data`, on what it is
+/// told at `events`. docs/report.md
+/// @param nonce  of the Content-Security-Policy that it is sent with
+/// @param html   ends in '\0'; the caller frees it; NULL where it fails
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err);
+
+/// Keeps a recording that grows as small as its page allows: of many records those that a chart
+/// needs, of many snapshots some (fewer of more cells, 256 MiB in all). To be called after every
+/// few records, and after every snapshot.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_report_thin(lac_recording *recording, lac_error *err);
 
 #endif

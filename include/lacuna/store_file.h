@@ -2,6 +2,7 @@
 #ifndef LACUNA_STORE_FILE_H
 #define LACUNA_STORE_FILE_H
 
+#include "lacuna/recording.h"
 #include "lacuna/store_events.h"
 
 /// A file of Lacuna that is read piece by piece: looked through and opened once.
@@ -9,6 +10,12 @@ typedef struct lac_stored_file lac_stored_file;
 
 /// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written); LAC_ENOMEM
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err);
+
+/// A run that is kept in memory, read as its file would be. It must outlive what is opened here,
+/// and not change while it is read.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
+                              lac_error *err);
 
 /// Closes it; NULL is fine.
 void lac_stored_file_close(lac_stored_file *file);

@@ -14,23 +14,27 @@ typedef struct lac_dial_value {
     char yaml[LAC_DIAL_YAML];   ///< what `--set KEY=` takes
 } lac_dial_value;
 
-/// What a dial belongs to.
-enum { LAC_DIAL_OF_RUN = 1, LAC_DIAL_OF_CASCADE = 2 };
+/// What is computed, and what a dial belongs to (several of them with |).
+typedef enum lac_trade_of {
+    LAC_OF_RUN = 1,     ///< a run in time
+    LAC_OF_CASCADE = 2, ///< the cascade of a case with a section rg
+    LAC_OF_CONTACT = 4, ///< a contact that is pressed, and sheared where it has a history
+} lac_trade_of;
 
 /// A setting that trades accuracy for cost.
 typedef struct lac_dial {
     const char *name, *key; ///< "method", "solver.method"
     const char *doc;        ///< one line
-    bool asked;             ///< turned only where it is named
+    unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
     bool scene;             ///< it changes what is computed, not only how well
-    unsigned use;           ///< LAC_DIAL_OF_*
+    unsigned use;           ///< lac_trade_of
     double ratio;           ///< its positions are a ladder from coarse to fine, and errors fall by
                             ///< at most this factor from rung to rung; 0: no ladder
     /// Its positions on this case, the coarsest and cheapest first.
-    /// @param cascade  the cascade is traded, not a run
-    /// @param out      [LAC_DIAL_VALUES]
+    /// @param of   what is traded
+    /// @param out  [LAC_DIAL_VALUES]
     /// @return how many; 0: nothing to turn on this case
-    size_t (*values)(const lac_case *c, bool cascade, lac_dial_value *out);
+    size_t (*values)(const lac_case *c, lac_trade_of of, lac_dial_value *out);
     /// The position that stands after the last one, for the reference; NULL: the last one is it.
     void (*tighter)(const lac_dial_value *last, lac_dial_value *out);
     /// The label of the position that a case has.
@@ -49,12 +53,17 @@ typedef enum lac_quantity {
     LAC_QUANTITY_PEAK,        ///< largest slip rate of a cell at any record [m/s]
     LAC_QUANTITY_CRITICAL,    ///< Q_crit/Q_nom: of the cascade, of a run the largest Q/Q_nom [1]
     LAC_QUANTITY_EVENTS,      ///< events of the catalogue [1]
+    LAC_QUANTITY_FRACTION,    ///< contact cells over all cells [1]
+    LAC_QUANTITY_PRESSURE,    ///< mean normal pressure, where approach or dimension ask for it [Pa]
+    LAC_QUANTITY_DIMENSION,   ///< box dimension of the contact [1]
+    LAC_QUANTITY_WORK,        ///< frictional work of a contact's history [J]
     LAC_QUANTITIES
 } lac_quantity;
 
 /// What a quantity is called on the command line, its SI unit, and what it is.
 typedef struct lac_quantity_about {
     const char *name, *unit, *doc;
+    bool contact; ///< of a contact, not of a run
 } lac_quantity_about;
 
 /// @param quantity  below LAC_QUANTITIES
@@ -99,7 +108,7 @@ typedef struct lac_trade_run {
 /// change the scene, the last one; for each ladder two more runs, one and two rungs coarser, tell
 /// how far it is from its limit.
 typedef struct lac_trade_plan {
-    bool cascade; ///< runs are cascades, but those whose fidelity is another
+    lac_trade_of of; ///< what is computed; of a cascade, but where the fidelity is another one
     size_t dials, runs;
     lac_trade_dial dial[LAC_DIALS];
     lac_trade_run *run;         ///< [runs]
@@ -111,17 +120,17 @@ typedef struct lac_trade_plan {
 
 /// Plans a trade.
 /// @param c         the case
-/// @param cascade   its cascade is traded, not its run in time
+/// @param of        what is traded
 /// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
 ///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
 /// @param crossed   every position with every other; else each with those of the first ladder only
 /// @return LAC_OK; LAC_EINPUT (no such dial, nothing to turn ...); LAC_ENOMEM
-lac_status lac_trade_plan_create(const lac_case *c, bool cascade, const char *words, bool crossed,
-                                 lac_trade_plan *out, lac_error *err);
+lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
+                                 bool crossed, lac_trade_plan *out, lac_error *err);
 void lac_trade_plan_clear(lac_trade_plan *plan);
 
-/// Whether a run is a cascade.
-bool lac_trade_is_cascade(const lac_trade_plan *plan, size_t run);
+/// What is computed by a run of the plan.
+lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run);
 
 /// Whether two runs differ in nothing but the rung of `ladder`, and `a` is coarser.
 bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b);
@@ -142,14 +151,15 @@ typedef struct lac_trade_measure {
     double value[LAC_QUANTITIES];      ///< NaN: has none
     double wall_time, cpu_time;        ///< [s]
     int64_t memory, output;            ///< peak, size of its file [bytes]
-    int64_t steps, evaluations, cells; ///< of the right-hand side
-    char message[160];                 ///< what went wrong
+    int64_t steps, evaluations, cells; ///< of the right-hand side; of a contact its solver's
+                                       ///< iterations and elastic products
+    char message[240];                 ///< what went wrong
 } lac_trade_measure;
 
 /// What is asked for.
 typedef struct lac_trade_ask {
     int quantity; ///< lac_quantity; -1: time of failure, else of the limit, else slip; of a cascade
-                  ///< Q_crit/Q_nom
+                  ///< Q_crit/Q_nom; of a contact its fraction
     double reach; ///< relative error to reach [1]; NaN
     double within; ///< the same in the quantity's unit; NaN
     double spend;  ///< time that a run may take [s]; NaN

@@ -14,6 +14,8 @@ bool cli_takes(const cli_command *command, const cli_option *o)
     return ((command->options | CLI_OPT_COMMON) & o->bit) != 0;
 }
 
+bool cli_needs_value(const cli_option *o) { return o->value != NULL && o->value[0] != '['; }
+
 const char *cli_files_of_command(const cli_command *command)
 {
     if (strstr(command->arguments, "SERIES") != NULL) {

@@ -12,6 +12,9 @@ void cli_completion_fish(FILE *out);
 /// Whether a command takes an option.
 bool cli_takes(const cli_command *command, const cli_option *o);
 
+/// Whether the word after an option is its value, whatever it is.
+bool cli_needs_value(const cli_option *o);
+
 /// What files a command or an option takes: "" none, "*" any, else endings with bars between them.
 const char *cli_files_of_command(const cli_command *command);
 const char *cli_files_of_option(const cli_option *o);

@@ -22,7 +22,7 @@ static void put_values(FILE *out)
 {
     const cli_option *o;
     for (size_t i = 0; (o = cli_option_at(i)) != NULL; i++) {
-        if (o->value == NULL) {
+        if (!cli_needs_value(o)) {
             continue;
         }
         (void)fprintf(out, "        --%s", o->name);

@@ -62,7 +62,7 @@ static void put_fish_option(FILE *out, const cli_option *o)
         (void)fprintf(out, " -s %c", o->letter);
     }
     (void)fprintf(out, " -l %s%s", o->name,
-                  o->value == NULL                    ? ""
+                  !cli_needs_value(o)                 ? ""
                   : cli_files_of_option(o)[0] != '\0' ? " -r"
                                                       : " -x");
     if (o->bit == CLI_OPT_KIND) {

@@ -31,13 +31,13 @@ static void put_zsh_option(FILE *out, const cli_option *o)
     for (int form = o->letter != '\0' ? 0 : 1; form < 2; form++) {
         (void)fprintf(out, " \\\n                '%s", again);
         if (form == 0) {
-            (void)fprintf(out, "-%c%s[", o->letter, o->value != NULL ? "+" : "");
+            (void)fprintf(out, "-%c%s[", o->letter, cli_needs_value(o) ? "+" : "");
         } else {
-            (void)fprintf(out, "--%s%s[", o->name, o->value != NULL ? "=" : "");
+            (void)fprintf(out, "--%s%s[", o->name, cli_needs_value(o) ? "=" : "");
         }
         put_zsh(out, o->doc);
         (void)fprintf(out, "]");
-        if (o->value != NULL) {
+        if (cli_needs_value(o)) {
             (void)fprintf(out, ":");
             put_zsh(out, o->value);
             (void)fprintf(out, ":");

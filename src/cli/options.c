@@ -39,14 +39,14 @@ static const option table[] = {
     {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
     {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
     {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
-    {CLI_OPT_TRADE, '\0', "quantity", "NAME",
-     "failure, limit, slip, rate, peak-rate, q-crit, events"},
+    {CLI_OPT_TRADE, '\0', "quantity", "NAME", "failure, slip, rate, q-crit, contact-fraction ..."},
     {CLI_OPT_TRADE, '\0', "reach", "ERROR", "to reach: 1%, or \"1 h\" of a time of failure"},
     {CLI_OPT_TRADE, '\0', "spend", "TIME", "that a run may take: \"10 min\""},
     {CLI_OPT_TRADE, '\0', "dials", "LIST", "rtol,method, or positions: rtol=1e-3:1e-6,levels"},
     {CLI_OPT_TRADE, '\0', "crossed", NULL, "every position of a dial with every other"},
     {CLI_OPT_TRADE, '\0', "jobs", "N", "runs at a time (default: one a processor)"},
     {CLI_OPT_ACCURACY, '\0', "accuracy", "ERROR", "to keep: 1%; pilot runs pick the settings"},
+    {CLI_OPT_VIEW, '\0', "view", "[PORT]", "its page while it runs, on 127.0.0.1"},
     {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
     {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
     {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
@@ -67,6 +67,8 @@ static const struct {
 } places[] = {
     {"compare", offsetof(cli_request, compare)},
     {"fit", offsetof(cli_request, fit)},
+    {"accuracy", offsetof(cli_request, accuracy)},
+    {"view", offsetof(cli_request, view)},
     {"time", offsetof(cli_request, series.time)},
     {"time-format", offsetof(cli_request, series.time_format)},
     {"displacement", offsetof(cli_request, series.displacement)},
@@ -239,8 +241,17 @@ static lac_status apply(cli_request *request, const option *o, const char *value
     return LAC_OK;
 }
 
-// The next word as an option's value; "" where there is none.
-static const char *next_word(cursor *c) { return c->at < c->argc ? c->argv[c->at++] : ""; }
+// The next word as an option's value; "" where there is none. A value that may be left out is a
+// number: other words are not taken for it, and "0" stands where there is none.
+static const char *next_word(cursor *c, const option *o)
+{
+    const char *word = c->at < c->argc ? c->argv[c->at] : "";
+    if (o->value[0] == '[' && (word[0] == '\0' || word[strspn(word, "0123456789")] != '\0')) {
+        return "0";
+    }
+    c->at += c->at < c->argc;
+    return word;
+}
 
 static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
 {
@@ -256,7 +267,7 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
             return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
         }
     } else if (o->value != NULL) {
-        value = next_word(c);
+        value = next_word(c, o);
     }
     return apply(request, o, value, err);
 }
@@ -276,7 +287,7 @@ static lac_status read_letters(cursor *c, const char *letters, cli_request *requ
             }
             continue;
         }
-        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c), err);
+        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o), err);
     }
     return LAC_OK;
 }

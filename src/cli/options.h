@@ -33,6 +33,7 @@ enum {
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
+    CLI_OPT_VIEW = 1 << 29,     ///< a run's page while it goes on
     CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
@@ -46,7 +47,7 @@ typedef struct cli_option {
     unsigned bit;
     char letter;       ///< '\0': none
     const char *name;  ///< without the dashes
-    const char *value; ///< what its value is called; NULL: takes none
+    const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
     const char *doc;
 } cli_option;
 
@@ -76,6 +77,8 @@ typedef struct cli_request {
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
     const char *compare, *fit;                         ///< a series and a fit laid beside a run
+    const char *accuracy; ///< among the overrides too, as solver.accuracy
+    const char *view;     ///< port of its page, 0 where none is named
     cli_series_words series;
     cli_forecast_words forecast;
     cli_trade_words trade;

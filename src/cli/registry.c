@@ -11,7 +11,9 @@ static const cli_command commands[] = {
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
      "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY, cli_run},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
+         CLI_OPT_VIEW,
+     cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
@@ -41,7 +43,7 @@ static const cli_command commands[] = {
     {"trade", "CASE", "error against cost, and the settings to choose",
      "Runs the case at other settings, each in a process of its own, and lays error against CPU "
      "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
-     "precision; of the cascade (--quantity q-crit) contacts, shifts, field. Writes to -o FILE, "
+     "precision; of a cascade contacts, shifts, field; of a contact levels, history. To -o FILE, "
      "else CASE-trade.nc here; tools/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},

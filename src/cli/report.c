@@ -12,17 +12,38 @@ void cli_report_print(const lac_case_report *report, const cli_request *request)
     cli_report_print_of(report, request, "");
 }
 
+// The issue as it was asked for: --accuracy sets a key that the user did not name.
+static lac_case_issue as_given(const lac_case_issue *issue, const cli_request *request)
+{
+    static const char key[] = "solver.accuracy";
+    lac_case_issue shown = *issue;
+    if (issue->line > 0 || issue->key == NULL || strcmp(issue->key, key) != 0) {
+        return shown;
+    }
+    for (size_t i = request->set_count; i-- > 0;) {
+        if (strcmp(request->overrides[i].key, key) == 0) {
+            if (request->overrides[i].value == request->accuracy) {
+                shown.file = "--accuracy";
+                shown.key = "";
+            }
+            break; // the last one counts
+        }
+    }
+    return shown;
+}
+
 void cli_report_print_of(const lac_case_report *report, const cli_request *request,
                          const char *section)
 {
     for (size_t i = 0; i < report->count; i++) {
         const lac_case_issue *issue = &report->issue[i];
+        const lac_case_issue shown = as_given(issue, request);
         char text[2000];
         bool wanted = !cli_given(request, CLI_OPT_QUIET) && issue->key != NULL &&
                       strncmp(issue->key, section, strlen(section)) == 0;
         if (!issue->warning || wanted) {
             cli_note("%s%s", issue->warning ? "warning: " : "",
-                     lac_case_issue_format(issue, text, sizeof text));
+                     lac_case_issue_format(&shown, text, sizeof text));
         }
     }
 }

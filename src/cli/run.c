@@ -13,6 +13,7 @@
 #include "cli/run_accuracy.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
+#include "cli/view.h"
 #include "cli/words.h"
 #include "lacuna/scene_analysis.h"
 
@@ -28,6 +29,7 @@ typedef struct run_job {
     lac_store *store;
     cli_history history;
     cli_progress progress;
+    cli_view *view; // with --view
     char *path, *case_text, *inputs;
     char libraries[256];
     lac_kept_checkpoint resume; // with --resume
@@ -37,6 +39,7 @@ typedef struct run_job {
 
 static void job_clear(run_job *job)
 {
+    cli_view_close(job->view);
     lac_store_free(job->store);
     lac_analysis_free(job->analysis);
     lac_scene_free(job->scene);
@@ -156,6 +159,7 @@ static lac_status open_store(run_job *job, lac_error *err)
     if (job->analysis != NULL) {
         def.extras = lac_analysis_extras(job->analysis, &def.extra, &once);
     }
+    cli_view_begin(job->view, &def, once);
     lac_status status = lac_store_create(&def, &job->store, err);
     return status == LAC_OK && once != NULL ? lac_store_once(job->store, once, err) : status;
 }
@@ -166,12 +170,18 @@ static bool on_interrupted(void *context)
     return cli_signals_stop();
 }
 
-static void on_progress(void *context, const lac_progress *now) { cli_progress_show(context, now); }
+static void on_progress(void *context, const lac_progress *now)
+{
+    run_job *job = context;
+    cli_progress_show(&job->progress, now);
+    cli_view_progress(job->view, now);
+}
 
 static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err)
 {
+    const lac_sink stored = lac_store_sink(job->store);
     job->history = (cli_history){
-        .next = lac_store_sink(job->store),
+        .next = cli_view_sink(job->view, &stored),
         .keep = job->compare.count > 0,
         .clock = job->source->dated ? job->source->start_date : 0,
     };
@@ -182,7 +192,7 @@ static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err
     lac_run_def def = job->source->run;
     def.interrupted = on_interrupted;
     def.progress = on_progress;
-    def.context = &job->progress;
+    def.context = job;
     def.resume = goes_on(job) ? &job->resume.from : NULL;
     cli_progress_start(&job->progress, job->request);
     lac_status status = lac_run(job->scene->problem, &def, &sink, result, err);
@@ -288,6 +298,8 @@ static lac_status compute(run_job *job, lac_error *err)
         outcome.status = "failed"; // the file is not whole
     }
     print_outcome(job, &outcome, status);
+    cli_view_end(job->view, outcome.status, outcome.result.failed,
+                 status != LAC_OK ? err->message : "");
     return status;
 }
 
@@ -296,6 +308,7 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     run_job job = {.request = request, .started = cli_clock()};
     lac_status status;
     LAC_TRY(prepare(&job, err));
+    LAC_TRY(cli_view_open(request, &job.view, err));
     cli_say(request, "building the scene of %s", request->argument[0]);
     LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
     cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,

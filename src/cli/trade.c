@@ -97,20 +97,37 @@ static lac_status read_jobs(const char *text, int *jobs, lac_error *err)
     return LAC_OK;
 }
 
-// The case itself: of a run, or, where Q_crit/Q_nom is asked of a case with a cascade, of that.
-static lac_status read_source(cli_trade_job *job, bool *cascade, lac_error *err)
+// What is computed for the quantity. Where none is asked for, a case that is static by what it
+// names has its cascade traded, or else its contact; Q_crit without a section rg is what a run's
+// load comes to.
+static lac_status find_out(const cli_trade_job *job, lac_trade_of *of, lac_error *err)
 {
-    const bool critical = job->ask.quantity == LAC_QUANTITY_CRITICAL;
-    *cascade = critical;
-    lac_status status =
-        cli_case_read(job->request, critical ? LAC_FOR_RG : LAC_FOR_RUN, &job->source, NULL, err);
-    if (status == LAC_OK && critical && !job->source->rg.named) {
-        *cascade = false; // no section rg: what a run's load comes to
-        lac_case_free(job->source);
-        job->source = NULL;
-        status = cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err);
+    const int quantity = job->ask.quantity;
+    if (quantity >= 0 && quantity != LAC_QUANTITY_CRITICAL) {
+        *of = lac_quantity_about_of(quantity)->contact ? LAC_OF_CONTACT : LAC_OF_RUN;
+        return LAC_OK;
     }
+    lac_case *c = NULL;
+    cli_request quiet = *job->request; // its warnings are said when it is read for what it is
+    quiet.given |= CLI_OPT_QUIET;
+    const bool critical = quantity == LAC_QUANTITY_CRITICAL;
+    lac_status status = cli_case_read(&quiet, critical ? LAC_FOR_RG : LAC_FOR_CHECK, &c, NULL, err);
+    if (status == LAC_OK) {
+        const bool is_static = critical || isnan(c->run.end);
+        *of = c->rg.named && is_static ? LAC_OF_CASCADE
+              : is_static && !critical ? LAC_OF_CONTACT
+                                       : LAC_OF_RUN;
+    }
+    lac_case_free(c);
     return status;
+}
+
+static lac_status read_source(cli_trade_job *job, lac_trade_of *of, lac_error *err)
+{
+    lac_status status = find_out(job, of, err);
+    return status == LAC_OK
+               ? cli_case_read(job->request, cli_trade_purpose(*of), &job->source, NULL, err)
+               : status;
 }
 
 static lac_status check_until(const cli_trade_job *job, lac_error *err)
@@ -119,6 +136,9 @@ static lac_status check_until(const cli_trade_job *job, lac_error *err)
     const char *text = job->request->until;
     if (text == NULL) {
         return LAC_OK;
+    }
+    if (isnan(job->source->run.end)) {
+        return wrong("until", text, "left out: the case has no time", err);
     }
     lac_status status = cli_parse_time(text, job->source, &until, err);
     if (status == LAC_OK && !(until > 0.0 && until <= job->source->run.end)) {
@@ -147,15 +167,15 @@ static lac_status name_files(cli_trade_job *job, lac_error *err)
 static lac_status prepare(cli_trade_job *job, lac_error *err)
 {
     const cli_request *request = job->request;
-    bool cascade = false;
+    lac_trade_of of = LAC_OF_RUN;
     lac_status status;
     LAC_TRY(read_quantity(request->trade.quantity, &job->ask, err));
     LAC_TRY(read_amounts(&request->trade, &job->ask, err));
     LAC_TRY(read_jobs(request->trade.jobs, &job->jobs, err));
-    LAC_TRY(read_source(job, &cascade, err));
+    LAC_TRY(read_source(job, &of, err));
     LAC_TRY(check_until(job, err));
     LAC_TRY(name_files(job, err));
-    LAC_TRY(lac_trade_plan_create(job->source, cascade, request->trade.dials,
+    LAC_TRY(lac_trade_plan_create(job->source, of, request->trade.dials,
                                   request->trade.crossed != NULL, &job->plan, err));
     job->measure = calloc(job->plan.runs, sizeof *job->measure);
     job->settings = calloc(job->plan.runs, sizeof *job->settings);

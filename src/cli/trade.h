@@ -31,6 +31,9 @@ typedef struct cli_trade_job {
     double started;
 } cli_trade_job;
 
+/// What a case is read for.
+lac_case_purpose cli_trade_purpose(lac_trade_of of);
+
 /// The case of a run of the plan.
 /// @return as lac_case_read; LAC_EINPUT with the first thing that is wrong
 lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, lac_error *err);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One run of a trade, as `lacuna run` or `lacuna rg` makes it.
+// One run of a trade, as `lacuna run`, `lacuna rg` or `lacuna contact` makes it.
 #include <math.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -99,6 +99,51 @@ static lac_status follow(const lac_case *c, lac_trade_measure *m, lac_error *err
     return status;
 }
 
+static lac_status add_work(void *context, const lac_history_record *record, lac_error *err)
+{
+    double *work = context;
+    (void)err;
+    *work += record->shear.dissipation;
+    return LAC_OK;
+}
+
+// The contact, and the history that its case may have.
+static lac_status press(const lac_case *c, lac_trade_measure *m, lac_error *err)
+{
+    lac_scene_contact contact = {0};
+    lac_history_result result = {0};
+    double work = 0.0;
+    const lac_history_sink sink = {.context = &work, .step = add_work};
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    m->cells = (int64_t)contact.domain->n;
+    m->value[LAC_QUANTITY_FRACTION] = (double)m->cells / (double)lac_grid_cells(&contact.grid);
+    m->value[LAC_QUANTITY_PRESSURE] = contact.mean_pressure;
+    m->value[LAC_QUANTITY_DIMENSION] = contact.counted ? contact.boxes.dimension : NAN;
+    m->steps = contact.solved ? contact.report.iterations : 0;
+    m->evaluations = contact.solved ? contact.report.products : 0;
+    if (c->history.count > 0) {
+        LAC_TRY(lac_scene_history_run(c, &contact, &sink, &result, err));
+        m->value[LAC_QUANTITY_WORK] = work;
+    }
+out:
+    lac_scene_contact_clear(&contact);
+    return status;
+}
+
+static lac_status compute(const cli_trade_job *job, size_t run, run_state *s, const char *file,
+                          lac_trade_measure *m, lac_error *err)
+{
+    switch (lac_trade_of_run(&job->plan, run)) {
+    case LAC_OF_CASCADE:
+        return follow(s->source, m, err);
+    case LAC_OF_CONTACT:
+        return press(s->source, m, err);
+    default:
+        return integrate(job, s, file, m, err);
+    }
+}
+
 static void run_clear(run_state *s)
 {
     lac_store_free(s->store);
@@ -120,8 +165,7 @@ lac_status cli_trade_compute(const cli_trade_job *job, size_t run, const char *f
     }
     lac_status status = cli_trade_case(job, run, &s.source, &err);
     if (status == LAC_OK) {
-        status = lac_trade_is_cascade(&job->plan, run) ? follow(s.source, measure, &err)
-                                                       : integrate(job, &s, file, measure, &err);
+        status = compute(job, run, &s, file, measure, &err);
     }
     run_clear(&s);
     measure->output = stat(file, &about) == 0 ? (int64_t)about.st_size : 0;

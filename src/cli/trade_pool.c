@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "cli/exits.h"
+#include "cli/memory.h"
 #include "cli/signals.h"
 #include "cli/trade.h"
 
@@ -139,30 +140,23 @@ static lac_status finish(pool *p, worker *w, lac_error *err)
     return killed ? LAC_OK : cli_trade_keep(p->job, w->run, err);
 }
 
-// Memory that is free for a further run [bytes]; what the system does not say is no limit.
-static int64_t free_memory(void)
-{
-    char line[128];
-    int64_t kilobytes = INT64_MAX / 1024;
-    FILE *about = fopen("/proc/meminfo", "r");
-    while (about != NULL && fgets(line, sizeof line, about) != NULL) {
-        if (strncmp(line, "MemAvailable:", 13) == 0) {
-            kilobytes = strtoll(line + 13, NULL, 10);
-        }
-    }
-    if (about != NULL) {
-        (void)fclose(about);
-    }
-    return kilobytes * 1024;
-}
-
 // The first run is alone: it tells how much memory one takes.
 static bool has_room(const pool *p)
 {
+    int64_t resident[MOST_JOBS];
+    size_t running = 0;
     if (p->busy == 0) {
         return true;
     }
-    return p->busy < (size_t)p->job->jobs && p->memory > 0 && p->memory < free_memory() / 2;
+    if (p->busy >= (size_t)p->job->jobs || p->memory <= 0) {
+        return false;
+    }
+    for (size_t k = 0; k < MOST_JOBS; k++) {
+        if (p->at[k].pid != 0) {
+            resident[running++] = cli_memory_resident("", p->at[k].pid);
+        }
+    }
+    return cli_memory_allows(cli_memory_free(""), p->memory, resident, running);
 }
 
 // A run three times as dear as the reference, which is the tightest, is never worth it.

@@ -27,12 +27,21 @@ static const char *end_word(lac_trade_end end)
     return end == LAC_TRADE_DONE ? "done" : end == LAC_TRADE_GIVEN_UP ? "given up" : "broken";
 }
 
+// Numbers by value, from small to large; else by name.
+static int compare_labels(const char *a, const char *b)
+{
+    char *end_a, *end_b;
+    const double x = strtod(a, &end_a), y = strtod(b, &end_b);
+    const bool numbers = end_a != a && end_b != b && *end_a == '\0' && *end_b == '\0';
+    return !numbers ? strcmp(a, b) : (x > y) - (x < y);
+}
+
 // The rows in the order of a table: what is turned against a rung of the ladder stays together.
 static bool stands_before(const cli_trade_job *job, size_t a, size_t b)
 {
     const lac_trade_plan *plan = &job->plan;
     for (size_t d = 0; d < plan->dials; d++) {
-        const int order = strcmp(job->settings[a].label[d], job->settings[b].label[d]);
+        const int order = compare_labels(job->settings[a].label[d], job->settings[b].label[d]);
         if (d != plan->ladder && order != 0) {
             return order < 0;
         }
@@ -109,23 +118,49 @@ static const char *run_text(const cli_trade_job *job, size_t run, char *text, si
     return text;
 }
 
+// The command that the settings are for.
+static const char *command_of(const cli_trade_job *job, size_t run)
+{
+    const lac_trade_of of = lac_trade_of_run(&job->plan, run);
+    return of == LAC_OF_CASCADE ? "rg" : of == LAC_OF_CONTACT ? "contact" : "run";
+}
+
+// "--set solver.rtol=0.001"; what is no run in time has its command named.
+static const char *choice_text(const cli_trade_job *job, size_t run, char *text, size_t size)
+{
+    char options[SETTINGS];
+    const char *command = command_of(job, run);
+    if (*cli_trade_options(job, run, options, sizeof options) == '\0') {
+        (void)snprintf(text, size, "the case as it is");
+    } else if (strcmp(command, "run") == 0) {
+        (void)snprintf(text, size, "%s", options);
+    } else {
+        (void)snprintf(text, size, "lacuna %s with %s", command, options);
+    }
+    return text;
+}
+
 const char *cli_trade_sentence(const cli_trade_job *job, char *text, size_t size)
 {
-    char asked[96], options[SETTINGS], run[160];
+    char asked[96], choice[SETTINGS + 32], run[160];
     const lac_trade_verdict *v = &job->verdict;
     (void)asked_text(job, asked, sizeof asked);
     if (v->recommended != SIZE_MAX) {
-        (void)cli_trade_options(job, v->recommended, options, sizeof options);
         (void)snprintf(text, size, "For %s: %s (%s).", asked,
-                       options[0] != '\0' ? options : "the case as it is",
+                       choice_text(job, v->recommended, choice, sizeof choice),
                        run_text(job, v->recommended, run, sizeof run));
     } else if (v->closest != SIZE_MAX) {
-        (void)cli_trade_options(job, v->closest, options, sizeof options);
         (void)snprintf(text, size, "Nothing tried does for %s; the closest is %s (%s).", asked,
-                       options[0] != '\0' ? options : "the case as it is",
+                       choice_text(job, v->closest, choice, sizeof choice),
                        run_text(job, v->closest, run, sizeof run));
     } else {
         (void)snprintf(text, size, "Nothing tried has this quantity.");
+    }
+    if (isnan(v->uncertainty)) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, size - used,
+                       " The reference's own error is not known: no coarser run was "
+                       "done.");
     }
     return text;
 }
@@ -143,7 +178,7 @@ static int width_of(const cli_trade_job *job, size_t d)
 static void print_row(const cli_trade_job *job, size_t run)
 {
     const lac_trade_measure *m = &job->measure[run];
-    char error[32], cpu[32], wall[32];
+    char error[32], sure[32], cpu[32], wall[32], steps[32] = "-"; // a cascade has none
     printf("%c ", job->verdict.on_front[run] ? '*' : ' ');
     for (size_t d = 0; d < job->plan.dials; d++) {
         if (job->plan.dial[d].shown > 0) {
@@ -154,10 +189,14 @@ static void print_row(const cli_trade_job *job, size_t run)
         printf("  %s: %s\n", end_word(m->end), m->message);
         return;
     }
-    printf(" %9s %10s %10s %8.3g %9" PRId64 "\n",
+    if (lac_trade_of_run(&job->plan, run) != LAC_OF_CASCADE) {
+        (void)snprintf(steps, sizeof steps, "%" PRId64, m->steps);
+    }
+    printf(" %9s +- %-7s %10s %10s %8.3g %9s\n",
            error_text(job->verdict.error[run], error, sizeof error),
+           error_text(job->verdict.uncertainty, sure, sizeof sure),
            cli_quantity(m->cpu_time, "s", cpu, sizeof cpu),
-           cli_quantity(m->wall_time, "s", wall, sizeof wall), (double)m->memory / 1e6, m->steps);
+           cli_quantity(m->wall_time, "s", wall, sizeof wall), (double)m->memory / 1e6, steps);
 }
 
 static void print_head(const cli_trade_job *job)
@@ -177,7 +216,7 @@ static void print_head(const cli_trade_job *job)
             printf(" %-*s", width_of(job, d), job->plan.dial[d].dial->name);
         }
     }
-    printf(" %9s %10s %10s %8s %9s\n", "error", "CPU", "wall", "MB", "steps");
+    printf(" %9s    %-7s %10s %10s %8s %9s\n", "error", "", "CPU", "wall", "MB", "steps");
 }
 
 static void print_left_out(const cli_trade_job *job)
@@ -230,6 +269,7 @@ static void write_run(cli_json *json, const char *key, const cli_trade_job *job,
     char options[SETTINGS];
     cli_json_open(json, key, '{');
     write_settings(json, job, run);
+    cli_json_text(json, "command", command_of(job, run));
     cli_json_text(json, "options", cli_trade_options(job, run, options, sizeof options));
     cli_json_text(json, "end", end_word(m->end));
     cli_json_text(json, "message", m->message[0] != '\0' ? m->message : NULL);

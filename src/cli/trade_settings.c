@@ -20,7 +20,7 @@ static size_t gather(const cli_trade_job *job, size_t run, lac_override *out)
     if (n > 0) {
         memcpy(out, request->overrides, n * sizeof *out);
     }
-    if (lac_trade_is_cascade(plan, run)) {
+    if (lac_trade_of_run(plan, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
     }
     for (size_t d = 0; d < plan->dials; d++) {
@@ -58,22 +58,27 @@ static lac_status shorten(const cli_request *request, lac_case *c, lac_error *er
     return status;
 }
 
+lac_case_purpose cli_trade_purpose(lac_trade_of of)
+{
+    return of == LAC_OF_CASCADE ? LAC_FOR_RG : of == LAC_OF_CONTACT ? LAC_FOR_CONTACT : LAC_FOR_RUN;
+}
+
 lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, lac_error *err)
 {
     const cli_request *request = job->request;
-    const bool cascade = lac_trade_is_cascade(&job->plan, run);
+    const lac_trade_of of = lac_trade_of_run(&job->plan, run);
     lac_case_report report = {0};
     *c = NULL;
     lac_override *set = malloc((request->set_count + LAC_DIALS + 1) * sizeof *set);
     if (set == NULL) {
         return lac_fail_memory(err);
     }
-    const lac_case_request how = {cascade ? LAC_FOR_RG : LAC_FOR_RUN, set, gather(job, run, set)};
+    const lac_case_request how = {cli_trade_purpose(of), set, gather(job, run, set)};
     lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);
     if (status != LAC_OK) {
         (void)first_issue(&report, status, err);
     } else {
-        status = cascade ? LAC_OK : shorten(request, *c, err);
+        status = of == LAC_OF_RUN ? shorten(request, *c, err) : LAC_OK;
     }
     lac_case_report_clear(&report);
     free(set);

@@ -147,7 +147,8 @@ static lac_status forecast(const lac_page *page, bool measured, bool *issued, la
         goto out;
     }
     def.motion.raw = !measured; // a run has neither outliers nor resets
-    LAC_TRY(lac_rolling_create(&def, &s.readings, ISSUES, NULL, &rolling, err));
+    const size_t issues = page->def->issues > 0 ? (size_t)page->def->issues : ISSUES;
+    LAC_TRY(lac_rolling_create(&def, &s.readings, issues, NULL, &rolling, err));
     *issued = any_issued(rolling);
     if (*issued) {
         lac_page_open(page->text, "forecasts", '{');
@@ -166,6 +167,9 @@ lac_status lac_page_forecasts(const lac_page *page, lac_error *err)
 {
     bool issued = false;
     lac_status status = LAC_OK;
+    if (page->def->issues < 0) {
+        return LAC_OK;
+    }
     if (page->def->series != NULL) {
         status = forecast(page, true, &issued, err);
     }

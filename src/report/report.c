@@ -70,7 +70,7 @@ static lac_status make(const lac_report_def *def, writer write, char **out, lac_
     const lac_page page = {.def = def, .run = &run, .text = &text};
     lac_status status;
     *out = NULL;
-    LAC_TRY(lac_page_run_read(def->run, &run, err));
+    LAC_TRY(lac_page_run_read(def, &run, err));
     LAC_TRY(write(&page, err));
     *out = text.at;
     text.at = NULL;

@@ -72,16 +72,34 @@ out:
     return status;
 }
 
-lac_status lac_page_run_read(const char *path, lac_page_run *out, lac_error *err)
+// Times of the file's records, or of those that are in memory.
+static lac_status open_run(const lac_report_def *def, lac_page_run *out, lac_error *err)
 {
+    lac_stored_values time = {0};
+    lac_status status;
+    if (def->recording == NULL) {
+        LAC_TRY(lac_store_read(def->run, "time", &out->time, &out->n, err));
+        LAC_TRY(lac_stored_file_open(def->run, &out->file, err));
+    } else {
+        LAC_TRY(lac_stored_file_of(def->recording, &out->file, err));
+        LAC_TRY(lac_stored_file_values(out->file, "time", &time, err));
+        out->time = time.value;
+        out->n = time.n;
+    }
+out:
+    return status;
+}
+
+lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err)
+{
+    const char *path = def->run;
     char text[64];
     lac_status status;
     *out = (lac_page_run){.path = path};
-    LAC_TRY(lac_store_read(path, "time", &out->time, &out->n, err));
+    LAC_TRY(open_run(def, out, err));
     if (out->n == 0) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: holds no record", path));
     }
-    LAC_TRY(lac_stored_file_open(path, &out->file, err));
     LAC_TRY(read_before(out, err));
     LAC_TRY(read_columns(out, err));
     for (size_t c = LAC_PAGE_SLIP; c <= LAC_PAGE_MAX_RATE; c++) {

@@ -41,7 +41,7 @@ typedef struct lac_page_run {
 
 /// Reads it.
 /// @return LAC_OK; LAC_EINPUT (no record); LAC_EIO (not a run of Lacuna, damaged); LAC_ENOMEM
-lac_status lac_page_run_read(const char *path, lac_page_run *out, lac_error *err);
+lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err);
 void lac_page_run_clear(lac_page_run *run);
 
 /// A column, NULL where the file has none.

@@ -3,11 +3,13 @@
 #include "lacuna/recording.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lacuna/store.h"
 #include "store/columns.h"
+#include "store/recording.h"
 
 // An array that grows, and what it is.
 typedef struct variable {
@@ -15,6 +17,11 @@ typedef struct variable {
     double *values; // seen.values
     size_t room;
 } variable;
+
+// A text of the whole.
+typedef struct named_text {
+    char *name, *text; // owned
+} named_text;
 
 struct lac_recording {
     size_t count, room;
@@ -26,6 +33,8 @@ struct lac_recording {
     size_t cells;
     bool has_last;
     double last_origin, last_local;
+    size_t texts;
+    named_text *text; // [texts]
 };
 
 static void variable_clear(variable *v)
@@ -44,6 +53,11 @@ void lac_recording_free(lac_recording *recording)
     for (size_t i = 0; i < recording->count; i++) {
         variable_clear(&recording->variable[i]);
     }
+    for (size_t i = 0; i < recording->texts; i++) {
+        free(recording->text[i].name);
+        free(recording->text[i].text);
+    }
+    free(recording->text);
     free(recording->variable);
     free(recording->width);
     free(recording);
@@ -146,6 +160,11 @@ static lac_status define_extras(lac_recording *r, const lac_recording_def *def, 
         const lac_extra *e = &def->extra[i];
         r->width[i] = e->over == LAC_OVER_LEVELS ? levels : e->over == LAC_OVER_TIME ? 1 : 0;
         LAC_TRY(define(r, e->name, e->unit, e->long_name, dimensions[e->over], err));
+        if (e->comment != NULL) {
+            char name[LAC_RECORDING_NAME];
+            (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, e->name);
+            LAC_TRY(lac_recording_text(r, name, e->comment, err));
+        }
     }
 out:
     return status;
@@ -338,4 +357,72 @@ bool lac_recording_find(const lac_recording *recording, const char *name, lac_re
         }
     }
     return false;
+}
+
+static named_text *find_text(const lac_recording *recording, const char *name)
+{
+    for (size_t i = 0; i < recording->texts; i++) {
+        if (strcmp(recording->text[i].name, name) == 0) {
+            return &recording->text[i];
+        }
+    }
+    return NULL;
+}
+
+static named_text *add_text(lac_recording *recording, const char *name)
+{
+    const size_t n = recording->texts;
+    named_text *grown = realloc(recording->text, (n + 1) * sizeof *grown);
+    char *own = strdup(name);
+    recording->text = grown != NULL ? grown : recording->text;
+    if (grown == NULL || own == NULL) {
+        free(own);
+        return NULL;
+    }
+    grown[n] = (named_text){.name = own};
+    recording->texts = n + 1;
+    return &grown[n];
+}
+
+lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
+                              lac_error *err)
+{
+    named_text *place = find_text(recording, name);
+    place = place != NULL ? place : add_text(recording, name);
+    char *copy = place != NULL ? strdup(text) : NULL;
+    if (copy == NULL) {
+        return lac_fail_memory(err);
+    }
+    free(place->text);
+    place->text = copy;
+    return LAC_OK;
+}
+
+const char *lac_recording_text_of(const lac_recording *recording, const char *name)
+{
+    const named_text *found = find_text(recording, name);
+    return found != NULL ? found->text : NULL;
+}
+
+lac_status lac_recording_append(lac_recording *recording, size_t index, const double *values,
+                                size_t n, lac_error *err)
+{
+    return append(&recording->variable[index], values, n, err);
+}
+
+void lac_recording_resume(lac_recording *recording, double origin, double local)
+{
+    recording->has_last = true;
+    recording->last_origin = origin;
+    recording->last_local = local;
+}
+
+void lac_recording_cut(lac_recording *recording, size_t index, size_t count)
+{
+    recording->variable[index].seen.count = count;
+}
+
+double *lac_recording_values(lac_recording *recording, size_t index)
+{
+    return recording->variable[index].values;
 }

@@ -4,15 +4,18 @@
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/netcdf.h"
 #include "store/input.h"
+#include "store/recording.h"
 
 struct lac_stored_file {
     lac_input in;
-    char *path; // owned
+    char *path;                     // owned
+    const lac_recording *recording; // read instead of a file; NULL: a file
 };
 
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err)
@@ -32,20 +35,57 @@ out:
     return status;
 }
 
+lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out, lac_error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (*out == NULL) {
+        return lac_fail_memory(err);
+    }
+    (*out)->recording = recording;
+    return LAC_OK;
+}
+
 void lac_stored_file_close(lac_stored_file *file)
 {
     if (file != NULL) {
-        lac_input_close(&file->in);
+        if (file->recording == NULL) {
+            lac_input_close(&file->in);
+        }
         free(file->path);
         free(file);
     }
+}
+
+// A variable of a recording, or one place of it.
+static lac_status copy_values(const lac_recording *recording, const char *variable, ptrdiff_t row,
+                              lac_stored_values *out, lac_error *err)
+{
+    lac_recorded seen;
+    if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
+        return LAC_OK;
+    }
+    const size_t n = lac_recorded_places(recording, &seen);
+    const size_t width = n > 0 ? seen.count / n : 0;
+    if (row >= 0 && (size_t)row >= n) {
+        return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
+    }
+    const size_t first = row >= 0 ? (size_t)row : 0;
+    *out = (lac_stored_values){.n = row >= 0 ? 1 : n, .width = width};
+    out->value = malloc((out->n * width + 1) * sizeof *out->value);
+    if (out->value == NULL) {
+        return lac_fail_memory(err);
+    }
+    memcpy(out->value, seen.values + first * width, out->n * width * sizeof *out->value);
+    return LAC_OK;
 }
 
 static lac_status read_values(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                               lac_stored_values *out, lac_error *err)
 {
     *out = (lac_stored_values){0};
-    const lac_status status = lac_input_values(&file->in, variable, row, out, err);
+    const lac_status status = file->recording != NULL
+                                  ? copy_values(file->recording, variable, row, out, err)
+                                  : lac_input_values(&file->in, variable, row, out, err);
     if (status != LAC_OK) {
         lac_stored_values_clear(out);
     }
@@ -78,6 +118,15 @@ void lac_stored_file_text(const lac_stored_file *file, const char *variable, con
 {
     int id = 0;
     text[0] = '\0';
+    if (file->recording != NULL) {
+        char name[LAC_RECORDING_NAME];
+        (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, variable);
+        const char *comment = lac_recording_text_of(file->recording, name);
+        if (comment != NULL && strlen(comment) < size) {
+            memcpy(text, comment, strlen(comment) + 1);
+        }
+        return;
+    }
     if (nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) {
         lac_netcdf_text(file->in.id, id, attribute, text, size);
     }
@@ -108,5 +157,13 @@ lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *na
                                      size_t size, lac_error *err)
 {
     text[0] = '\0';
+    if (file->recording != NULL) {
+        const char *found = lac_recording_text_of(file->recording, name);
+        if (found == NULL || strlen(found) >= size) {
+            return lac_fail(err, LAC_EIO, "no %s", name);
+        }
+        memcpy(text, found, strlen(found) + 1);
+        return LAC_OK;
+    }
     return lac_input_attribute(&file->in, name, text, size, err);
 }

@@ -114,7 +114,7 @@ static lac_status climb(search *s, lac_error *err)
         return LAC_ENUMERIC; // as the run said
     }
     return lac_fail(err, LAC_ENUMERIC,
-                    "solver.accuracy: no rtol down to %g keeps %g: the last decade changed the %s "
+                    "no rtol down to %g keeps an accuracy of %g: the last decade changed the %s "
                     "by %.2g",
                     rtols[RUNGS - 1], asked, lac_accuracy_of_name(s->at[RUNGS - 1].of),
                     last_error(s));

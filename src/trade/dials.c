@@ -30,9 +30,9 @@ static size_t put_names(const char *const *names, size_t n, lac_dial_value *out)
 }
 
 // rtol: decades from 1e-3 to 1e-7, on to the case's own, which is among them.
-static size_t rtol_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     const double own = c->run.rtol, coarsest = fmax(1e-3, own), finest = fmin(1e-7, own);
     size_t n = 0;
     bool seen = false;
@@ -65,9 +65,9 @@ static void rtol_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 
 static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
 
-static size_t method_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t method_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(methods, 3, out);
 }
 
@@ -76,10 +76,10 @@ static void method_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     (void)snprintf(label, LAC_DIAL_LABEL, "%s", methods[c->run.method]);
 }
 
-static size_t formulation_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
     static const char *const names[] = {"rate", "traction", "slip"};
-    (void)cascade;
+    (void)of;
     bool fixed = c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0;
     return fixed ? 0 : put_names(names, 3, out);
 }
@@ -96,10 +96,10 @@ static bool is_coupled(const lac_case *c)
     return c->transfer.about != NULL && strcmp(c->transfer.about->name, "none") != 0;
 }
 
-static size_t fidelity_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
     static const char *const names[] = {"static", "events", "ode"};
-    if (cascade) {
+    if (of == LAC_OF_CASCADE) {
         bool runs = c->friction.about != NULL && !isnan(c->run.end);
         return put_names(names, runs ? 3 : 0, out);
     }
@@ -113,9 +113,9 @@ static void fidelity_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 }
 
 // The grid, halved and halved again.
-static size_t levels_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     const int64_t own = c->interface.levels;
     size_t n = 0;
     for (int64_t level = own - 2; own > 0 && level <= own; level++) {
@@ -135,9 +135,9 @@ static void levels_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     }
 }
 
-static size_t transfer_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     if (!is_coupled(c) || isnan(c->material.shear_modulus)) {
         return 0;
     }
@@ -154,9 +154,9 @@ static void transfer_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 
 static const char *const plannings[] = {"estimate", "measure"};
 
-static size_t planning_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     bool transforms = is_coupled(c) && strcmp(c->transfer.about->name, "elastic") == 0;
     return transforms ? put_names(plannings, 2, out) : 0;
 }
@@ -168,9 +168,9 @@ static void planning_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 
 static const char *const precisions[] = {"float", "double"};
 
-static size_t precision_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)c, (void)cascade;
+    (void)c, (void)of;
     return put_names(precisions, 2, out);
 }
 
@@ -195,9 +195,9 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_
     return n + 1;
 }
 
-static size_t contacts_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     return c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0;
 }
 
@@ -211,9 +211,9 @@ static void contacts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->rg.contacts);
 }
 
-static size_t shifts_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     return count_values(c->rg.shifts, 4, 1, out);
 }
 
@@ -230,9 +230,9 @@ static void shifts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 static const char *const fields[] = {
     [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
 
-static size_t field_values(const lac_case *c, bool cascade, lac_dial_value *out)
+static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    (void)cascade;
+    (void)of;
     const bool pressed = c->surface.about != NULL && !isnan(c->material.shear_modulus);
     put(&out[0], fields[LAC_RG_UNIFORM], fields[LAC_RG_UNIFORM]);
     put(&out[1], fields[LAC_RG_EQUAL], fields[LAC_RG_EQUAL]);
@@ -245,11 +245,26 @@ static void field_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     (void)snprintf(label, LAC_DIAL_LABEL, "%s", fields[c->rg.field]);
 }
 
+// How a history of loads is followed: superposed where the case can be, which its check says.
+static const char *const histories[] = {"superposed", "direct"};
+
+static size_t history_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    (void)of;
+    return c->history.count > 0 ? put_names(histories, 2, out) : 0;
+}
+
+static void history_current(const lac_case *c, char label[LAC_DIAL_LABEL])
+{
+    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
+                   histories[c->history.method == LAC_HISTORY_DIRECT ? 1 : 0]);
+}
+
 static const lac_dial dials[] = {
     {.name = "rtol",
      .key = "solver.rtol",
      .doc = "tolerance, in decades",
-     .use = LAC_DIAL_OF_RUN,
+     .use = LAC_OF_RUN,
      .ratio = 10,
      .values = rtol_values,
      .tighter = rtol_tighter,
@@ -257,66 +272,73 @@ static const lac_dial dials[] = {
     {.name = "method",
      .key = "solver.method",
      .doc = "of integration: bdf, adams, erk",
-     .use = LAC_DIAL_OF_RUN,
+     .use = LAC_OF_RUN,
      .values = method_values,
      .current = method_current},
     {.name = "formulation",
      .key = "solver.formulation",
      .doc = "unknown besides the state: rate, traction, slip",
-     .use = LAC_DIAL_OF_RUN,
+     .use = LAC_OF_RUN,
      .values = formulation_values,
      .current = formulation_current},
     {.name = "fidelity",
      .key = "solver.fidelity",
      .doc = "events, ode; of Q_crit also static, the cascade",
-     .use = LAC_DIAL_OF_RUN | LAC_DIAL_OF_CASCADE,
-     .asked = true,
+     .use = LAC_OF_RUN | LAC_OF_CASCADE,
+     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
      .scene = true,
      .values = fidelity_values,
      .current = fidelity_current},
     {.name = "levels",
      .key = "interface.levels",
      .doc = "2^levels cells a side, halved twice",
-     .use = LAC_DIAL_OF_RUN | LAC_DIAL_OF_CASCADE,
-     .asked = true,
+     .use = LAC_OF_RUN | LAC_OF_CASCADE | LAC_OF_CONTACT,
+     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
      .scene = true,
      .ratio = 4,
      .values = levels_values,
      .current = levels_current},
+    {.name = "history",
+     .key = "load.history.method",
+     .doc = "of a contact's loads: superposed, direct",
+     .use = LAC_OF_CONTACT,
+     .scene = true,
+     .values = history_values,
+     .current = history_current},
     {.name = "transfer",
      .key = "transfer",
      .doc = "of stress: hierarchy, elastic",
-     .use = LAC_DIAL_OF_RUN,
-     .asked = true,
+     .use = LAC_OF_RUN,
+     .asked = LAC_OF_RUN,
      .scene = true,
      .values = transfer_values,
      .current = transfer_current},
     {.name = "planning",
      .key = "solver.fft_planning",
      .doc = "of Fourier transforms: estimate, measure",
-     .use = LAC_DIAL_OF_RUN,
-     .asked = true,
+     .use = LAC_OF_RUN,
+     .asked = LAC_OF_RUN,
      .values = planning_values,
      .current = planning_current},
     {.name = "precision",
      .key = "output.precision",
      .doc = "of what is written: float, double",
-     .use = LAC_DIAL_OF_RUN,
-     .asked = true,
+     .use = LAC_OF_RUN,
+     .asked = LAC_OF_RUN,
      .values = precision_values,
      .current = precision_current},
     {.name = "field",
      .key = "rg.field",
      .doc = "of the cascade: uniform, equal, elastic",
-     .use = LAC_DIAL_OF_CASCADE,
-     .asked = true,
+     .use = LAC_OF_CASCADE,
+     .asked = LAC_OF_CASCADE,
      .scene = true,
      .values = field_values,
      .current = field_current},
     {.name = "contacts",
      .key = "rg.contacts",
      .doc = "solved along the cascade's path",
-     .use = LAC_DIAL_OF_CASCADE,
+     .use = LAC_OF_CASCADE,
      .ratio = 4,
      .values = contacts_values,
      .tighter = contacts_tighter,
@@ -324,7 +346,7 @@ static const lac_dial dials[] = {
     {.name = "shifts",
      .key = "rg.shifts",
      .doc = "places of the cascade's blocks",
-     .use = LAC_DIAL_OF_CASCADE,
+     .use = LAC_OF_CASCADE,
      .ratio = 2,
      .values = shifts_values,
      .tighter = shifts_tighter,

@@ -76,7 +76,9 @@ static double uncertainty(const lac_trade_plan *plan, const lac_trade_measure *m
         sum += lac_richardson_error(coarse, middle, fine, plan->dial[d].dial->ratio);
         known = true;
     }
-    return known ? fmax(sum / scale, DBL_EPSILON) : NAN;
+    // Counts jump by ones: that two are alike says no more.
+    const double least = v->quantity == LAC_QUANTITY_EVENTS ? 1.0 : DBL_EPSILON * scale;
+    return known ? fmax(sum, least) / scale : NAN;
 }
 
 static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,
@@ -85,8 +87,8 @@ static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,
     if (ask->quantity >= 0) {
         return ask->quantity;
     }
-    if (plan->cascade) {
-        return LAC_QUANTITY_CRITICAL;
+    if (plan->of != LAC_OF_RUN) {
+        return plan->of == LAC_OF_CASCADE ? LAC_QUANTITY_CRITICAL : LAC_QUANTITY_FRACTION;
     }
     if (!isnan(value[LAC_QUANTITY_FAILURE])) {
         return LAC_QUANTITY_FAILURE;
@@ -105,6 +107,12 @@ static lac_status no_quantity(int quantity, lac_error *err)
         return lac_fail(err, LAC_EINPUT,
                         "--quantity events: the case keeps no catalogue; name it, "
                         "analysis: {events: {...}}");
+    case LAC_QUANTITY_DIMENSION:
+        return lac_fail(err, LAC_EINPUT,
+                        "--quantity dimension: boxes of the contact cannot be counted; "
+                        "contact-fraction can be asked for");
+    case LAC_QUANTITY_WORK:
+        return lac_fail(err, LAC_EINPUT, "--quantity work: the case has no load.history to do any");
     default:
         return lac_fail(err, LAC_EINPUT, "--quantity %s: the reference has none",
                         lac_quantity_about_of(quantity)->name);

@@ -30,11 +30,11 @@ static lac_status no_dial(const char *name, size_t length, lac_error *err)
 }
 
 // "1e-3:1e-5" into positions; the dial's own where a label of them is meant.
-static lac_status read_values(const char *text, size_t length, const lac_case *c, bool cascade,
+static lac_status read_values(const char *text, size_t length, const lac_case *c, lac_trade_of of,
                               lac_trade_dial *out, lac_error *err)
 {
     lac_dial_value own[LAC_DIAL_VALUES];
-    const size_t n = out->dial->values(c, cascade, own);
+    const size_t n = out->dial->values(c, of, own);
     out->count = 0;
     for (size_t at = 0; at <= length;) {
         const size_t end = at + strcspn(text + at, ":,");
@@ -61,10 +61,7 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
     return LAC_OK;
 }
 
-static bool is_of(const lac_dial *dial, bool cascade)
-{
-    return (dial->use & (cascade ? LAC_DIAL_OF_CASCADE : LAC_DIAL_OF_RUN)) != 0;
-}
+static bool is_of(const lac_dial *dial, lac_trade_of of) { return (dial->use & of) != 0; }
 
 // One word of --dials.
 static lac_status add_word(const char *word, size_t length, const lac_case *c, lac_trade_plan *plan,
@@ -76,6 +73,12 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     if (dial == NULL) {
         return no_dial(word, name, err);
     }
+    // A cascade may have dials of the run that its fidelity turns it into.
+    const bool contact = plan->of == LAC_OF_CONTACT;
+    if ((dial->use & (contact ? LAC_OF_CONTACT : LAC_OF_RUN | LAC_OF_CASCADE)) == 0) {
+        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing %s", dial->name,
+                        contact ? "in a contact" : "but a contact");
+    }
     for (size_t d = 0; d < plan->dials; d++) {
         if (plan->dial[d].dial == dial) {
             return lac_fail(err, LAC_EINPUT, "--dials: %s stands there twice", dial->name);
@@ -84,13 +87,12 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     lac_trade_dial *added = &plan->dial[plan->dials];
     *added = (lac_trade_dial){.dial = dial};
     if (equals != NULL) {
-        lac_status status =
-            read_values(equals + 1, length - name - 1, c, plan->cascade, added, err);
+        lac_status status = read_values(equals + 1, length - name - 1, c, plan->of, added, err);
         if (status != LAC_OK) {
             return status;
         }
     } else {
-        added->count = added->shown = dial->values(c, plan->cascade, added->value);
+        added->count = added->shown = dial->values(c, plan->of, added->value);
     }
     if (added->count == 0) {
         return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
@@ -119,11 +121,11 @@ static void add_usual(const lac_case *c, lac_trade_plan *plan)
     const lac_dial *dial;
     for (size_t i = 0; (dial = lac_dial_at(i)) != NULL; i++) {
         lac_trade_dial *added = &plan->dial[plan->dials];
-        if (dial->asked || !is_of(dial, plan->cascade)) {
+        if ((dial->asked & plan->of) != 0 || !is_of(dial, plan->of)) {
             continue;
         }
         *added = (lac_trade_dial){.dial = dial};
-        added->count = added->shown = dial->values(c, plan->cascade, added->value);
+        added->count = added->shown = dial->values(c, plan->of, added->value);
         plan->dials += added->count > 1 ? 1 : 0;
     }
 }
@@ -131,10 +133,10 @@ static void add_usual(const lac_case *c, lac_trade_plan *plan)
 // Whether the last position, which the reference has, is a run in time.
 static bool reference_runs(const lac_trade_plan *plan)
 {
-    bool runs = !plan->cascade;
+    bool runs = plan->of == LAC_OF_RUN;
     for (size_t d = 0; d < plan->dials; d++) {
         const lac_trade_dial *dial = &plan->dial[d];
-        if (plan->cascade && strcmp(dial->dial->name, "fidelity") == 0) {
+        if (plan->of == LAC_OF_CASCADE && strcmp(dial->dial->name, "fidelity") == 0) {
             runs = strcmp(dial->value[dial->shown - 1].label, "static") != 0;
         }
     }
@@ -208,7 +210,7 @@ static lac_status add_reference(lac_trade_plan *plan, lac_error *err)
     const bool runs = reference_runs(plan);
     for (size_t d = 0; d < plan->dials; d++) {
         const lac_trade_dial *dial = &plan->dial[d];
-        const bool applies = is_of(dial->dial, !runs);
+        const bool applies = is_of(dial->dial, runs ? LAC_OF_RUN : plan->of);
         const bool finest = applies && (dial->dial->ratio > 0.0 || dial->dial->scene);
         at[d] = (short)(finest ? (int)dial->count - 1 : -1);
     }
@@ -299,11 +301,11 @@ static size_t find_ladder(const lac_trade_plan *plan)
     return SIZE_MAX;
 }
 
-lac_status lac_trade_plan_create(const lac_case *c, bool cascade, const char *words, bool crossed,
-                                 lac_trade_plan *out, lac_error *err)
+lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
+                                 bool crossed, lac_trade_plan *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (lac_trade_plan){.cascade = cascade};
+    *out = (lac_trade_plan){.of = of};
     if (words != NULL) {
         LAC_TRY(read_words(words, c, out, err));
     } else {
@@ -311,6 +313,9 @@ lac_status lac_trade_plan_create(const lac_case *c, bool cascade, const char *wo
     }
     if (reference_runs(out)) {
         add_tolerance(c, out);
+    }
+    if (out->dials == 0) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "there is no dial to turn: its cells are given"));
     }
     add_tighter(out);
     out->ladder = find_ladder(out);
@@ -329,16 +334,16 @@ void lac_trade_plan_clear(lac_trade_plan *plan)
     *plan = (lac_trade_plan){0};
 }
 
-bool lac_trade_is_cascade(const lac_trade_plan *plan, size_t run)
+lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run)
 {
-    bool cascade = plan->cascade;
+    lac_trade_of of = plan->of;
     for (size_t d = 0; d < plan->dials; d++) {
         const int at = plan->run[run].at[d];
         if (at >= 0 && strcmp(plan->dial[d].dial->name, "fidelity") == 0) {
-            cascade = strcmp(plan->dial[d].value[at].label, "static") == 0;
+            of = strcmp(plan->dial[d].value[at].label, "static") == 0 ? LAC_OF_CASCADE : LAC_OF_RUN;
         }
     }
-    return cascade;
+    return of;
 }
 
 bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b)

@@ -6,13 +6,17 @@
 #include "lacuna/trade.h"
 
 static const lac_quantity_about quantities[] = {
-    [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure"},
-    [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit"},
-    [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end"},
-    [LAC_QUANTITY_RATE] = {"rate", "m/s", "mean slip rate at the end"},
-    [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell"},
-    [LAC_QUANTITY_CRITICAL] = {"q-crit", "1", "critical shear force over f P"},
-    [LAC_QUANTITY_EVENTS] = {"events", "1", "events of the catalogue"},
+    [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure", false},
+    [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit", false},
+    [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end", false},
+    [LAC_QUANTITY_RATE] = {"rate", "m/s", "mean slip rate at the end", false},
+    [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell", false},
+    [LAC_QUANTITY_CRITICAL] = {"q-crit", "1", "critical shear force over f P", false},
+    [LAC_QUANTITY_EVENTS] = {"events", "1", "events of the catalogue", false},
+    [LAC_QUANTITY_FRACTION] = {"contact-fraction", "1", "fraction in contact", true},
+    [LAC_QUANTITY_PRESSURE] = {"pressure", "Pa", "mean normal pressure", true},
+    [LAC_QUANTITY_DIMENSION] = {"dimension", "1", "box dimension", true},
+    [LAC_QUANTITY_WORK] = {"work", "J", "frictional work", true},
 };
 
 const lac_quantity_about *lac_quantity_about_of(int quantity) { return &quantities[quantity]; }
@@ -72,6 +76,9 @@ lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
                             bool catalogue, double *value)
 {
+    for (int q = 0; q < LAC_QUANTITIES; q++) {
+        value[q] = NAN;
+    }
     value[LAC_QUANTITY_FAILURE] =
         result->failed ? result->failure_origin + result->failure_local : NAN;
     value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;

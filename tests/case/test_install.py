@@ -172,7 +172,7 @@ class Package(Prefix, unittest.TestCase):
         needs = re.sub(r"\([^)]*\)", "", call("dpkg-deb", "-f", self.package, "Depends"))
         names = {name.strip() for name in needs.split(",")}
         libraries = ("libc6", "libgomp", "libgsl", "libnetcdf", "libyaml", "libudunits2", "libfftw3",
-                     "libsundials")
+                     "libsundials", "libmicrohttpd")
         for library in libraries:
             self.assertTrue([name for name in names if name.startswith(library)], names)
         self.assertFalse([name for name in names if not name.startswith(libraries)], names)

@@ -163,6 +163,47 @@ class Trade(Program):
         self.assertIn("weakening", value["events"]["message"])
         self.assertEqual(said["reference"]["settings"]["solver.fidelity"], "ode")
 
+    def contact(self, case, *args):
+        return json.loads(self.call("contact", case, "--json", "-q", "--force", "-o",
+                                    os.path.join(self.folder, "contact.nc"), *args).stdout)
+
+    def test_contact(self):
+        """What a grid gives away of a contact: values are those of `lacuna contact`."""
+        said = self.trade("cases/normal/approach.yaml")
+        self.assertEqual(said["quantity"], "contact-fraction")
+        self.assertEqual([r["settings"]["interface.levels"] for r in said["runs"]], [3, 4, 5])
+        for run in said["runs"]:
+            found = self.contact("cases/normal/approach.yaml", *run["options"].split())
+            self.assertEqual(run["command"], "contact")
+            self.assertEqual(run["value"], found["contact_fraction"])
+            self.assertEqual(run["n_cells"], found["n_cells"])
+            self.assertEqual((run["steps"], run["rhs_evaluations"]),
+                             (found["iterations"], found["products"]))
+        dimension = self.trade("cases/normal/dimension.yaml", "--quantity", "pressure", "--dials",
+                               "levels=4:5", "--reach", "100%")
+        found = self.contact("cases/normal/dimension.yaml")
+        self.assertEqual(dimension["reference"]["value"], found["mean_pressure_Pa"])
+        self.assertIn("lacuna contact with --set interface.levels=4", dimension["recommendation"])
+        box = self.trade("cases/normal/approach.yaml", "--quantity", "dimension", "--set",
+                         "interface.levels=6", "--dials", "levels=6")
+        found = self.contact("cases/normal/approach.yaml", "--set", "interface.levels=6")
+        self.assertEqual(box["reference"]["value"], found["d_box"])
+        self.assertIsNone(box["reference"]["error_uncertainty"])
+        self.assertIn("own error is not known", box["recommendation"])
+
+    def test_history(self):
+        """The work of a history; superposition cannot unload and is left out."""
+        said = self.trade("cases/shear-cycle.yaml", "--quantity", "work", "--set",
+                          "interface.levels=5")
+        self.assertEqual(said["unit"], "J")
+        for run in said["runs"]:
+            found = self.contact("cases/shear-cycle.yaml", "--set",
+                                 f"interface.levels={run['settings']['interface.levels']:g}")
+            work = found["steps"][-1]["cumulative_dissipation_J"]
+            self.assertAlmostEqual(run["value"] / work, 1, places=12)
+        self.assertEqual(len(said["refused"]), 3)
+        self.assertIn("superposed", said["refused"][0])
+
     def test_scene(self):
         """Grids, transfers, planning and precision."""
         said = self.trade(JOINT, "--dials", "levels,transfer", "--set", "solver.rtol=1e-4", "--set",
@@ -255,6 +296,12 @@ class Trade(Program):
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
         self.refused("must be > 0 and no later", BLOCK, "--until", "3 year")
         self.refused("solver.rtol", BLOCK, "--set", "solver.rtol=-1")
+        pressed = "cases/normal/approach.yaml"
+        self.refused("rtol turns nothing in a contact", pressed, "--dials", "rtol")
+        self.refused("history turns nothing but a contact", BLOCK, "--dials", "history")
+        self.refused("the case has no time", pressed, "--until", "1 day")
+        self.refused("there is no dial to turn", BLOCK, "--quantity", "contact-fraction")
+        self.assertIn("no load.history", self.trade(pressed, "--quantity", "work", status=2))
         said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--quantity", "events", status=2)
         self.assertIn("keeps no catalogue", said)
         self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--resume")  # asked anew, nothing lost
@@ -272,6 +319,52 @@ class Trade(Program):
                          "1 min").stdout
         self.assertIn("For 1 min", said)
         self.assertTrue(all(len(line) < 100 for line in said.splitlines()), said)
+
+
+class Table(Program):
+    def table(self, *args, status=0):
+        done = subprocess.run(
+            [sys.executable, os.path.join(SOURCE, "tools/trade_table.py"), "--lacuna", PROGRAM,
+             "--keep", os.path.join(self.folder, "keep"), *args],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stdout
+
+    def test_page(self):
+        """tools/trade_table.py renews the rows that it measures and leaves the others."""
+        page = os.path.join(self.folder, "page.md")
+        kept = "| friction/aging.yaml | failure | 1 | 3e-06 | 4e-05 | x | y | 25, 0 | then |"
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(f"above\n\n<!-- trade table -->\n{kept}\n| block.yaml | old |\n"
+                       "<!-- end of the trade table -->\n\nbelow\n")
+        self.table("--page", page, "block.yaml", "normal/dimension.yaml")
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        rows = [line for line in text.splitlines() if ".yaml" in line and line.startswith("| ")]
+        self.assertEqual([row.split(" ")[1] for row in rows],
+                         ["block.yaml", "friction/aging.yaml", "normal/dimension.yaml"])
+        self.assertEqual(rows[1], kept)
+        self.assertIn("| failure | 1 |", rows[0])
+        self.assertIn("| pressure |", rows[2])
+        self.assertTrue(text.startswith("above") and text.endswith("below\n"))
+        measured = os.path.join(self.folder, "keep", "block.yaml.json")
+        before = os.stat(measured).st_mtime_ns
+        self.table("--page", page, "--resume", "block.yaml")  # nothing to measure anew
+        self.assertEqual(os.stat(measured).st_mtime_ns, before)
+        with open(page, encoding="utf-8") as file:
+            self.assertEqual(file.read(), text)
+        self.table("nosuch.yaml", status=2)
+
+    def test_every_case(self):
+        """The page has a row for each bundled case."""
+        with open(os.path.join(SOURCE, "docs/trade.md"), encoding="utf-8") as file:
+            part = file.read().split("<!-- trade table -->")[1]
+        rows = {line.split(" ")[1] for line in part.splitlines() if line.startswith("| ")}
+        cases = os.path.join(SOURCE, "cases")
+        for folder, _, files in os.walk(cases):
+            for name in files:
+                if name.endswith(".yaml"):
+                    self.assertIn(os.path.relpath(os.path.join(folder, name), cases), rows)
 
 
 class Accuracy(Program):
@@ -316,7 +409,10 @@ class Accuracy(Program):
     def test_wrong(self):
         for value in ("2", "0", "1 m", "-1%"):
             _, noted = self.run_case(f"--accuracy={value}", status=2)
-            self.assertIn("solver.accuracy", noted)
+            self.assertIn(f'lacuna: --accuracy: "{value}" must be', noted)
+            self.assertNotIn("solver.accuracy", noted)
+        _, noted = self.run_case("--accuracy", "1%", "--set", "solver.accuracy=2", status=2)
+        self.assertIn('lacuna: --set: solver.accuracy: "2" must be', noted)
         _, noted = self.run_case("--accuracy", "1e-9", "--set", "solver.max_steps=50", status=1)
         self.assertIn("50 steps were not enough", noted)
 

@@ -16,6 +16,7 @@
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
 #include "memory/report.h"
+#include "memory/trade.h"
 #include "memory/whole_run.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
@@ -354,6 +355,8 @@ static void one_fails(void **state)
     every_allocation_fails(whole_dimension, false);
     every_allocation_fails(whole_loads, false);
     every_allocation_fails(whole_forecast, false);
+    every_allocation_fails(whole_trade, false);
+    every_allocation_fails(whole_accuracy, false);
 }
 
 static void all_fail_from_one_on(void **state)
@@ -371,6 +374,8 @@ static void all_fail_from_one_on(void **state)
     every_allocation_fails(whole_dimension, true);
     every_allocation_fails(whole_loads, true);
     every_allocation_fails(whole_forecast, true);
+    every_allocation_fails(whole_trade, true);
+    every_allocation_fails(whole_accuracy, true);
 }
 
 static void a_page_fails(void **state)

@@ -34,6 +34,12 @@ static const char block[] = "lacuna: 1\n"
                             "initial: {slip_rate: 1 mm/week, state: {ratio_to_steady: 0.5}}\n"
                             "time: {end: 1 year}\n";
 
+static const char pressed[] =
+    "lacuna: 1\n"
+    "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"
+    "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+    "load: {normal: {pressure: 1e6}, history: {friction: 0.5, steps: [{ratio_x: 0.5}]}}\n";
+
 static const char joint[] = "lacuna: 1\n"
                             "interface: {size: 1 m, levels: 4, domain: {full: {}}}\n"
                             "material: {shear_modulus: 20 GPa}\n"
@@ -111,7 +117,7 @@ static void plan_of_a_run(void **state)
     (void)state;
     lac_trade_plan plan;
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.dials, 3);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 5 * (1 + 3 + 3));
     const lac_trade_run *reference = &plan.run[plan.reference];
@@ -123,8 +129,8 @@ static void plan_of_a_run(void **state)
     assert_true(lac_trade_is_coarser(&plan, plan.coarsest[0], plan.coarser[0]));
     assert_false(lac_trade_is_coarser(&plan, plan.coarser[0], plan.coarsest[0]));
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, false, "method,rtol=1e-3:1e-5", true, &plan, NULL),
-                     LAC_OK);
+    assert_int_equal(
+        lac_trade_plan_create(c, LAC_OF_RUN, "method,rtol=1e-3:1e-5", true, &plan, NULL), LAC_OK);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * 2);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
@@ -140,7 +146,7 @@ static void own_tolerance(void **state)
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t k = 0; k < sizeof own / sizeof own[0]; k++) {
         c->run.rtol = own[k];
-        const size_t n = lac_dial_at(0)->values(c, false, value);
+        const size_t n = lac_dial_at(0)->values(c, LAC_OF_RUN, value);
         bool found = false;
         double before = INFINITY;
         assert_int_equal(n, rungs[k]);
@@ -155,6 +161,36 @@ static void own_tolerance(void **state)
     lac_case_free(c);
 }
 
+// A contact is traded over its grid and how its history is followed, and over nothing of a run.
+static void plan_of_a_contact(void **state)
+{
+    (void)state;
+    lac_trade_plan plan;
+    lac_error err;
+    lac_case *c = read_text(pressed, LAC_FOR_CONTACT);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(plan.dials, 2);
+    assert_string_equal(plan.dial[0].dial->name, "levels");
+    assert_string_equal(plan.dial[1].dial->name, "history");
+    const lac_trade_run *reference = &plan.run[plan.reference];
+    assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
+    assert_string_equal(plan.dial[1].value[reference->at[1]].label, "direct");
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CONTACT);
+    assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
+    lac_trade_plan_clear(&plan);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, "rtol", false, &plan, &err),
+                     LAC_EINPUT);
+    assert_non_null(strstr(err.message, "turns nothing in a contact"));
+    c->interface.levels = 0;
+    c->history.count = 0;
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, &err),
+                     LAC_EINPUT);
+    assert_non_null(strstr(err.message, "no dial to turn"));
+    c->interface.levels = 4;
+    c->history.count = 1;
+    lac_case_free(c);
+}
+
 // What changes the scene is at its last position in the reference; the cascade has dials of its
 // own.
 static void plan_of_a_scene(void **state)
@@ -162,7 +198,7 @@ static void plan_of_a_scene(void **state)
     (void)state;
     lac_trade_plan plan;
     lac_case *c = read_text(joint, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "levels,transfer", false, &plan, NULL),
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "levels,transfer", false, &plan, NULL),
                      LAC_OK);
     const lac_trade_run *reference = &plan.run[plan.reference];
     assert_int_equal(plan.dials, 3); // and rtol, for the reference
@@ -172,14 +208,15 @@ static void plan_of_a_scene(void **state)
     assert_int_equal(plan.dial[2].shown, 0);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, true, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.dials, 1); // uniform: no contacts along a path
     assert_string_equal(plan.dial[0].dial->name, "shifts");
     assert_string_equal(plan.dial[0].value[plan.run[plan.reference].at[0]].label, "16");
-    assert_true(lac_trade_is_cascade(&plan, plan.reference));
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CASCADE);
     lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, true, "fidelity", false, &plan, NULL), LAC_OK);
-    assert_false(lac_trade_is_cascade(&plan, plan.reference));
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "fidelity", false, &plan, NULL),
+                     LAC_OK);
+    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_RUN);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
@@ -195,7 +232,8 @@ static void wrong_dials(void **state)
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         lac_trade_plan plan;
         lac_error err = {""};
-        assert_int_equal(lac_trade_plan_create(c, false, words[i], false, &plan, &err), LAC_EINPUT);
+        assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, words[i], false, &plan, &err),
+                         LAC_EINPUT);
         assert_non_null(strstr(err.message, "--dials"));
     }
     lac_case_free(c);
@@ -222,7 +260,8 @@ static void verdict(void **state)
     lac_trade_verdict v;
     lac_trade_measure m[64];
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "rtol,method", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
+                     LAC_OK);
     assert_true(plan.runs <= 64);
     fill(&plan, m);
     lac_trade_ask ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .spend = NAN};
@@ -267,7 +306,8 @@ static void poor_references(void **state)
     lac_trade_measure m[64];
     lac_error err = {""};
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, false, "rtol,method", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
+                     LAC_OK);
     fill(&plan, m);
     lac_trade_ask ask = {.quantity = -1, .reach = NAN, .within = NAN, .spend = NAN};
     m[plan.reference].end = LAC_TRADE_BROKEN;
@@ -290,6 +330,15 @@ static void poor_references(void **state)
                          q == LAC_QUANTITY_SLIP ? LAC_OK : LAC_EINPUT);
         lac_trade_verdict_clear(&v);
     }
+    // Counts that agree are known to one event, no better.
+    for (size_t i = 0; i < plan.runs; i++) {
+        m[i].value[LAC_QUANTITY_EVENTS] = 50.0;
+    }
+    ask.quantity = LAC_QUANTITY_EVENTS;
+    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
+    assert_near(v.uncertainty, 0.02, 1e-15);
+    assert_int_equal(v.recommended, SIZE_MAX);
+    lac_trade_verdict_clear(&v);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
@@ -344,10 +393,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(richardson),      cmocka_unit_test(front_of_many),
-        cmocka_unit_test(plan_of_a_run),   cmocka_unit_test(own_tolerance),
-        cmocka_unit_test(plan_of_a_scene), cmocka_unit_test(wrong_dials),
-        cmocka_unit_test(verdict),         cmocka_unit_test(poor_references),
-        cmocka_unit_test(probe),
+        cmocka_unit_test(plan_of_a_run),   cmocka_unit_test(plan_of_a_contact),
+        cmocka_unit_test(own_tolerance),   cmocka_unit_test(plan_of_a_scene),
+        cmocka_unit_test(wrong_dials),     cmocka_unit_test(verdict),
+        cmocka_unit_test(poor_references), cmocka_unit_test(probe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,6 +83,7 @@ HOMES = [
     (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),
     (r"Random123/.*", "src/base/rng.c"),
     (r"gsl/.*", "src/"),
+    (r"microhttpd\.h", "src/cli/view_http.c"),
 ]
 
 # The one file besides that may include them: it asks each for its version.
@@ -92,8 +93,8 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    dirent.h fcntl.h getopt.h pthread.h strings.h poll.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/stat.h
-    sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
+    arpa/inet.h dirent.h dlfcn.h fcntl.h getopt.h pthread.h strings.h poll.h netinet/in.h sys/file.h sys/ioctl.h sys/prctl.h sys/random.h sys/resource.h sys/socket.h
+    sys/stat.h sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)

@@ -146,7 +146,7 @@ function forecastSection(data) {
     update(forecastState.issue);
   });
   forecastState.issue = firstIssue(f);
-  const control = slider({ name: "Issued", id: "issue", n: f.issue.length, at: forecastState.issue,
+  const control = slider({ name: "Issued", id: "issue", n: f.issue.length, at: forecastState.issue, times: f.issue,
     words: (i) => `${moment(page.clock, f.issue[i])}, ${chosenCount(f, i)}`, change: update });
   section.append(choice, control, chart, plain);
   page.later.push(() => update(forecastState.issue));

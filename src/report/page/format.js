@@ -77,6 +77,6 @@ function moment(clock, seconds) {
 }
 
 function beforeEnd(clock, before) {
-  if (before === 0) return `at ${clock.end}`;
+  if (before === 0) return clock.end === "now" ? "now" : `at ${clock.end}`;
   return `${span(before)} before ${clock.end}`;
 }

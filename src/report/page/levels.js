@@ -110,7 +110,7 @@ function rgSlider(levels, chart) {
   };
   const at = Math.floor(moving.length * 0.8);
   set(at);
-  return slider({ name: "Time", id: "level-time", n: moving.length, at, change: set,
+  return slider({ name: "Time", id: "level-time", n: moving.length, at, times: moving.map((i) => levels.time[i]), change: set,
     words: (k) => `${moment(page.clock, levels.time[moving[k]])}, ${beforeEnd(page.clock, levels.before[moving[k]])}: ${number(100 * levels.fraction[moving[k]], 3)} % of the cells slip` });
 }
 

@@ -15,7 +15,7 @@ function openSection(id, title, lead) {
 
 function makeClock(data) {
   const a = data.about, m = data.motion;
-  return { dated: a.dated, start: a.start, last: m.time[m.time.length - 1], failure: a.failure_time_s ?? null, end: a.failed ? "failure" : "the end" };
+  return { dated: a.dated, start: a.start, last: m.time[m.time.length - 1], failure: a.failure_time_s ?? null, end: a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
 }
 
 function choice(id, name, options, current, change) {
@@ -62,8 +62,7 @@ function show(data) {
   page.later.forEach((act) => act());
 }
 
-function start() {
-  const data = JSON.parse(document.getElementById("data").textContent);
+function begin(data) {
   page.axis = data.about.failed && !data.about.dated ? "before" : "time";
   show(data);
   fillControls();
@@ -79,6 +78,12 @@ function start() {
     });
   }
   document.documentElement.dataset.ready = "yes";
+}
+
+function start() {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  if (data.live) startLive();
+  else begin(data);
 }
 
 start();

@@ -32,8 +32,9 @@ function paint(canvas, cells, bytes, colours) {
   context.putImageData(image, 0, 0);
 }
 
-function slider({ name, id, n, at, words, change }) {
+function slider({ name, id, n, at, times, words, change }) {
   const input = element("input", { type: "range", id, min: "0", max: String(n - 1), step: "1", value: String(at), "aria-label": name });
+  input.times = times; // a page that goes on finds its place again by them
   const now = element("output", { class: "now", for: id });
   const say = () => {
     now.textContent = `${name}: ${words(Number(input.value))}`;
@@ -55,10 +56,12 @@ function playing(button, input, n) {
     clearInterval(timer);
     timer = null;
     button.textContent = "Play";
+    delete button.dataset.playing;
   };
   button.addEventListener("click", () => {
     if (timer !== null) return stop();
     button.textContent = "Stop";
+    button.dataset.playing = "yes";
     if (Number(input.value) >= n - 1) input.value = "0";
     timer = setInterval(() => {
       input.value = String(Number(input.value) + 1);
@@ -124,7 +127,7 @@ function firstSnapshot(cells) {
 }
 
 function snapshotSlider(cells, at, change) {
-  return slider({ name: "Time", id: "snapshot", n: cells.snapshot_time.length, at, change,
+  return slider({ name: "Time", id: "snapshot", n: cells.snapshot_time.length, at, times: cells.snapshot_time, change,
     words: (k) => `${moment(page.clock, cells.snapshot_time[k])}, ${beforeEnd(page.clock, cells.snapshot_before[k])}` +
       (cells.slipping ? `, ${count(cells.slipping_cells[k])} cells slip` : "") });
 }

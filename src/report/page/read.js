@@ -5,7 +5,7 @@
 
 const SMALLEST = 2e-4; // part of an axis that can be enlarged
 
-const readLine = (spec) => spec.lines[spec.read || 0];
+const lineRead = (spec) => spec.lines[spec.read || 0];
 
 // Words of the other lines that have a point near the cursor.
 function beside(chart, x) {
@@ -25,7 +25,7 @@ function beside(chart, x) {
 // The cursor stands at a point of the line that is read.
 function readOff(chart, index) {
   const { spec, plot, picture } = chart;
-  const line = readLine(spec);
+  const line = lineRead(spec);
   const xs = xValues(spec, line), at = Math.min(xs.length - 1, Math.max(0, index));
   const x = plot.px(xs[at]);
   chart.at = at;
@@ -49,7 +49,7 @@ function pointed(chart, event) {
 
 // The point nearest to a place: along the axis, of dots in both directions.
 function nearest(chart, [x, y]) {
-  const { spec, plot } = chart, line = readLine(spec);
+  const { spec, plot } = chart, line = lineRead(spec);
   const xs = xValues(spec, line);
   let best = 0, distance = Infinity;
   for (let i = 0; i < xs.length; i++) {
@@ -97,7 +97,7 @@ function whole(chart) {
 
 // By a factor about the cursor, or about the middle.
 function enlargeBy(chart, factor) {
-  const { plot, spec } = chart, line = readLine(spec);
+  const { plot, spec } = chart, line = lineRead(spec);
   const place = chart.at === null ? NaN : plot.x.at(xValues(spec, line)[chart.at]);
   const about = place >= 0 && place <= 1 ? place : 0.5;
   let from = about - about * factor, to = about + (1 - about) * factor;
@@ -110,7 +110,7 @@ function enlargeBy(chart, factor) {
 // The enlarged part goes where the cursor goes.
 function follow(chart) {
   const { view, plot, spec } = chart;
-  const place = plot.x.at(xValues(spec, readLine(spec))[chart.at]);
+  const place = plot.x.at(xValues(spec, lineRead(spec))[chart.at]);
   if (!view.x || !Number.isFinite(place) || (place >= 0 && place <= 1)) return;
   const [low, high] = view.x, wide = high - low, middle = low + place * wide;
   const from = Math.min(1 - wide, Math.max(0, middle - wide / 2));
@@ -129,7 +129,7 @@ function onKey(chart, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const acts = { "+": () => enlargeBy(chart, 0.5), "=": () => enlargeBy(chart, 0.5), "-": () => enlargeBy(chart, 2),
     0: () => whole(chart), Escape: () => whole(chart), l: () => chart.tools.kind && turnKind(chart) };
-  const last = readLine(chart.spec).y.length - 1;
+  const last = lineRead(chart.spec).y.length - 1;
   const part = chart.view.x ? chart.view.x[1] - chart.view.x[0] : 1;
   const stride = Math.max(1, Math.ceil((part * last) / (event.shiftKey ? 10 : 200)));
   const now = chart.at ?? 0, page10 = Math.ceil((part * last) / 10);
@@ -236,7 +236,7 @@ function legendOf(chart) {
 
 // A figure with its chart, its words and its table.
 function figure(spec) {
-  const last = Math.max(0, readLine(spec).y.length - 1);
+  const last = Math.max(0, lineRead(spec).y.length - 1);
   const frame = element("div", { class: "frame", tabindex: "0", role: "slider", "aria-label": `Read off: ${spec.title}`,
     "aria-valuemin": "0", "aria-valuemax": String(last), "aria-valuenow": "0", "aria-valuetext": "not read yet", "aria-keyshortcuts": "+ - 0 L" });
   const said = element("output");

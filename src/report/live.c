@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the page of a run that goes on needs: the page without data, and memory that stays bounded.
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/assets.h"
+#include "report/run.h"
+
+enum {
+    MOST_RECORDS = 60000,
+    BUCKETS = 1000, // leaves 36 000 records at most
+    MOST_SHOTS = 80,
+    FEWEST_SHOTS = 6,
+    SHOT_BYTES = 1 << 28
+};
+
+static void put_nonce(lac_page_text *text, const char *tag, const char *nonce)
+{
+    lac_page_raw(text, tag, strlen(tag) - 1);
+    lac_page_puts(text, " nonce=\"");
+    lac_page_puts(text, nonce);
+    lac_page_puts(text, "\">");
+}
+
+// The HTML up to a mark, its own scripts and styles given the nonce; what follows the mark.
+static const char *put_part(lac_page_text *text, const char *html, const char *mark,
+                            const char *nonce)
+{
+    static const char *const tags[] = {"<script>", "<style>"};
+    const size_t length = mark != NULL ? (size_t)(strstr(html, mark) - html) : strlen(html);
+    const char *end = html + length;
+    while (html < end) {
+        const char *open = memchr(html, '<', (size_t)(end - html));
+        const char *stop = open != NULL ? open : end;
+        lac_page_raw(text, html, (size_t)(stop - html));
+        html = stop;
+        for (size_t t = 0; t < sizeof tags / sizeof *tags && html == stop && html < end; t++) {
+            if (strncmp(html, tags[t], strlen(tags[t])) == 0) {
+                put_nonce(text, tags[t], nonce);
+                html += strlen(tags[t]);
+            }
+        }
+        if (html == stop && html < end) {
+            lac_page_raw(text, html++, 1);
+        }
+    }
+    return mark != NULL ? end + strlen(mark) : end;
+}
+
+lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err)
+{
+    lac_page_text text = {0};
+    const char *rest = put_part(&text, (const char *)lac_page_html, "@TITLE@", nonce);
+    lac_page_puts(&text, "Lacuna");
+    rest = put_part(&text, rest, "@DATA@", nonce);
+    lac_page_puts(&text, "{\"live\":true}");
+    (void)put_part(&text, rest, NULL, nonce);
+    *html = text.broken ? NULL : text.at;
+    if (text.broken) {
+        lac_page_text_clear(&text);
+        return lac_fail_memory(err);
+    }
+    return LAC_OK;
+}
+
+// Times before the last one; the caller frees.
+static double *times_before(size_t n, const double *origin, const double *local)
+{
+    double *before = malloc((n > 0 ? n : 1) * sizeof *before);
+    for (size_t i = 0; before != NULL && i < n; i++) {
+        before[i] = (origin[n - 1] - origin[i]) + (local != NULL ? local[n - 1] - local[i] : 0.0);
+    }
+    return before;
+}
+
+static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
+{
+    lac_recorded seen;
+    const bool there = lac_recording_find(recording, name, &seen);
+    *n = there ? seen.count : 0;
+    return there ? seen.values : NULL;
+}
+
+static lac_status thin_records(lac_recording *recording, lac_error *err)
+{
+    static const char *const watched[] = {
+        "slip_rate",        "max_slip_rate",          "apparent_friction",
+        "shear_force",      "effective_normal_force", "step_size",
+        "balance_residual", "slip_fraction"};
+    enum { WATCHED = sizeof watched / sizeof *watched };
+    const double *column[WATCHED];
+    size_t n, same;
+    const double *time = values_of(recording, "time", &n);
+    if (n <= MOST_RECORDS) {
+        return LAC_OK;
+    }
+    for (size_t c = 0; c < WATCHED; c++) {
+        column[c] = values_of(recording, watched[c], &same);
+    }
+    double *before = times_before(n, values_of(recording, "time_origin", &same),
+                                  values_of(recording, "time_local", &same));
+    uint8_t *keep = malloc(n);
+    const bool room = before != NULL && keep != NULL;
+    if (room) {
+        (void)lac_page_thin(n, time, before, BUCKETS, WATCHED, column, keep);
+        lac_recording_thin(recording, "time", keep);
+    }
+    free(before);
+    free(keep);
+    return room ? LAC_OK : lac_fail_memory(err);
+}
+
+// Snapshots that are kept at most: of large joints fewer.
+static size_t most_shots(const lac_recording *recording)
+{
+    static const char *const fields[] = {"cell_slip", "cell_slip_rate", "cell_state",
+                                         "cell_traction"};
+    size_t values = 0, n, shots;
+    (void)values_of(recording, "snapshot_time", &shots);
+    for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
+        (void)values_of(recording, fields[f], &n);
+        values += n;
+    }
+    const size_t each = shots > 0 ? values / shots * sizeof(double) : 0;
+    const size_t most = each > 0 ? SHOT_BYTES / each : MOST_SHOTS;
+    return most < FEWEST_SHOTS ? FEWEST_SHOTS : most < MOST_SHOTS ? most : MOST_SHOTS;
+}
+
+static lac_status thin_snapshots(lac_recording *recording, lac_error *err)
+{
+    const size_t most = most_shots(recording);
+    size_t n, buckets = most / 2;
+    const double *time = values_of(recording, "snapshot_time", &n);
+    if (n <= most) {
+        return LAC_OK;
+    }
+    double *before = times_before(n, time, NULL);
+    uint8_t *keep = malloc(n);
+    const bool room = before != NULL && keep != NULL;
+    // Down to two thirds, so that not every new one costs this.
+    while (room && buckets > 1 &&
+           lac_page_thin(n, time, before, buckets, 0, NULL, keep) > 2 * most / 3) {
+        buckets--;
+    }
+    if (room) {
+        lac_recording_thin(recording, "snapshot", keep);
+    }
+    free(before);
+    free(keep);
+    return room ? LAC_OK : lac_fail_memory(err);
+}
+
+lac_status lac_report_thin(lac_recording *recording, lac_error *err)
+{
+    const lac_status status = thin_records(recording, err);
+    return status == LAC_OK ? thin_snapshots(recording, err) : status;
+}

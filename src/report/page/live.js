@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page of a run that goes on: told of new data by a stream of events, it fetches and draws them,
+// and leaves what its reader holds where it is.
+"use strict";
+
+const live = { shown: 0, fetching: false, last: null, ready: null, held: false, touched: 0 };
+
+const STATES = {
+  preparing: ["Preparing", "The scene is being made; the charts come with its first steps."],
+  running: ["Running", ""],
+  complete: ["Complete", "The joint did not fail."],
+  failure: ["Failed", "The joint failed, and with it the run is complete."],
+  interrupted: ["Stopped", "The run was stopped."],
+  failed: ["Broken off", "The computation broke off."],
+  lost: ["No connection", "Trying again. If the run was killed, its file holds what came before."],
+};
+
+const over = (state) => ["complete", "failure", "interrupted", "failed"].includes(state);
+
+function whereWords(event) {
+  if (!(event.end > 0)) return "";
+  const clock = page.clock, dated = clock && clock.dated;
+  const at = dated ? date(clock.start + event.time) : span(event.time, 4);
+  const end = over(event.state) ? "" : dated ? `, to ${date(clock.start + event.end, "day")}` : ` of ${span(event.end, 4)}`;
+  return `${at}${end} · ${rate(event.rate)} · ${count(event.steps)} steps`;
+}
+
+function afterWords(event, state) {
+  const words = [STATES[state][1], state === "lost" ? "" : event.message].filter((text) => text).join(" ");
+  const file = page.data ? page.data.about.file : "";
+  return over(state) && file ? [`${words} This page stays as it is; `, element("code", {}, `lacuna report ${file}`), " makes a file of it."] : [words];
+}
+
+function showState(event, state = event.state) {
+  const [name, words] = STATES[state];
+  const strip = document.getElementById("now"), part = document.getElementById("part"), said = document.getElementById("state-said");
+  strip.hidden = false;
+  strip.dataset.state = state;
+  document.getElementById("live").hidden = over(state);
+  document.getElementById("state").textContent = name;
+  document.getElementById("where").textContent = whereWords(event);
+  document.getElementById("after").replaceChildren(...afterWords(event, state).filter((text) => text));
+  part.hidden = over(state) || !(event.end > 0);
+  part.value = event.end > 0 ? Math.min(1, event.time / event.end) : 0;
+  if (said.dataset.state !== state) said.textContent = `${name}. ${words}`;
+  said.dataset.state = state;
+}
+
+// Something by its place on the page, which is made anew: the figure or section, and which of its kind.
+function keyOf(node) {
+  const figure = node.closest("figure"), home = figure || node.closest("section") || document.body;
+  const name = figure ? `${figure.closest("section").id}/${figure.querySelector("h3").textContent}` : home.id;
+  return `${name}/${node.tagName}${[...home.querySelectorAll(node.tagName)].indexOf(node)}`;
+}
+
+const all = (selector, root = document.getElementById("main")) => [...root.querySelectorAll(selector)];
+const byKey = (selector, root) => new Map(all(selector, root).map((node) => [keyOf(node), node]));
+
+// Where a reader of a list of times stands: at its end, which goes on, or at a time.
+const placeIn = (times, index) => (index >= times.length - 1 ? Infinity : times[index]);
+
+function placeOf(times, place) {
+  if (place === Infinity) return times.length - 1;
+  let best = 0;
+  times.forEach((t, i) => { if (Math.abs(t - place) < Math.abs(times[best] - place)) best = i; });
+  return best;
+}
+
+const readLine = (chart) => chart.spec.lines[chart.spec.read || 0];
+const readTimes = (chart) => readLine(chart).time || readLine(chart).x;
+
+function anchor() {
+  const node = all("section, figure").find((n) => n.getBoundingClientRect().bottom > 80 && n.tagName === "FIGURE") || null;
+  return window.scrollY > 0 && node ? { key: keyOf(node.querySelector("h3")), top: node.getBoundingClientRect().top } : null;
+}
+
+function keepPlace() {
+  const active = document.activeElement;
+  return {
+    focus: active && active !== document.body && document.getElementById("main").contains(active) ? keyOf(active) : null,
+    sliders: new Map(all("input[type=range]").map((n) => [n.id, placeIn(n.times || [], Number(n.value))])),
+    selects: new Map(all("select").map((n) => [n.id, n.value])),
+    open: new Map(all("details").map((n) => [keyOf(n), n.open])),
+    scrolled: new Map(all(".scroll, .plain, pre").map((n) => [keyOf(n), [n.scrollTop, n.scrollLeft]])),
+    read: new Map(page.charts.filter((c) => Number.isInteger(c.at)).map((c) => [c.spec.title, placeIn(readTimes(c), c.at)])),
+    anchor: anchor(), scroll: window.scrollY,
+  };
+}
+
+function restoreControls(kept) {
+  for (const select of all("select")) {
+    if (kept.selects.has(select.id) && select.value !== kept.selects.get(select.id)) {
+      select.value = kept.selects.get(select.id);
+      select.dispatchEvent(new Event("change"));
+    }
+  }
+  for (const input of all("input[type=range]")) {
+    const place = kept.sliders.has(input.id) ? kept.sliders.get(input.id) : Infinity; // the newest at first
+    input.value = String(placeOf(input.times || [0], place));
+    input.dispatchEvent(new Event("input"));
+  }
+}
+
+function restoreTables(kept) {
+  for (const details of all("details")) {
+    const open = kept.open.get(keyOf(details));
+    if (open !== undefined && open !== details.open) {
+      details.open = open;
+      details.dispatchEvent(new Event("toggle")); // what it builds is wanted at once
+    }
+  }
+  for (const node of all(".scroll, .plain, pre")) [node.scrollTop, node.scrollLeft] = kept.scrolled.get(keyOf(node)) || [0, 0];
+}
+
+function restorePlace(kept) {
+  restoreControls(kept);
+  restoreTables(kept);
+  for (const chart of page.charts) {
+    if (kept.read.has(chart.spec.title)) readOff(chart, placeOf(readTimes(chart), kept.read.get(chart.spec.title)));
+  }
+  if (kept.focus) byKey("[tabindex], input, select, button, summary").get(kept.focus)?.focus({ preventScroll: true });
+  window.scrollTo({ top: kept.scroll, behavior: "instant" });
+  const there = kept.anchor && byKey("h3").get(kept.anchor.key)?.closest("figure");
+  if (there) window.scrollBy({ top: there.getBoundingClientRect().top - kept.anchor.top, behavior: "instant" });
+}
+
+// What is dragged, played, selected or chosen from must not be pulled away.
+function busy() {
+  const choosing = document.activeElement?.tagName === "SELECT" && Date.now() - live.touched < 5000;
+  return live.held || choosing || document.querySelector("[data-playing]") !== null || !window.getSelection().isCollapsed;
+}
+
+function showData(data) {
+  const first = page.data === null;
+  if (!data.forecasts && !first && page.data.forecasts) data.forecasts = page.data.forecasts; // they come more rarely
+  const kept = keepPlace();
+  if (first) begin(data);
+  else show(data);
+  document.title = data.about.title || data.about.file;
+  document.querySelector("#axis input[value=before]").nextSibling.textContent = `Time to ${page.clock.end}`;
+  restorePlace(kept);
+  document.documentElement.dataset.version = String(live.shown);
+  if (live.last) showState(live.last);
+}
+
+function drawReady() {
+  if (live.ready === null) return;
+  if (busy()) {
+    setTimeout(drawReady, 300);
+    return;
+  }
+  const data = live.ready;
+  live.ready = null;
+  showData(data);
+}
+
+async function fetchData() {
+  if (live.fetching) return;
+  live.fetching = true;
+  while (live.last.version > live.shown && (!document.hidden || over(live.last.state))) {
+    const version = live.last.version;
+    try {
+      const answer = await fetch("data", { cache: "no-store" });
+      if (!answer.ok) break;
+      const idle = live.ready === null;
+      live.ready = await answer.json();
+      live.shown = version;
+      if (idle) drawReady();
+    } catch {
+      break; // the stream of events tells that the run is gone
+    }
+  }
+  live.fetching = false;
+}
+
+function watch() {
+  const source = new EventSource("events");
+  source.addEventListener("state", (message) => {
+    live.last = JSON.parse(message.data);
+    showState(live.last);
+    fetchData();
+    if (live.last.last) source.close();
+  });
+  source.addEventListener("error", () => {
+    showState(live.last || { state: "lost", message: "" }, "lost");
+    if (source.readyState === EventSource.CLOSED) setTimeout(watch, 2000);
+  });
+}
+
+function startLive() {
+  page.live = true;
+  document.getElementById("title").textContent = "Lacuna";
+  for (const [event, held] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]]) {
+    window.addEventListener(event, () => { live.held = held; });
+  }
+  for (const event of ["pointerdown", "keydown", "focusin"]) window.addEventListener(event, () => { live.touched = Date.now(); });
+  document.addEventListener("visibilitychange", () => { if (live.last) fetchData(); });
+  watch();
+}

@@ -1,0 +1,325 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lacuna run --view` over HTTP: what it serves to whom, while a run is held still and as it ends.
+
+usage: test_view.py PROGRAM SOURCE_FOLDER HOLD_AT_CHECKPOINT [unittest options]
+"""
+
+import json
+import os
+import pty
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+
+import report_scenes as scenes
+import view_run
+
+PROGRAM, HOLD = "", ""
+
+# Hundreds of steps of 64 cells, to failure: records, snapshots, levels, events, checkpoints.
+CASE = """\
+lacuna: 1
+title: A slope that is "watched" & <told>
+interface: {size: "1 m", levels: 3, domain: {full: {}}}
+load:
+  normal: {pressure: "3 MPa"}
+  pore_pressure: [{step: {value: "0.005 MPa", at: "4 hour"}}]
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
+initial:
+  slip_rate: "1 cm/week"
+  state: {ratio_to_steady: 0.9}
+  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}
+material: {shear_modulus: "20 GPa", poisson: 0.25, shear_speed: "3 km/s"}
+transfer: {hierarchy: {k0: 10 GPa/m, ratio: 0.5}}
+time: {end: "30 day", failure: {mean_slip_rate: "10 um/s"}}
+analysis: {rg: {critical_fraction: 0.5}, events: {slip_rate: "1 um/s"}}
+output: {every: {steps: 5}, fields: [slip_rate, slip, traction], fields_every: {steps: 20}, checkpoint: {steps: 40}}
+"""
+
+# Of the data, what is of their making and not of the run.
+OWN = {"made", "made_by", "date_created", "date_modified", "wall_time_s", "file", "history", "source"}
+
+
+def contents(path):
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return {name: variable[...].tobytes() for name, variable in file.variables.items()}
+
+
+def running(event):
+    return event["state"] == "running" and event["version"] > 0
+
+
+def of_the_run(data):
+    """The data without what is of their own making."""
+    return data | {"about": {key: value for key, value in data["about"].items() if key not in OWN}}
+
+
+class View(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="lacuna-view-")
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def start(self, *words, counts=(2,), case=CASE, **more):
+        run = view_run.Run(PROGRAM, HOLD, self.folder, case, *words, counts=counts, **more)
+        self.addCleanup(run.process.stdout.close)
+        self.addCleanup(run.process.stderr.close)
+        self.addCleanup(run.process.wait)
+        self.addCleanup(run.process.kill)
+        return run
+
+    def finish(self, run, held=None, status=0):
+        if held is not None:
+            run.release(held)
+        code, out, err = run.end()
+        self.assertEqual(code, status, err)
+        return out, err
+
+    def report(self, path):
+        done, _, wrong = scenes.report(PROGRAM, path, "-o", path + ".html", "--force")
+        self.assertEqual(done, 0, wrong)
+        return scenes.data_of(path + ".html")
+
+    def test_page(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        status, headers, text = run.ask("/")
+        self.assertEqual(status, 200)
+        self.assertEqual(headers["Content-Type"], "text/html; charset=utf-8")
+        self.assertEqual(headers["Cache-Control"], "no-store")
+        self.assertNotIn("Access-Control-Allow-Origin", headers)
+        policy = dict(part.split(" ", 1) for part in headers["Content-Security-Policy"].split("; "))
+        self.assertEqual(policy["default-src"], "'none'")
+        nonce = policy["script-src"].strip("'").removeprefix("nonce-")
+        self.assertEqual(len(nonce), 32)
+        self.assertEqual(text.count(f'<script nonce="{nonce}">'), text.count("<script") - 1)  # all but the data
+        self.assertEqual(text.count(f'<style nonce="{nonce}">'), text.count("<style"))
+        self.assertNotIn("@TITLE@", text)
+        self.assertNotIn("@DATA@", text)
+        self.assertNotEqual(run.ask("/")[1]["Content-Security-Policy"], headers["Content-Security-Policy"])
+        for path in ("/", "/events"):
+            self.assertEqual(run.ask(path, "HEAD")[::2], (200, ""))
+        self.finish(run, held)
+
+    def test_what_is_refused(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        for path in ("/out.nc", "/c.yaml", "/../c.yaml", "/..%2fc.yaml", "//etc/passwd", "/data/", "/page.css", "/%00"):
+            self.assertEqual(run.ask(path)[0], 404, path)
+        for method in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE"):
+            status, headers, _ = run.ask("/data", method, body=None if method in ("OPTIONS", "TRACE") else "x")
+            self.assertEqual((status, headers["Allow"]), (405, "GET, HEAD"), method)
+        names = {"127.0.0.1": 200, "localhost": 200, "LOCALHOST": 200, "evil.example": 403, "127.0.0.1.evil.example": 403, "[::1]": 403}
+        for name, status in names.items():
+            self.assertEqual(run.ask("/", headers={"Host": f"{name}:{run.port}"})[0], status, name)
+        self.assertEqual(run.ask("/data", headers={"Host": "127.0.0.1"})[0], 403)
+        self.assertEqual(run.ask("/data", headers={"Host": f"127.0.0.1:{run.port + 1}"})[0], 403)
+        self.finish(run, held)
+
+    def test_binds_to_loopback_alone(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        for family in ("tcp", "tcp6"):
+            with open(f"/proc/{run.process.pid}/net/{family}", encoding="ascii") as file:
+                local = [line.split()[1] for line in file if line.split()[3] == "0A"]
+            mine = [address for address in local if int(address.split(":")[1], 16) == run.port]
+            self.assertEqual(mine, ["0100007F:%04X" % run.port] if family == "tcp" else [])
+        self.finish(run, held)
+
+    def kept(self, run):
+        """The page's data from the file of a held run, which its checkpoint has flushed."""
+        copy = os.path.join(self.folder, "copy.nc")
+        shutil.copy(run.path, copy)
+        return self.report(copy)
+
+    def test_data_are_those_of_the_report(self):
+        """Of a held run, made from memory, against its file up to there; in the end, and after it."""
+        run = self.start(counts=(2, 6))
+        stream = run.events()
+        for count, least in ((2, 2), (6, 6)):
+            held = run.wait_until_held(count)
+            file = self.kept(run)
+            told = run.data_of(file["about"]["records"])
+            self.assertEqual(told["about"]["status"], "running")
+            self.assertEqual(told["about"]["title"], 'A slope that is "watched" & <told>')
+            self.assertGreater(len(told["cells"]["snapshot_time"]), least)
+            for section in ("motion", "forces", "solver", "cells", "levels", "series", "events"):
+                self.assertEqual(told.get(section), file.get(section), section)
+            for key in set(file["about"]) - OWN:
+                self.assertEqual(told["about"].get(key), file["about"][key], key)
+            run.release(held)
+        end = stream.until(lambda event: event["last"])
+        self.assertEqual((end["state"], end["message"]), ("failure", ""))
+        final = run.data()
+        self.assertEqual(list(stream), [])  # the stream ends
+        self.finish(run)
+        self.assertEqual(of_the_run(final), of_the_run(self.report(run.path)))
+
+    def test_reconnection(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        first = run.events()
+        event = first.until(running)
+        seen = first.id
+        first.close()
+        again = run.events()
+        self.assertEqual(next(again)["state"], "running")  # without an id: where it stands
+        again.close()
+        foreign = run.events("123.456.7")
+        self.assertEqual(next(foreign)["state"], "running")  # of another process
+        foreign.close()
+        later = run.events(seen)
+        run.release(held)
+        self.assertGreaterEqual(next(later)["version"], event["version"])  # not the same again
+        self.assertNotEqual(later.id, seen)
+        self.assertEqual(later.until(lambda e: e["last"])["state"], "failure")
+        self.assertEqual(run.data()["about"]["failed"], 1)
+        self.finish(run)
+
+    def test_many_and_hanging_pages(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        silent = [socket.create_connection(("127.0.0.1", run.port)) for _ in range(4)]
+        silent[0].sendall(b"GET / HTTP/1.1\r\nHost: ")  # and never goes on
+        deaf = socket.create_connection(("127.0.0.1", run.port))  # asks, never reads
+        deaf.sendall(b"GET /data HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % run.port)
+        streams = [run.events() for _ in range(16)]
+        self.assertEqual({stream.status for stream in streams}, {200})
+        self.assertEqual(run.events().status, 503)
+        self.assertEqual(run.ask("/")[0], 200)
+        for stream in streams:
+            stream.close()
+        self.finish(run, held)
+        for connection in (*silent, deaf):
+            connection.close()
+
+    def test_outputs_are_the_same(self):
+        run = self.start(counts=(), name="viewed.nc")
+        stream = run.events()
+        stream.until(lambda event: event["last"])
+        run.data()
+        out, err = self.finish(run)
+        self.assertEqual(err.count("http://"), 1)
+        plain = subprocess.run([PROGRAM, "run", "c.yaml", "-o", "plain.nc"], cwd=self.folder, capture_output=True, text=True, check=True)
+        self.assertEqual(contents(run.path), contents(os.path.join(self.folder, "plain.nc")))
+        own = ("time taken", "peak memory", "file ", "http")
+        kept = [[line for line in text.splitlines() if not any(word in line for word in own)] for text in (out, plain.stdout)]
+        self.assertEqual(kept[0], kept[1])
+
+    def test_without_it_nothing_is_loaded(self):
+        run = subprocess.run([PROGRAM, "run", os.devnull, "-o", "x.nc"], cwd=self.folder, capture_output=True, text=True, check=False,
+                             env=os.environ | {"LD_DEBUG": "libs", "LD_DEBUG_OUTPUT": os.path.join(self.folder, "ld")})
+        self.assertEqual(run.returncode, 2)
+        with open(next(os.path.join(self.folder, n) for n in os.listdir(self.folder) if n.startswith("ld")), encoding="utf-8", errors="replace") as file:
+            text = file.read()
+        self.assertIn("libnetcdf", text)
+        self.assertNotIn("microhttpd", text)
+
+    def test_json_and_quiet(self):
+        run = self.start("--json", "-q", counts=())
+        out, err = self.finish(run)
+        self.assertEqual(json.loads(out)["status"], "complete")
+        self.assertEqual(err.strip(), f"lacuna: the run is to be seen at http://127.0.0.1:{run.port}/")
+
+    def test_ports(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        for words in ([f"--view={run.port}"], ["--view", str(run.port)]):
+            taken = subprocess.run([PROGRAM, "run", "c.yaml", "-o", "other.nc", *words], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual(taken.returncode, 2)
+            self.assertEqual(taken.stderr.count("\n"), 1, taken.stderr)
+            self.assertIn(f"port {run.port} of 127.0.0.1", taken.stderr)
+            self.assertFalse(os.path.exists(os.path.join(self.folder, "other.nc")))
+        for word, said in (("--view=no", "\"no\" must be a port"), ("--view=65536", "\"65536\" must be a port"), ("--view=", "needs a value")):
+            wrong = subprocess.run([PROGRAM, "run", "c.yaml", "-o", "other.nc", word], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual((wrong.returncode, wrong.stderr.count("\n")), (2, 1), wrong.stderr)
+            self.assertIn(said, wrong.stderr)
+        self.finish(run, held)
+
+    def test_port_after_and_case_after(self):
+        """--view takes the next word only where that is a number."""
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        run = self.start(str(port), counts=())  # after --view
+        self.assertEqual(run.port, port)
+        self.finish(run)
+        done = subprocess.run([PROGRAM, "run", "--view", "c.yaml", "--force", "-o", "out.nc"], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_interrupted(self):
+        run = self.start()
+        held = run.wait_until_held(2)
+        stream = run.events()
+        stream.until(running)
+        run.process.send_signal(signal.SIGINT)
+        run.release(held)
+        end = stream.until(lambda event: event["last"])
+        self.assertEqual(end["state"], "interrupted")
+        self.assertIn("--resume goes on", end["message"])
+        self.assertEqual(run.data()["about"]["status"], "interrupted")
+        self.finish(run, status=4)
+
+    def test_resumed(self):
+        """The page of a run that goes on begins with what the run before it has put out."""
+        run = self.start(counts=(3,))
+        held = run.wait_until_held(3)
+        run.process.send_signal(signal.SIGTERM)
+        self.finish(run, held, status=4)
+        before = self.report(run.path)
+        again = self.start("--resume", counts=(1,))
+        held = again.wait_until_held(1)
+        file = self.kept(again)
+        told = again.data_of(file["about"]["records"])
+        for section in ("motion", "cells", "levels"):
+            self.assertEqual(told[section], file[section], section)
+        kept = before["motion"]["records"] - 1  # the last is where it was stopped
+        self.assertGreater(kept, 10)
+        self.assertEqual(told["motion"]["slip"][:kept], before["motion"]["slip"][:kept])
+        stream = again.events()
+        again.release(held)
+        stream.until(lambda event: event["last"])
+        final = again.data()
+        self.finish(again)
+        self.assertEqual(of_the_run(final), of_the_run(self.report(again.path)))
+
+    def test_a_run_that_breaks_off(self):
+        run = self.start("--set", "solver.max_steps=60", counts=(1,))
+        held = run.wait_until_held(1)
+        stream = run.events()
+        stream.until(running)
+        run.release(held)
+        end = stream.until(lambda event: event["last"])
+        self.assertEqual(end["state"], "failed")
+        self.assertIn("60", end["message"])
+        self.assertEqual(run.data()["about"]["status"], "failed")
+        self.finish(run, status=1)
+
+    def test_on_a_terminal_it_stays(self):
+        master, slave = pty.openpty()
+        with open(os.path.join(self.folder, "c.yaml"), "w", encoding="utf-8") as file:
+            file.write(CASE)
+        process = subprocess.Popen([PROGRAM, "run", "c.yaml", "-o", "out.nc", "--view", "--no-progress"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        text = b""
+        while b"until Ctrl-C" not in text:
+            text += os.read(master, 4096)
+        run = view_run.Run.__new__(view_run.Run)
+        run.port = int(view_run.ADDRESS.search(text.decode()).group(1))
+        self.assertEqual(next(run.events())["state"], "failure")
+        self.assertEqual(of_the_run(run.data()), of_the_run(self.report(os.path.join(self.folder, "out.nc"))))
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=60), 0)
+        os.close(master)
+
+
+if __name__ == "__main__":
+    PROGRAM, HOLD = sys.argv[1], sys.argv[3]
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

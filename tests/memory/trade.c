@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory/trade.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "lacuna/accuracy.h"
+#include "lacuna/store_trade.h"
+#include "lacuna/trade.h"
+
+static const char block[] = "lacuna: 1\n"
+                            "load: {normal: {pressure: 1e6}}\n"
+                            "friction: {aging: {a: 0.01, b: 0.015, dc: 0.001}}\n"
+                            "initial: {slip_rate: 1e-6, state: {ratio_to_steady: 0.5}}\n"
+                            "time: {end: 10}\n"
+                            "solver: {accuracy: 0.1}\n";
+
+static lac_status read_block(lac_case **c, lac_error *err)
+{
+    lac_case_report report = {0};
+    lac_status status =
+        lac_case_read_text("case.yaml", block, sizeof block - 1, NULL, c, &report, err);
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static lac_status store(const char *path, const lac_trade_plan *plan,
+                        const lac_trade_measure *measure, const lac_trade_verdict *v,
+                        lac_error *err)
+{
+    const lac_provenance provenance = {.title = "traded", .seed = 1};
+    lac_trade_row *row = calloc(plan->runs, sizeof *row);
+    if (row == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < plan->runs; i++) {
+        row[i] = (lac_trade_row){.settings = "solver.rtol=1",
+                                 .end = "done",
+                                 .value = measure[i].value[v->quantity],
+                                 .error = v->error[i],
+                                 .on_front = v->on_front[i]};
+    }
+    const lac_trade_view view = {.quantity = "slip",
+                                 .unit = "m",
+                                 .about = "mean slip at the end",
+                                 .value = v->value,
+                                 .uncertainty = v->uncertainty,
+                                 .reference = "solver.rtol=1",
+                                 .sentence = "",
+                                 .runs = plan->runs,
+                                 .row = row};
+    lac_status status = lac_store_trade(path, true, &provenance, &view, err);
+    free(row);
+    return status;
+}
+
+lac_status whole_trade(const char *path, lac_error *err)
+{
+    lac_status status;
+    lac_case *c = NULL;
+    lac_trade_plan plan = {0};
+    lac_trade_verdict verdict = {0};
+    lac_trade_measure *measure = NULL;
+    const lac_trade_ask ask = {.quantity = LAC_QUANTITY_SLIP, NAN, NAN, NAN};
+    LAC_TRY(read_block(&c, err));
+    LAC_TRY(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", true, &plan, err));
+    measure = calloc(plan.runs, sizeof *measure);
+    if (measure == NULL) {
+        LAC_TRY(lac_fail_memory(err));
+    }
+    for (size_t i = 0; i < plan.runs; i++) {
+        measure[i].end = LAC_TRADE_DONE;
+        measure[i].value[LAC_QUANTITY_SLIP] = 1.0 + 0.1 / (double)(i + 1);
+        measure[i].cpu_time = (double)(i + 1);
+    }
+    LAC_TRY(lac_trade_judge(&plan, measure, &ask, &verdict, err));
+    LAC_TRY(store(path, &plan, measure, &verdict, err));
+out:
+    free(measure);
+    lac_trade_verdict_clear(&verdict);
+    lac_trade_plan_clear(&plan);
+    lac_case_free(c);
+    return status;
+}
+
+lac_status whole_accuracy(const char *path, lac_error *err)
+{
+    lac_status status;
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_accuracy_pick pick;
+    (void)path;
+    LAC_TRY(read_block(&c, err));
+    LAC_TRY(lac_scene_create(c, &scene, err));
+    LAC_TRY(lac_accuracy_choose(scene, c, NULL, &pick, err));
+out:
+    lac_scene_free(scene);
+    lac_case_free(c);
+    return status;
+}

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A run in memory as its page sees it while it goes on: read as a file is, thinned where it grows.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "lacuna/report.h"
+#include "lacuna/store_file.h"
+
+enum { CELLS = 4 };
+
+static lac_recording *begin(lac_domain *domain)
+{
+    static uint32_t index[CELLS] = {0, 1, 2, 3};
+    static double pressure[CELLS] = {1, 2, 3, 4};
+    lac_recording *recording = NULL;
+    *domain = (lac_domain){.grid = {.nx = 2, .ny = 2, .dx = 1.0, .dy = 1.0},
+                           .n = CELLS,
+                           .index = index,
+                           .pressure = pressure};
+    const lac_recording_def def = {
+        .domain = domain, .fields = LAC_FIELD_SLIP | LAC_FIELD_RATE, .events = true};
+    assert_int_equal(lac_recording_create(&def, &recording, NULL), LAC_OK);
+    return recording;
+}
+
+// A creep with one burst in its middle.
+static void put_records(lac_recording *recording, size_t first, size_t n, size_t burst)
+{
+    const lac_sink sink = lac_recording_sink(recording);
+    for (size_t i = first; i < first + n; i++) {
+        const lac_record record = {.time_local = (double)i,
+                                   .seen = {.mean_slip = 1e-6 * (double)i,
+                                            .mean_rate = i == burst ? 1.0 : 1e-6,
+                                            .max_rate = 1e-6,
+                                            .shear_force = 1.0,
+                                            .normal_force = 2.0},
+                                   .step_size = 1.0};
+        assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
+    }
+}
+
+static void put_snapshot(lac_recording *recording, double time)
+{
+    const lac_sink sink = lac_recording_sink(recording);
+    const double slip[CELLS] = {time, time + 1, time + 2, time + 3}, rate[CELLS] = {1, 1, 1, 1};
+    const lac_snapshot snapshot = {.time = time, .slip = slip, .slip_rate = rate};
+    assert_int_equal(sink.snapshot(sink.context, &snapshot, NULL), LAC_OK);
+}
+
+static lac_recorded find(const lac_recording *recording, const char *name)
+{
+    lac_recorded seen = {0};
+    assert_true(lac_recording_find(recording, name, &seen));
+    return seen;
+}
+
+static void test_read_as_a_file(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *recording = begin(&domain);
+    lac_stored_file *file = NULL;
+    lac_stored_values values = {0};
+    lac_error err = {0};
+    char text[8];
+    put_records(recording, 0, 5, 2);
+    put_snapshot(recording, 10);
+    put_snapshot(recording, 20);
+    assert_int_equal(lac_recording_text(recording, "title", "old", NULL), LAC_OK);
+    assert_int_equal(lac_recording_text(recording, "title", "A joint", NULL), LAC_OK);
+    assert_int_equal(lac_stored_file_of(recording, &file, NULL), LAC_OK);
+    assert_int_equal(lac_stored_file_values(file, "slip_rate", &values, NULL), LAC_OK);
+    assert_true(values.n == 5 && values.width == 1 && values.value[2] == 1.0);
+    lac_stored_values_clear(&values);
+    assert_int_equal(lac_stored_file_row(file, "cell_slip", 1, &values, NULL), LAC_OK);
+    assert_true(values.n == 1 && values.width == CELLS && values.value[3] == 23.0);
+    lac_stored_values_clear(&values);
+    assert_int_equal(lac_stored_file_row(file, "cell_slip", 2, &values, &err), LAC_EINPUT);
+    assert_int_equal(lac_stored_file_values(file, "event_time", &values, NULL), LAC_OK);
+    assert_true(values.value == NULL && values.n == 0); // none yet
+    assert_int_equal(lac_stored_file_values(file, "no_such", &values, NULL), LAC_OK);
+    assert_null(values.value);
+    assert_int_equal(lac_stored_file_attribute(file, "title", text, sizeof text, &err), LAC_OK);
+    assert_string_equal(text, "A joint");
+    assert_int_equal(lac_stored_file_attribute(file, "title", text, 7, &err), LAC_EIO); // no room
+    assert_int_equal(lac_stored_file_attribute(file, "case", text, sizeof text, &err), LAC_EIO);
+    lac_stored_file_close(file);
+    lac_recording_free(recording);
+}
+
+static void test_thinned_by_hand(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *recording = begin(&domain);
+    const uint8_t records[] = {1, 0, 1, 0, 1}, snapshots[] = {0, 1};
+    put_records(recording, 0, 5, 2);
+    put_snapshot(recording, 10);
+    put_snapshot(recording, 20);
+    lac_recording_thin(recording, "time", records);
+    lac_recording_thin(recording, "snapshot", snapshots);
+    lac_recording_thin(recording, "event", NULL); // there is none
+    assert_int_equal(find(recording, "time").count, 3);
+    assert_true(find(recording, "time").values[1] == 2.0);
+    assert_true(find(recording, "slip_rate").values[1] == 1.0);
+    assert_int_equal(find(recording, "cell_slip").count, CELLS);
+    assert_true(find(recording, "cell_slip").values[0] == 20.0);
+    assert_int_equal(find(recording, "pressure").count, CELLS); // runs over cells
+    put_records(recording, 5, 1, 2);
+    assert_true(find(recording, "time").values[3] == 5.0);
+    lac_recording_free(recording);
+}
+
+// However long a run is, what is kept of it stays below a bound, and no peak is lost.
+static void test_memory_stays_bounded(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *recording = begin(&domain);
+    size_t most_records = 0, most_shots = 0;
+    for (size_t i = 0; i < 200; i++) {
+        put_records(recording, 1000 * i, 1000, 77777);
+        put_snapshot(recording, (double)(1000 * i));
+        assert_int_equal(lac_report_thin(recording, NULL), LAC_OK);
+        const size_t n = find(recording, "time").count, s = find(recording, "snapshot_time").count;
+        most_records = n > most_records ? n : most_records;
+        most_shots = s > most_shots ? s : most_shots;
+    }
+    const lac_recorded time = find(recording, "time"), rate = find(recording, "slip_rate");
+    assert_in_range(most_records, 40000, 60000);
+    assert_in_range(most_shots, 60, 80);
+    assert_true(time.values[0] == 0.0 && time.values[time.count - 1] == 199999.0);
+    double peak = 0.0;
+    for (size_t i = 0; i < time.count; i++) {
+        peak = fmax(peak, rate.values[i]);
+        assert_true(i == 0 || time.values[i] > time.values[i - 1]);
+    }
+    assert_true(peak == 1.0);
+    const lac_recorded shots = find(recording, "snapshot_time"),
+                       slip = find(recording, "cell_slip");
+    assert_int_equal(slip.count, CELLS * shots.count);
+    for (size_t i = 0; i < shots.count; i++) {
+        assert_true(slip.values[CELLS * i] == shots.values[i]);
+    }
+    assert_true(shots.values[0] == 0.0 && shots.values[shots.count - 1] == 199000.0);
+    lac_recording_free(recording);
+}
+
+static void test_data_from_memory(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *recording = begin(&domain);
+    lac_error err = {0};
+    char *json = NULL;
+    const lac_report_def def = {
+        .run = "x.nc", .recording = recording, .made_by = "test", .issues = -1};
+    assert_int_equal(lac_report_data(&def, &json, &err), LAC_EINPUT); // no record yet
+    assert_null(json);
+    put_records(recording, 0, 9, 4);
+    assert_int_equal(lac_report_data(&def, &json, &err), LAC_OK);
+    assert_non_null(strstr(json, "\"rate\":[1e-06,1e-06,1e-06,1e-06,1,1e-06,"));
+    assert_null(strstr(json, "\"forecasts\""));
+    free(json);
+    lac_recording_free(recording);
+}
+
+static void test_live_page(void **state)
+{
+    (void)state;
+    char *html = NULL;
+    assert_int_equal(lac_report_live_page("0123abcd", &html, NULL), LAC_OK);
+    assert_null(strstr(html, "<script>"));
+    assert_null(strstr(html, "<style>"));
+    assert_null(strstr(html, "@DATA@"));
+    assert_non_null(strstr(html, "<script nonce=\"0123abcd\">"));
+    assert_non_null(strstr(html, "<style nonce=\"0123abcd\">"));
+    assert_non_null(strstr(html, "{\"live\":true}</script>"));
+    free(html);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_read_as_a_file),
+        cmocka_unit_test(test_thinned_by_hand),
+        cmocka_unit_test(test_memory_stays_bounded),
+        cmocka_unit_test(test_data_from_memory),
+        cmocka_unit_test(test_live_page),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
