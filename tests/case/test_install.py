@@ -216,7 +216,8 @@ class Package(Prefix, unittest.TestCase):
         os.makedirs(os.path.join(modules, "__pycache__"))
         for name in ("lacuna.cpython-311.pyc", "other.cpython-311.pyc"):
             open(os.path.join(modules, "__pycache__", name), "w", encoding="utf-8").close()
-        call("sh", "-c", script.replace("/usr/lib/python3/dist-packages", modules))
+        script = script.replace("/usr/lib/python3/dist-packages", modules)
+        call("sh", "-c", script.replace("/usr/share", modules))
         self.assertEqual(os.listdir(os.path.join(modules, "__pycache__")), ["other.cpython-311.pyc"])
 
     def test_what_is_in_it(self):
