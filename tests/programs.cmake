@@ -42,11 +42,14 @@ function(lacuna_cases group command)
                        FIXTURES_REQUIRED outputs_${group})
 endfunction()
 
-foreach(group cases domain friction load momentum normal peers solver surface transfer)
+set(groups cases domain friction load momentum normal peers solver surface transfer)
+foreach(group ${groups})
   lacuna_cases(${group} run)
 endforeach()
 lacuna_cases(contact contact --set interface.levels=9)
 lacuna_cases(rg rg --set interface.levels=7)
+list(TRANSFORM groups PREPEND outputs_ OUTPUT_VARIABLE case_outputs)
+list(APPEND case_outputs outputs_contact outputs_rg)
 
 # The tables of docs/case.md are the program's.
 add_test(NAME case.tables COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/case_tables.py --check
@@ -113,13 +116,23 @@ endif()
 
 # Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/tutorial-*.md
-     ${CMAKE_SOURCE_DIR}/docs/howto-*.md)
-list(FILTER pages EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
+file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/*.md)
+list(FILTER documented EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
 if(NOT TARGET lacuna_shared)
-  list(FILTER pages EXCLUDE REGEX "howto-embed")
+  list(FILTER documented EXCLUDE REGEX "howto-embed")
 endif()
-foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/README.md)
+if(LACUNA_SANITIZE)
+  list(FILTER documented EXCLUDE REGEX "/theory/|/format.md") # their commands are others' too
+endif()
+set(pages ${CMAKE_SOURCE_DIR}/README.md)
+foreach(page ${documented})
+  file(STRINGS ${page} shown REGEX "^```sh")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
+  if(shown)
+    list(APPEND pages ${page})
+  endif()
+endforeach()
+foreach(page ${pages})
   get_filename_component(name ${page} NAME_WE)
   add_test(NAME case.${name}
            COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
@@ -127,6 +140,17 @@ foreach(page ${pages} ${CMAKE_SOURCE_DIR}/docs/install.md ${CMAKE_SOURCE_DIR}/RE
   set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
                        ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
+
+# All other commands that the documentation shows.
+if(NOT LACUNA_SANITIZE)
+  set(test_commands_files ${CMAKE_BINARY_DIR})
+  lacuna_python_test(test_commands)
+
+  # Names that pages state: of options, keys, variables and attributes, those of the bundled cases' files too.
+  set(test_names_files ${CMAKE_CURRENT_BINARY_DIR})
+  lacuna_python_test(test_names)
+  set_tests_properties(case.test_names PROPERTIES FIXTURES_REQUIRED "${case_outputs}")
+endif()
 
 # The library's allocations fail one after the other.
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c

@@ -8,6 +8,7 @@
 
 #include "cli/command.h"
 #include "cli/exits.h"
+#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/signals.h"
 #include "cli/words.h"
@@ -61,17 +62,27 @@ static void print_command_help(const cli_command *command)
            command->example);
 }
 
-static void print_version(void)
+static void print_version(bool as_json)
 {
     char text[256], netcdf[32];
-    printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, cli_libraries(text, sizeof text),
-           cli_netcdf_version(netcdf, sizeof netcdf));
+    (void)cli_libraries(text, sizeof text);
+    (void)cli_netcdf_version(netcdf, sizeof netcdf);
+    if (!as_json) {
+        printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
+        return;
+    }
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "version", LACUNA_VERSION);
+    cli_json_text(&json, "libraries", text);
+    cli_json_text(&json, "netcdf", netcdf);
+    cli_json_close(&json, '}');
 }
 
 static lac_status dispatch(const cli_request *request, lac_error *err)
 {
     if (cli_given(request, CLI_OPT_VERSION)) {
-        print_version();
+        print_version(cli_given(request, CLI_OPT_JSON));
         return LAC_OK;
     }
     if (cli_given(request, CLI_OPT_HELP)) {

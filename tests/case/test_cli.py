@@ -162,18 +162,20 @@ class Usage(Case):
         self.assertRegex(out, r"^lacuna \d+\.\d+\.\d+\n")
         for library in ("SUNDIALS", "netCDF", "FFTW", "GSL", "libyaml"):
             self.assertRegex(out, library + r" \d+\.\d+")
+        told = json.loads(self.expect(0, "--version", "--json").stdout)
+        self.assertEqual(out, "lacuna {version}\n{libraries}, netCDF {netcdf}\n".format(**told))
 
     def test_help_fits_a_screen_and_has_an_example(self):
         commands = ["run", "check", "contact", "rg", "precursors", "fit", "trade", "new",
-                    "describe"]
+                    "report", "describe", "completion"]
         texts = [self.expect(0, "--help").stdout]
         texts += [self.expect(0, command, "--help").stdout for command in commands]
         self.assertEqual(self.expect(0, "help", "run").stdout, texts[1])
         for text in texts:
-            self.assertIn("example: lacuna", text)
+            self.assertRegex(text, r"example: (source <\()?lacuna")
             self.assertLessEqual(len(text.splitlines()), 24, text)
             self.assertLessEqual(max(map(len, text.splitlines())), 80, text)
-        for command in commands:
+        for command in commands[:-1]:  # a screen has no line for completion
             self.assertIn(f"  {command} ", texts[0])
 
 

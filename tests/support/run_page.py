@@ -8,7 +8,8 @@ Every block marked ```sh is run by a shell, in a folder of its own that holds li
 and tools/ and to the program's folder as build/, with the program as `lacuna`. A block marked ```text
 that follows is what it prints on stdout: numbers may differ by 1 %, a line `...` stands for any
 lines, times and paths are not looked at where the page has `...` within a line. --update writes what
-is printed into the page instead, but where a block has `...`. Blocks marked otherwise are not run.
+is printed into the page instead, but where a block has `...`. Blocks marked ```python are one program,
+run at the end of the page. Blocks marked otherwise are not run.
 
 Of a page without such blocks, as README.md is, the lines indented by four that begin with one of
 COMMANDS are run, in their order; one that holds a name in capitals (CASE.yaml) is a pattern, and `#`
@@ -71,6 +72,7 @@ def check_page(text, program, folder):
     if not any(kind == "sh" for kind, _ in blocks):
         blocks = indented(text)
     printed, ran = None, 0
+    python = "".join(block for kind, block in blocks if kind == "python")
     for kind, block in blocks:
         if kind == "sh":
             done = run_block(block, folder, program)
@@ -82,6 +84,11 @@ def check_page(text, program, folder):
             if wrong:
                 return "prints\n    {1}\nwhere the page has\n    {0}".format(*wrong)
             printed = None
+    if python:
+        done = subprocess.run(["/usr/bin/python3", "-c", python], cwd=folder, text=True,
+                              capture_output=True, timeout=250, check=False)
+        if done.returncode != 0:
+            return f"its Python fails:\n{done.stderr}"
     return None if ran else "has no command to run"
 
 

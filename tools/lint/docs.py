@@ -181,7 +181,8 @@ def main(root):
     project = Project(root)
     complaints = []
     pages = source.files(root, ["docs"], (".md", ".scd"))
-    for path in pages + ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]:
+    for path in pages + ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md",
+                         "cases/data/README.md"]:
         text = source.read(root, path)
         complaints += check_names(project, path, text)
         complaints += check_links(project, path, text) if path.endswith(".md") else []
