@@ -9,6 +9,7 @@ usage: test_install.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
 import glob
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -114,8 +115,8 @@ class Installed(Prefix, unittest.TestCase):
 
     def flags(self, *words):
         pages = os.path.join(self.prefix, "lib", "pkgconfig")
-        return call("pkg-config", *words, "--cflags", "--libs", "lacuna", env=dict(
-            os.environ, PKG_CONFIG_PATH=pages)).split()
+        return shlex.split(call("pkg-config", *words, "--cflags", "--libs", "lacuna", env=dict(
+            os.environ, PKG_CONFIG_PATH=pages)))
 
     def compile(self, name, *flags):
         program = os.path.join(self.folder, name)
