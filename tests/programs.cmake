@@ -112,6 +112,13 @@ if(NOT LACUNA_SANITIZE)
   add_test(NAME case.costs COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --check
            --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
   set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    # Under 20 ms of CPU from start to end, where the machine is quiet.
+    add_test(NAME speed.block COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --quick
+             --lacuna $<TARGET_FILE:lacuna_program>)
+    set_tests_properties(speed.block PROPERTIES LABELS speed RUN_SERIAL TRUE
+                         SKIP_RETURN_CODE 77 ENVIRONMENT ${case_environment})
+  endif()
 endif()
 
 # Histories of load, and the commands of the documentation with what they print.

@@ -11,25 +11,20 @@ three resolutions, (f) real area and mean real pressure over the resolution.
 """
 
 import argparse
-import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 
 # first: it says what is missing
-from figures import BLUE, INK, RED, ROOT, STYLE, matplotlib, np, plt, xarray
+from figures import BLUE, INK, RED, ROOT, STYLE, WIDTH, json_of, length as length_in, matplotlib, np, open_file, plt, save
 from matplotlib import ticker
 from matplotlib.colors import LightSource, LogNorm
 
 
 def length(value):
-    """A length in metres with the unit that reads best."""
-    for unit, size in (("km", 1e3), ("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
-        if value >= 0.9995 * size:
-            return f"{value / size:.3g} {unit}"
-    return f"{value:.3g} m"
+    """A length in metres; no centimetres, since the axes are in millimetres."""
+    return length_in(value, {"km": 1e3, "m": 1.0, "mm": 1e-3, "µm": 1e-6})
 
 
 class Solved:
@@ -37,15 +32,10 @@ class Solved:
 
     def __init__(self, arguments, folder, *overrides):
         path = os.path.join(folder, "contact.nc")
-        command = [arguments.program, "contact", arguments.case, "--json", "--force", "-o", path,
-                   "--coarsest", str(arguments.coarsest)]
-        for override in [*arguments.set, *overrides]:
-            command += ["--set", override]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            sys.exit(f"figure1: {done.stderr.strip()}")
-        self.json = json.loads(done.stdout)
-        with xarray.open_dataset(path) as data:
+        words = [word for override in [*arguments.set, *overrides] for word in ("--set", override)]
+        self.json = json_of(arguments.program, "contact", arguments.case, "--force", "-o", path,
+                            "--coarsest", str(arguments.coarsest), *words)
+        with open_file(path, "pressure") as data:
             self.heights = data["heights"].values if "heights" in data else None
             self.pressure = data["pressure"].values
             self.periodic = "boundary: periodic" in data.attrs["case"]
@@ -158,7 +148,7 @@ def draw_scheme(ax, face, rows, corner):
         for at, height in zip(x[touches], z[touches]):
             ax.plot([at - width, at + width], [height + 0.1 * gap] * 2, color=RED, linewidth=2.2,
                     solid_capstyle="butt")
-        ax.annotate(f"r = {length(row['cell_size_m'])}", (1.02, z[-1]), fontsize=7, va="center",
+        ax.annotate(f"r = {length(row['cell_size_m'])}", (1.02, z[-1]), fontsize=8, va="center",
                     xycoords=("axes fraction", "data"))
     ax.set_xlabel("x (m)")
     ax.set_xlim(-rows[0]["cell_size_m"] / 2, n * face.finest.cell)
@@ -171,7 +161,7 @@ def draw_scheme(ax, face, rows, corner):
     at = 0.01 * n * face.finest.cell
     low -= 0.3 * gap
     ax.plot([at, at], [low, low + bar], color=INK, linewidth=1.5)
-    ax.annotate(f"{length(bar * 1e-3)}", (2.5 * at, low + bar / 2), fontsize=7, va="center")
+    ax.annotate(f"{length(bar * 1e-3)}", (2.5 * at, low + bar / 2), fontsize=8, va="center")
     ax.plot([], [], color=RED, linewidth=2.2, label="contact at this resolution")
     ax.legend(loc="upper right", frameon=False, borderaxespad=0, handlelength=1.2)
 
@@ -188,7 +178,7 @@ def draw_domain(ax, face, row, corner, norm, letter, note=""):
     name(ax, letter, f"r = {length(row['cell_size_m'])}", pad=14)
     ax.text(0.5, 1.02, f"$A_r$ = {100 * row['area_fraction']:.2f} % of $A_0$, "
             f"$p_r$ = {row['pressure_Pa'] * 1e-6:.0f} MPa", transform=ax.transAxes, ha="center",
-            fontsize=7)
+            fontsize=8)
     ax.set_xlabel("x (m)" + note)
     ax.xaxis.set_major_locator(ticker.MaxNLocator(3))
     ax.yaxis.set_major_locator(ticker.MaxNLocator(3))
@@ -230,12 +220,12 @@ def draw(face):
     shown = [rows[0], rows[len(rows) // 2], rows[-1]]
     coarse = face.step(rows[0])
     corner = window_of(face.finest.pressure, 4, coarse, face.finest.periodic)
-    figure = plt.figure(figsize=(7.2, 7.8))
+    figure = plt.figure(figsize=(WIDTH, WIDTH * 7.8 / 7.2))
     ax = figure.add_axes((0.0, 0.675, 0.46, 0.295), projection="3d")
     draw_interface(ax, face)
     figure.text(0.02, 0.968, "(a)", fontweight="bold")
     figure.text(0.24, 0.968, "composite surface", ha="center")
-    ax = figure.add_axes((0.53, 0.715, 0.36, 0.25))
+    ax = figure.add_axes((0.53, 0.715, 0.34, 0.25))
     draw_scheme(ax, face, rows[:5], corner)
     name(ax, "b", "a cut, coarse to fine", -0.03)
     least = 1e-6 * rows[0]["pressure_Pa"] / 30
@@ -250,8 +240,8 @@ def draw(face):
         else:
             ax.set_yticklabels([])
     box = ax.get_position()
-    bar = figure.colorbar(image, cax=figure.add_axes((0.915, box.y0, 0.015, box.height)))
-    bar.set_label("pressure (MPa)", labelpad=1)
+    bar = figure.colorbar(image, cax=figure.add_axes((0.905, box.y0, 0.014, box.height)))
+    bar.set_label("pressure (MPa)", labelpad=2)
     bar.outline.set_linewidth(0.4)
     left = figure.add_axes((0.075, 0.055, 0.375, 0.205))
     right = figure.add_axes((0.56, 0.055, 0.375, 0.205))
@@ -273,6 +263,7 @@ def main():
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/contact/joint.yaml"))
     parser.add_argument("-o", "--output", default="figure1.png", help="picture to write")
     parser.add_argument("--coarsest", type=int, default=64, help="cells a side of the coarsest grid")
+    parser.add_argument("--small", action="store_true", help="a PNG of 256 colours, for the documentation")
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="override the case; may be repeated")
@@ -280,9 +271,9 @@ def main():
     with tempfile.TemporaryDirectory(prefix="lacuna-figure1-") as folder, \
             matplotlib.rc_context(STYLE):
         face = Interface(arguments, folder)
-        draw(face).savefig(arguments.output)
+        save(draw(face), arguments.output, small=arguments.small)
     result = face.result
-    print(f"{arguments.output}: Delta_S {result['delta_s']:.3f} +/- {result['delta_s_error']:.3f}, "
+    print(f"Delta_S {result['delta_s']:.3f} +/- {result['delta_s_error']:.3f}, "
           f"D_box {result['d_box']:.3f} +/- {result['d_box_error']:.3f}")
 
 

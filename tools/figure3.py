@@ -12,14 +12,12 @@ fixed point C; (g) the critical shear force over the dimension, mean and standar
 """
 
 import argparse
-import json
 import os
-import subprocess
 import sys
 import tempfile
 
 # first: it says what is missing
-from figures import BLUE, GREEN, INK, QUIET, RED, ROOT, SLIP, STYLE, np, plt, xarray
+from figures import BLUE, GREEN, INK, QUIET, RED, ROOT, SLIP, STYLE, WIDTH, json_of, np, open_file, plt, save
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
@@ -34,15 +32,6 @@ MAP_BETA = 0.68  # of (f): C is near the 0.62 of the paper's figure
 ZOOM, PIECE = 64, 16  # cells a side of (c) and (d)
 
 
-def call(arguments, *words):
-    """The JSON that a command prints."""
-    done = subprocess.run([arguments.program, *words, "--json"], capture_output=True, text=True,
-                          check=False)
-    if done.returncode != 0:
-        sys.exit(f"figure3: {done.stderr.strip()}")
-    return json.loads(done.stdout)
-
-
 def settings(*pairs):
     return [word for pair in pairs for word in ("--set", pair)]
 
@@ -53,24 +42,24 @@ class Joint:
     def __init__(self, arguments, folder):
         path = os.path.join(folder, "joint.nc")
         own = settings(*arguments.set, f"interface.surface.self-affine.seed={arguments.seed}")
-        found = call(arguments, "contact", arguments.case, "--force", "-o", path, *own,
+        found = json_of(arguments.program, "contact", arguments.case, "--force", "-o", path, *own,
                      *settings(f"load.normal.dimension={SPARSE}"))
         load = f"load.normal={{pressure: {found['mean_pressure_Pa']!r}}}"
         steps = ", ".join(f"{{ratio_x: {ratio}}}" for ratio in LOADS)
-        call(arguments, "contact", arguments.case, "--force", "-o", path, *own,
+        json_of(arguments.program, "contact", arguments.case, "--force", "-o", path, *own,
              *settings(load, "load.history={method: superposed, friction: 0.6, steps: "
                              f"[{steps}]}}"))
-        with xarray.open_dataset(path) as data:
+        with open_file(path) as data:
             self.state = data["state"].values.astype(int)
         rows, columns = self.state.shape[1:]
         if rows != columns or rows < ZOOM or rows % ZOOM:
             sys.exit(f"figure3: {columns} x {rows} cells: as many both ways, a multiple of {ZOOM}, are "
                      "needed to show a part of them")
         self.cell = found["cell_size_m"]
-        self.cascade = call(arguments, "rg", arguments.case, "--force", "-o", path, *own,
+        self.cascade = json_of(arguments.program, "rg", arguments.case, "--force", "-o", path, *own,
                             *settings(load, "rg.seeds=1", "rg.beta=0.7", "rg.shifts=1"))
         self.slip_load = np.full(self.state.shape[1:], np.nan)
-        with xarray.open_dataset(path) as data:
+        with open_file(path) as data:
             x, y = ((data[name].values / self.cell).astype(int) for name in ("x", "y"))
             self.slip_load[y, x] = data["slip_load"].values[0]
 
@@ -156,14 +145,14 @@ def draw_drop(ax):
     """(e) What a cell holds as it slips."""
     ax.plot([0, 1, 1], [0, 1, 1], color=INK)
     for beta, colour in COLOURS.items():
-        ax.plot([1, 1.02, 2.4], [1, beta, beta], color=colour)
-        ax.text(2.45, beta, f"β = {beta:g}", color=colour, va="center", fontsize=7)
+        ax.plot([1, 1.02, 2.75], [1, beta, beta], color=colour)
+        ax.text(2.82, beta, f"β = {beta:g}", color=colour, va="center", fontsize=8)
     ax.annotate("", (1.55, 1.0), (1.55, 0.6), arrowprops={"arrowstyle": "<->", "color": QUIET,
                                                         "linewidth": 0.7, "shrinkA": 0,
                                                         "shrinkB": 0})
-    ax.plot([1, 2.4], [1, 1], color=QUIET, linewidth=0.6, linestyle=":")
-    ax.text(1.62, 0.89, "(1 - β) f p", fontsize=7, va="center")
-    ax.set_xlim(0, 3.15)
+    ax.plot([1, 2.75], [1, 1], color=QUIET, linewidth=0.6, linestyle=":")
+    ax.text(1.62, 0.89, "(1 - β) f p", fontsize=8, va="center")
+    ax.set_xlim(0, 3.65)
     ax.set_ylim(0, 1.15)
     ax.set_xticks([])
     ax.set_yticks([0, 0.6, 0.7, 0.8, 1])
@@ -189,7 +178,7 @@ def draw_map(ax, runs, levels_least=8):
     ax.plot([0, 1], [0, 1], color=QUIET, linewidth=0.7)
     s = np.linspace(1e-4, 1 - 1e-4, 400)
     for (field, colour, marker), path in runs.items():
-        with xarray.open_dataset(path) as data:
+        with open_file(path) as data:
             fraction = data["slip_fraction"].values[0]
             keep = np.flatnonzero(data["n_tot"].values[1:] >= levels_least)
             slope, intercept = (float(data[name][0]) for name in ("map_slope", "map_intercept"))
@@ -197,7 +186,7 @@ def draw_map(ax, runs, levels_least=8):
         ax.plot(fraction[:, keep].ravel(), fraction[:, keep + 1].ravel(), marker, color=colour,
                 markersize=2, alpha=0.35, markeredgewidth=0)
         ax.plot(s, 1 / (1 + np.exp(-slope * np.log(s / (1 - s)) - intercept)), color=colour,
-                label=f"{field}: λ = {slope:.2f}, C = {fixed:.2f}")
+                label=f"{field}: λ {slope:.2f}, C {fixed:.2f}")
         if field == "equal":
             ax.plot([fixed], [fixed], "D", color=INK, markersize=4, zorder=5)
             ax.annotate("C", (fixed, fixed), (-11, 4), textcoords="offset points")
@@ -226,7 +215,7 @@ def draw_force(ax, jobs):
                         linewidth=0.9, **how)
     for beta, value in rg_table.PAPER.items():
         ax.plot([1.955], [value], "<", color=COLOURS[beta], markersize=5, clip_on=False)
-    ax.text(1.955, 0.925, "paper", ha="center", fontsize=7)
+    ax.text(1.955, 0.925, "paper", ha="center", fontsize=8)
     ax.set_xlim(1.17, 1.98)
     ax.set_ylim(0.37, 1)
     ax.set_xlabel("dimension D of the contact domain")
@@ -254,10 +243,10 @@ def draw(arguments, folder):
     maps = {("elastic", BLUE, "o"): {}, ("equal", RED, "^"): {}}
     for key in maps:
         path = os.path.join(folder, f"map-{key[0]}.nc")
-        call(arguments, "rg", arguments.case, "-o", path, *settings(
+        json_of(arguments.program, "rg", arguments.case, "-o", path, *settings(
             *arguments.set, f"rg.seeds={arguments.seeds}", f"rg.beta={MAP_BETA}", f"rg.field={key[0]}"))
         maps[key] = path
-    figure = plt.figure(figsize=(7.2, 7.9))
+    figure = plt.figure(figsize=(WIDTH, WIDTH * 7.9 / 7.2))
     rows = figure.add_gridspec(3, 1, left=0.075, right=0.975, top=0.965, bottom=0.06, hspace=0.42,
                                height_ratios=(1, 0.72, 1.15))
     top = rows[0].subgridspec(1, 3, wspace=0.12)
@@ -275,6 +264,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/rg/table.yaml"))
     parser.add_argument("-o", "--output", default="figure3.png")
+    parser.add_argument("--small", action="store_true", help="a PNG of 256 colours, for the documentation")
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--seeds", type=int, default=12, help="interfaces of (f) and (g)")
     parser.add_argument("--seed", type=int, default=3, help="of the interface of (a) to (d)")
@@ -287,10 +277,7 @@ def main():
         parser.error("--seeds must be at least 2 and --jobs 1")
     plt.rcParams.update(STYLE)
     with tempfile.TemporaryDirectory(prefix="lacuna-figure3-") as folder:
-        try:
-            draw(arguments, folder).savefig(arguments.output)
-        except OSError as wrong:
-            sys.exit(f"figure3: {wrong.filename}: {wrong.strerror}")
+        save(draw(arguments, folder), arguments.output, small=arguments.small)
 
 
 if __name__ == "__main__":

@@ -13,27 +13,15 @@ load first. A file without a history shows its contact cells.
 
 import argparse
 import os
-import sys
 import textwrap
 
-try:
-    import matplotlib
+# first: it says what is missing
+from figures import FAINT, FAST, INK, QUIET, SEEN, np, open_file, plt, save, stop, use_screen_style
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-    from matplotlib.colors import ListedColormap
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-except ImportError as missing:
-    sys.exit(
-        f"plot_contact: {missing.name} is not installed for {sys.executable}; on Debian it comes "
-        "with\n  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/plot_contact.py ..."
-    )
-
-INK, QUIET, FAINT, MARK, OTHER = "#1d2733", "#6b7785", "#d9dee4", "#b3262e", "#c8761a"
+MARK, OTHER = SEEN, FAST
 OPEN, STICK, SLIP = 0, 1, 2
 COLOURS = ListedColormap(["#ffffff", "#000000", "#b0b0b0"])
 MOST = 4
@@ -45,9 +33,9 @@ class Contact:
     """What is drawn of a file."""
 
     def __init__(self, path):
-        with xarray.open_dataset(path) as data:
+        with open_file(path) as data:
             if "pressure" not in data or "x" not in data:
-                sys.exit(f"plot_contact: {path}: no contact in it")
+                stop(f"{path}: no contact in it")
             data = data.load()
         self.title = data.attrs.get("title", os.path.basename(path))
         self.status = data.attrs.get("status", "unknown")
@@ -101,27 +89,6 @@ def choose_steps(contact):
         if step not in chosen and len(chosen) < MOST:
             chosen.append(step)
     return sorted(chosen)
-
-
-def style():
-    plt.rcParams.update(
-        {
-            "font.size": 9,
-            "font.family": "DejaVu Sans",
-            "text.color": INK,
-            "axes.edgecolor": QUIET,
-            "axes.labelcolor": INK,
-            "axes.titlesize": 9,
-            "axes.titleweight": "bold",
-            "axes.titlelocation": "left",
-            "xtick.color": QUIET,
-            "ytick.color": QUIET,
-            "xtick.labelcolor": INK,
-            "ytick.labelcolor": INK,
-            "legend.frameon": False,
-            "legend.fontsize": 8,
-        }
-    )
 
 
 def draw_map(axes, contact, state, title, mark=None):
@@ -202,7 +169,8 @@ def fold(title, width, keyed):
 
 
 def draw(contact, chosen, path):
-    style()
+    use_screen_style()
+    plt.rcParams.update({"axes.spines.top": True, "axes.spines.right": True})
     maps = max(len(chosen), 0 if contact.count else 1)
     rows = 1 if maps <= 2 else 2
     columns = -(-maps // rows)
@@ -226,7 +194,7 @@ def draw(contact, chosen, path):
     if contact.count:
         draw_loop(figure.add_subplot(grid[:, -1]), contact, chosen)
         draw_key(figure)
-    figure.savefig(path, dpi=160, metadata={"Title": contact.title} if path.endswith(".png") else None)
+    save(figure, path, 160)
 
 
 def main():
@@ -240,16 +208,15 @@ def main():
     try:
         contact = Contact(options.contact)
     except (OSError, ValueError) as wrong:
-        sys.exit(f"plot_contact: {str(wrong).splitlines()[0]}")
+        stop(f"{str(wrong).splitlines()[0]}")
     chosen = options.steps or choose_steps(contact)
     for step in chosen:
         if step not in contact.kept():
             kept = contact.kept()
             holds = f"states of steps {kept[0]} to {kept[-1]}" if kept else "no states of steps"
-            sys.exit(f"plot_contact: {options.contact}: no step {step}; it holds {holds}")
+            stop(f"{options.contact}: no step {step}; it holds {holds}")
     output = options.output or os.path.splitext(options.contact)[0] + ".png"
     draw(contact, chosen, output)
-    print(output)
 
 
 if __name__ == "__main__":

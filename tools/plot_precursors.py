@@ -15,14 +15,9 @@ import datetime
 import os
 import sys
 
-import matplotlib
+# first: it says what is missing
+from figures import COLOURS, DAY, np as numpy, open_file, plt, save, stop
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import netCDF4  # noqa: E402
-import numpy  # noqa: E402
-
-DAY = 86400.0
 # what is drawn of an indicator, if the file has it
 SIZES = {"slipping fraction": "slip_fraction_slip_fraction", "fixed point C": "slip_fraction_critical_fraction",
          "correlation length (m)": "correlation_length_length_m", "b-value": "b_value_b",
@@ -33,28 +28,28 @@ CHANCES = {"slip fraction": "slip_fraction_rise_p", "correlation length": "corre
            "variance": "slowing_variance_p", "variance, phases": "slowing_variance_phase_p",
            "autocorrelation": "slowing_autocorrelation_p",
            "autocorrelation, phases": "slowing_autocorrelation_phase_p", "log-periodicity": "log_periodicity_p"}
-COLOURS = ["#0072b2", "#56b4e9", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#000000", "#7f7f7f"]
 
 
 class Forecasts:
     """The file's variables in days from the first reading, missing ones NaN."""
 
     def __init__(self, path):
-        with netCDF4.Dataset(path) as data:
-            data.set_auto_mask(True)
-            take = lambda name: numpy.ma.filled(data[name][:].astype(float), numpy.nan)  # noqa: E731
+        with open_file(path, "reading_time", "issue_time", "failure_time") as data:
+            take = lambda name: data[name].values.astype(float)  # noqa: E731
+            if not data.sizes["reading"]:
+                stop(f"{path}: no readings in it")
             self.start = take("reading_time")[0]
-            self.dated = "since" in data["reading_time"].units
+            self.dated = "since" in data["reading_time"].attrs["units"]
             for name in ("reading_time", "velocity_time", "issue_time", "failure_time",
                          "failure_time_low50", "failure_time_high50", "failure_time_low90",
                          "failure_time_high90"):
                 setattr(self, name, (take(name) - self.start) / DAY)
             self.displacement, self.velocity = take("displacement"), take("velocity") * DAY
             self.issued = take("issued") > 0
-            self.methods = data["method"].flag_meanings.split()
-            failed = getattr(data, "failed_at_s", None)
+            self.methods = data["method"].attrs["flag_meanings"].split()
+            failed = data.attrs.get("failed_at_s")
             self.failed = None if failed is None else (failed - self.start) / DAY
-            self.source = data.source_file
+            self.source = data.attrs["source_file"]
             self.sizes, self.chances = ({label: take(name) for label, name in names.items() if name in data.variables}
                                         for names in (SIZES, CHANCES))
 
@@ -170,8 +165,7 @@ def main():
     axes[0].set_title(os.path.basename(f.source), fontsize=9)
     axes[2].set_xlabel(f.axis())
     output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
-    figure.savefig(output, dpi=110)
-    print(output)
+    save(figure, output, 110)
     return 0
 
 

@@ -12,27 +12,12 @@ Observations are CSV with a header and # comment lines; dates are ISO 8601, read
 import argparse
 import csv
 import os
-import re
-import sys
-from datetime import datetime, timedelta, timezone
+from datetime import timedelta
 
-try:
-    import matplotlib
+# first: it says what is missing
+from figures import DAY, FAINT, FAST, INK, QUIET, SEEN, YEAR, matplotlib, np, open_file, parse_date, plt, save, start_of, stop, use_screen_style
 
-    matplotlib.use("Agg")
-    import matplotlib.dates
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-except ImportError as missing:
-    sys.exit(
-        f"plot_run: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
-        "  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/plot_run.py ..."
-    )
-
-INK, QUIET, FAINT, FAST, SEEN = "#1d2733", "#6b7785", "#d9dee4", "#c8761a", "#b3262e"
-DAY, WEEK, YEAR = 86400.0, 604800.0, 31556926.0
+WEEK = 7 * DAY
 LENGTHS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3}
 TIMES = {"s": 1.0, "min": 60.0, "h": 3600.0, "hour": 3600.0, "day": DAY, "week": WEEK, "year": YEAR}
 LANDMARKS = [
@@ -49,9 +34,9 @@ class Run:
     """What is drawn of a run; times in seconds since its start."""
 
     def __init__(self, path):
-        with xarray.open_dataset(path, decode_times=False) as data:
+        with open_file(path) as data:
             if "slip_rate" not in data or data.sizes.get("time", 0) < 2:
-                sys.exit(f"plot_run: {path}: no time series of a run in it")
+                stop(f"{path}: no time series of a run in it")
             self.seconds = (data["time_origin"] + data["time_local"]).values
             self.before_last = (
                 data["time_origin"][-1] - data["time_origin"] + data["time_local"][-1]
@@ -62,8 +47,7 @@ class Run:
             self.title = data.attrs.get("title", os.path.basename(path))
             self.status = data.attrs.get("status", "unknown")
             self.failed = bool(data.attrs.get("failed", 0))
-            since = re.match(r"seconds since (\S+)(?:[ T](\S+))?", data["time"].attrs["units"])
-        self.start = parse_date("T".join(filter(None, since.groups()))) if since else None
+            self.start = start_of(data)
         self.unit = 1.0 if self.start else scale_of(self.seconds[-1], TIMES, ("s", "h", "day", "year"))
 
     def axis(self, seconds):
@@ -82,17 +66,17 @@ class Observed:
         with open(path, encoding="utf-8-sig", newline="") as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
         if not rows:
-            sys.exit(f"plot_run: {path}: no readings")
+            stop(f"{path}: no readings")
         for column in filter(None, (time, displacement and displacement[0], velocity and velocity[0])):
             if column not in rows[0]:
-                sys.exit(f'plot_run: {path}: no column "{column}"; it has: {", ".join(rows[0])}')
+                stop(f'{path}: no column "{column}"; it has: {", ".join(rows[0])}')
         self.seconds = np.array([self.when(run, row[time]) for row in rows])
         self.slip = self.column(rows, displacement)
         self.rate = self.column(rows, velocity)
         read = [np.isfinite(values) for values in (self.slip, self.rate) if values is not None]
         given = self.seconds[np.logical_or.reduce(read) & np.isfinite(self.seconds)]
         if not given.size:
-            sys.exit(f"plot_run: {path}: no readings in the columns named")
+            stop(f"{path}: no readings in the columns named")
         self.first, self.last = given.min(), given.max()
 
     @staticmethod
@@ -116,15 +100,6 @@ class Observed:
         return np.array(values)
 
 
-def parse_date(text):
-    """A date in UTC; None where the text is none."""
-    try:
-        date = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
-    except ValueError:
-        return None
-    return date.replace(tzinfo=timezone.utc) if date.tzinfo is None else date.astimezone(timezone.utc)
-
-
 def named_column(text):
     """NAME:UNIT, the unit a length or a length per time."""
     name, _, unit = text.rpartition(":")
@@ -142,29 +117,6 @@ def scale_of(value, table, names):
 
 def name_of(value, table):
     return next(name for name, size in table.items() if size == value)
-
-
-def style():
-    plt.rcParams.update(
-        {
-            "font.size": 9,
-            "font.family": "DejaVu Sans",
-            "text.color": INK,
-            "axes.edgecolor": QUIET,
-            "axes.labelcolor": INK,
-            "axes.titlesize": 9,
-            "axes.titleweight": "bold",
-            "axes.titlelocation": "left",
-            "axes.spines.top": False,
-            "axes.spines.right": False,
-            "xtick.color": QUIET,
-            "ytick.color": QUIET,
-            "xtick.labelcolor": INK,
-            "ytick.labelcolor": INK,
-            "legend.frameon": False,
-            "legend.fontsize": 8,
-        }
-    )
 
 
 def time_axis(axes, run, seconds):
@@ -262,7 +214,7 @@ def describe(run):
 
 
 def draw(run, observed, path):
-    style()
+    use_screen_style()
     window = [run.seconds[0], run.seconds[-1] + 0.03 * np.ptp(run.seconds)]
     if observed is not None:
         window[0] = min(window[0], observed.first)
@@ -275,7 +227,7 @@ def draw(run, observed, path):
     draw_inverse(panels[2], run)
     figure.text(0.992, 0.985, describe(run), ha="right", va="top", fontsize=9.5,
                 color=SEEN if run.failed else QUIET)
-    figure.savefig(path, dpi=160, metadata={"Title": run.title} if path.endswith(".png") else None)
+    save(figure, path, 160)
 
 
 def main():
@@ -301,10 +253,9 @@ def main():
                 options.label,
             )
     except (OSError, ValueError) as wrong:
-        sys.exit(f"plot_run: {str(wrong).splitlines()[0]}")
+        stop(f"{str(wrong).splitlines()[0]}")
     output = options.output or os.path.splitext(options.run)[0] + ".png"
     draw(run, observed, output)
-    print(output)
 
 
 if __name__ == "__main__":

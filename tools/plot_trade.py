@@ -9,23 +9,10 @@ coarse to fine. Errors within the reference's own are drawn at its edge.
 """
 
 import argparse
-import sys
 
-try:
-    import matplotlib
+# first: it says what is missing
+from figures import FAINT, INK, QUIET, np, open_file, plt, stop
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import xarray
-except ImportError as missing:
-    sys.exit(
-        f"plot_trade: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
-        "  tools/install-packages\n"
-        "and is seen by Debian's own interpreter: /usr/bin/python3 tools/plot_trade.py ..."
-    )
-
-INK, QUIET, FAINT = "#1d2733", "#6b7785", "#d9dee4"
 COLOURS = ["#2f6f9f", "#c8761a", "#4d8f5b", "#8a5aa8", "#b3262e", "#5f6b2d", "#20908c", "#97694f"]
 MARKS = "osD^vP<>"
 
@@ -43,9 +30,9 @@ class Trade:
     """The runs that were done."""
 
     def __init__(self, path):
-        with xarray.open_dataset(path) as data:
+        with open_file(path) as data:
             if "cpu_time" not in data or "settings" not in data:
-                sys.exit(f"plot_trade: {path}: no trade in it")
+                stop(f"{path}: no trade in it")
             self.about = dict(data.attrs)
             done = np.isfinite(data["error"].values)
             self.settings = [words(s) for s, good in zip(data["settings"].values, done) if good]
@@ -53,7 +40,7 @@ class Trade:
                 data[name].values[done] for name in ("error", "cpu_time", "peak_memory"))
             self.front = data["on_front"].values[done] == 1
         if not self.settings:
-            sys.exit(f"plot_trade: {path}: no run of it has the quantity")
+            stop(f"{path}: no run of it has the quantity")
         self.floor = float(self.about.get("reference_uncertainty", 0.0))
         self.drawn = np.maximum(self.error, max(self.floor, 1e-16))
         self.keys = [k for k in self.settings[0] if len({s[k] for s in self.settings}) > 1]

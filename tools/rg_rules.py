@@ -11,14 +11,12 @@ contact of cases/rg/table.yaml on 8 x 8 cells and the load at which `lacuna rg` 
 """
 
 import argparse
-import json
 import os
-import subprocess
 import sys
 import tempfile
 
 # first: it says what is missing
-from figures import BLUE, INK, QUIET, RED, ROOT, SLIP, STYLE, np, plt, xarray
+from figures import BLUE, INK, QUIET, RED, ROOT, SLIP, STYLE, json_of, np, open_file, plt, save
 from matplotlib.patches import Patch, Rectangle
 
 FOUR = """lacuna: 1
@@ -32,14 +30,9 @@ rg: {{rule: {rule}, field: equal, beta: {beta}, friction: 1, shifts: 1}}
 def cascade(arguments, folder, case, *overrides):
     """Q_crit/Q_nom, and pressure and slip load of each cell by its row and column."""
     path = os.path.join(folder, "rg.nc")
-    words = [arguments.program, "rg", case, "--json", "--force", "-o", path]
-    for override in overrides:
-        words += ["--set", override]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"rg_rules: {done.stderr.strip()}")
-    result = json.loads(done.stdout)
-    with xarray.open_dataset(path) as data:
+    words = [word for override in overrides for word in ("--set", override)]
+    result = json_of(arguments.program, "rg", case, "--force", "-o", path, *words)
+    with open_file(path, "slip_load") as data:
         side = result["results"][0]["levels"][0]["block_size_m"]
         n = round(result["results"][0]["levels"][-1]["block_size_m"] / side)
         pressure, slip_load = np.zeros((n, n)), np.full((n, n), np.nan)
@@ -203,10 +196,7 @@ def main():
     arguments = parser.parse_args()
     plt.rcParams.update(STYLE)
     with tempfile.TemporaryDirectory(prefix="lacuna-rg-rules-") as folder:
-        try:
-            draw(arguments, folder).savefig(arguments.output)
-        except OSError as wrong:
-            sys.exit(f"rg_rules: {wrong.filename}: {wrong.strerror}")
+        save(draw(arguments, folder), arguments.output)
 
 
 if __name__ == "__main__":

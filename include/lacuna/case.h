@@ -188,9 +188,10 @@ typedef struct lac_case {
     double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
                        ///< picked [1]; NaN: as given
     bool method_given, formulation_given;
-    int fft_planning;  ///< 0: estimate, reproducible to the bit; 1: measure
-    char *output_file; ///< NULL: named after the case
-    unsigned fields;   ///< LAC_FIELD_* of store.h
+    double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
+    int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure
+    char *output_file;        ///< NULL: named after the case
+    unsigned fields;          ///< LAC_FIELD_* of store.h
     int64_t compression;
     int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
@@ -240,6 +241,10 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
 
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
+
+/// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
+/// its law, loads and transfer lac_run_events_follows tells.
+bool lac_case_admits_events(const lac_case *c);
 
 /// Frees a case; NULL is fine.
 void lac_case_free(lac_case *c);

@@ -78,7 +78,7 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **clusters
 /// Frees clusters; NULL is fine.
 void lac_clusters_free(lac_clusters *clusters);
 
-/// Linear extent of one cluster: the longer of its two extents [m].
+/// Linear extent of one cluster: the longer of its two extents, on a line its length [m].
 double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, size_t cluster);
 
 enum { LAC_CLUSTER_OCTAVES = 32 };

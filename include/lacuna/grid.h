@@ -25,4 +25,13 @@ static inline double lac_grid_area(const lac_grid *grid)
     return (double)grid->nx * grid->dx * (double)grid->ny * grid->dy;
 }
 
+/// The longer side of what occupies so many columns and rows [m]; of a line its length, for the
+/// width is no extent.
+static inline double lac_grid_extent(const lac_grid *grid, double columns, double rows)
+{
+    const double along = columns * grid->dx;
+    const double across = grid->ny > 1 ? rows * grid->dy : 0.0;
+    return along > across ? along : across;
+}
+
 #endif

@@ -58,7 +58,12 @@ typedef struct lac_micro_counts {
     int64_t wakings;  ///< of cells before their step was over
 } lac_micro_counts;
 
-/// Whether the cells' friction is one that this can follow.
+/// Whether friction of this law can be followed, whatever its parameters.
+/// @param cut_off  some cell has a v1, v2 or alpha
+/// @return LAC_OK; LAC_EINPUT: says what is not
+lac_status lac_micro_follows(const lac_descriptor *law, bool cut_off, lac_error *err);
+
+/// Whether the cells' friction is one that this can follow: its law, and a > 0 everywhere.
 /// @return LAC_OK; LAC_EINPUT: says what is not
 lac_status lac_micro_supports(const lac_friction *friction, lac_error *err);
 

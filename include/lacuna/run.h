@@ -170,6 +170,19 @@ lac_run_def lac_run_default(void);
 /// What a fidelity is called in a case: "ode" ...
 const char *lac_fidelity_name(lac_fidelity fidelity);
 
+/// What fidelity EVENTS asks of a scene, besides a > 0 in every cell.
+typedef struct lac_events_scene {
+    const lac_transfer_kind *transfer;
+    const lac_descriptor *law;
+    bool cut_off; ///< the friction of some cell has a v1, v2 or alpha
+    bool linear;  ///< the loads are linear in time between their breaks
+    lac_formulation formulation;
+} lac_events_scene;
+
+/// Whether fidelity EVENTS follows such a scene.
+/// @return LAC_OK; LAC_EINPUT: says what it does not follow
+lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err);
+
 /// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
 /// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 /// @param asked  any but AUTO is given back

@@ -36,6 +36,7 @@ typedef struct lac_scene_contact {
     double *heights, *gap;      ///< [ny * nx] [m]; NULL where there is no surface
     double *pressure;           ///< [ny * nx] [Pa]
     lac_surface_report surface; ///< what the heights look like, where they are kept
+    double tolerance;           ///< that it is solved to, relative
     bool solved;                ///< a surface was pressed: `report` holds
     lac_contact_report report;
     bool counted; ///< box counting was possible: `boxes` holds

@@ -26,4 +26,13 @@ typedef struct lac_interruption {
 lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
                            const lac_interruption *stop, lac_recording **out, lac_error *err);
 
+/// As lac_record_case, of a case that is in memory.
+/// @param name  stands for the path in messages; what the case names relatively is looked for
+/// beside it
+/// @param text  [size] YAML, as in a case file
+/// @return as lac_record_case
+lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
+                                const char *const *sets, const lac_interruption *stop,
+                                lac_recording **out, lac_error *err);
+
 #endif

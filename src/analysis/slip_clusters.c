@@ -57,17 +57,16 @@ static uint32_t find(lac_cluster_node *node, uint32_t i, int32_t *x, int32_t *y)
     return i;
 }
 
-static double side(int32_t first, int32_t last, size_t n, double cell)
+static double lines(int32_t first, int32_t last, size_t n)
 {
-    return cell * fmin((double)last - (double)first + 1.0, (double)n);
+    return fmin((double)last - (double)first + 1.0, (double)n);
 }
 
 static void measure(lac_slip_clusters *c, const lac_cluster_box *box)
 {
-    double along = side(box->x0, box->x1, c->grid.nx, c->grid.dx);
-    double across = side(box->y0, box->y1, c->grid.ny, c->grid.dy);
-    // The width of a line is no extent.
-    c->extent = fmax(c->extent, c->grid.ny > 1 ? fmax(along, across) : along);
+    const lac_grid *grid = &c->grid;
+    c->extent = fmax(c->extent, lac_grid_extent(grid, lines(box->x0, box->x1, grid->nx),
+                                                lines(box->y0, box->y1, grid->ny)));
 }
 
 static int32_t smaller(int32_t a, int32_t b) { return a < b ? a : b; }

@@ -16,6 +16,18 @@ bool lac_netcdf_begins(const void *head, size_t size)
     return false;
 }
 
+lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err)
+{
+    if (code == NC_NOERR) {
+        return LAC_OK;
+    }
+    if (code == NC_ENOMEM) {
+        return lac_fail_memory(err);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", path, what,
+                    nc_strerror(code));
+}
+
 bool lac_netcdf_is_number(int type)
 {
     return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;

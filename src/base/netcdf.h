@@ -5,11 +5,17 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "lacuna/error.h"
+
 // What the readers of other people's netCDF files share. `id` is an open file's.
 
 /// Whether the first bytes of a file are those of a netCDF file, of any kind.
 /// @param head  [size]; four are enough
 bool lac_netcdf_begins(const void *head, size_t size);
+
+/// What a call of netCDF returned, as an error: `path: netCDF cannot read WHAT: why`.
+/// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EINPUT
+lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 
 /// Whether an nc_type is of numbers.
 bool lac_netcdf_is_number(int type);

@@ -11,11 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 #include <udunits2.h>
+#include <unistd.h>
+
+#include "base/units_usual.h"
 
 enum { MAX_QUANTITY = 128, MAX_UNIT = 64, MAX_NAME = 32, MAX_EXPONENT_DIGITS = 2 };
 
+// UDUNITS' database, read where a unit is not among the usual ones.
+typedef struct database {
+    ut_system *system; ///< NULL: not read yet
+} database;
+
 struct lac_units {
-    ut_system *system;
+    database *database;
     locale_t c_locale; ///< numbers are read alike whatever LC_NUMERIC says
 };
 
@@ -228,33 +236,51 @@ static bool scan_unit(const char *text, scan *found)
 static ut_unit *parse_unit(const lac_units *units, const char *text)
 {
     locale_t before = uselocale(units->c_locale);
-    ut_unit *unit = ut_parse(units->system, text, UT_UTF8);
+    ut_unit *unit = ut_parse(units->database->system, text, UT_UTF8);
     (void)uselocale(before);
     return unit;
+}
+
+static lac_status fail_database(lac_error *err)
+{
+    return lac_fail(err, LAC_EIO, "the units database of UDUNITS-2 cannot be read");
 }
 
 lac_status lac_units_create(lac_units **out, lac_error *err)
 {
     *out = NULL;
+    lac_status status = LAC_OK;
     lac_units *units = calloc(1, sizeof *units);
     if (units == NULL) {
         return lac_fail_memory(err);
     }
+    units->database = calloc(1, sizeof *units->database);
     units->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (units->c_locale == (locale_t)0) {
-        lac_units_free(units);
-        return lac_fail_memory(err);
+    if (units->database == NULL || units->c_locale == (locale_t)0) {
+        LAC_TRY(lac_fail_memory(err));
     }
     (void)ut_set_error_message_handler(ut_ignore);
-    locale_t before = uselocale(units->c_locale);
-    units->system = ut_read_xml(NULL);
-    (void)uselocale(before);
-    if (units->system == NULL) {
-        lac_units_free(units);
-        return lac_fail(err, LAC_EIO, "the units database of UDUNITS-2 cannot be read");
+    ut_status known = UT_SUCCESS;
+    const char *path = ut_get_path_xml(NULL, &known);
+    if (path == NULL || access(path, R_OK) != 0) {
+        LAC_TRY(fail_database(err));
     }
     *out = units;
-    return LAC_OK;
+    units = NULL;
+out:
+    lac_units_free(units);
+    return status;
+}
+
+static lac_status read_database(const lac_units *units, lac_error *err)
+{
+    if (units->database->system != NULL) {
+        return LAC_OK;
+    }
+    locale_t before = uselocale(units->c_locale);
+    units->database->system = ut_read_xml(NULL);
+    (void)uselocale(before);
+    return units->database->system != NULL ? LAC_OK : fail_database(err);
 }
 
 void lac_units_free(lac_units *units)
@@ -262,17 +288,19 @@ void lac_units_free(lac_units *units)
     if (units == NULL) {
         return;
     }
-    if (units->system != NULL) {
-        ut_free_system(units->system);
+    if (units->database != NULL && units->database->system != NULL) {
+        ut_free_system(units->database->system);
     }
     if (units->c_locale != (locale_t)0) {
         freelocale(units->c_locale);
     }
+    free(units->database);
     free(units);
 }
 
-lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
-                             double *scale, double *offset, lac_error *err)
+// By UDUNITS, whose database is there. `why` is told where the text itself is to blame.
+static cv_converter *find_converter(const lac_units *units, const char *from, const char *to,
+                                    const char **why)
 {
     scan found = {.angle = false};
     bool wants_angle = strcmp(to, "rad") == 0;
@@ -285,17 +313,34 @@ lac_status lac_units_convert(const lac_units *units, const char *from, const cha
     if (b != NULL && (!plain || found.angle == wants_angle)) {
         converter = ut_get_converter(a, b);
     }
-    lac_status status = LAC_OK;
-    if (converter == NULL) {
-        status = refuse(err, to, found.why != NULL ? found.why : "");
-    } else {
-        *offset = cv_convert_double(converter, 0.0);
-        *scale = cv_convert_double(converter, 1.0) - *offset;
-        cv_free(converter);
-    }
     ut_free(b);
     ut_free(a);
-    return status;
+    *why = found.why != NULL ? found.why : "";
+    return converter;
+}
+
+lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
+                             double *scale, double *offset, lac_error *err)
+{
+    const lac_usual_unit *usual = lac_units_usual_find(from, to);
+    if (usual != NULL) {
+        *scale = usual->scale;
+        *offset = 0.0;
+        return LAC_OK;
+    }
+    lac_status status = read_database(units, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    const char *why = NULL;
+    cv_converter *converter = find_converter(units, from, to, &why);
+    if (converter == NULL) {
+        return refuse(err, to, why);
+    }
+    *offset = cv_convert_double(converter, 0.0);
+    *scale = cv_convert_double(converter, 1.0) - *offset;
+    cv_free(converter);
+    return LAC_OK;
 }
 
 lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
@@ -312,6 +357,10 @@ lac_status lac_units_time(const lac_units *units, const char *text, double *scal
     unit[length] = '\0';
     lac_status status = lac_units_convert(units, unit, "s", scale, offset, err);
     if (status != LAC_OK || !*dated) {
+        return status;
+    }
+    status = read_database(units, err);
+    if (status != LAC_OK) {
         return status;
     }
     ut_unit *from = parse_unit(units, text);

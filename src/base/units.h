@@ -7,10 +7,11 @@
 
 #include "lacuna/error.h"
 
-/// The UDUNITS-2 database, read once. Parsing is not thread-safe: parse at the start.
+/// Units by the UDUNITS-2 database, which is read when first a unit is met that is not among the
+/// usual ones (base/units_usual.h). Not for several threads at a time: parse at the start.
 typedef struct lac_units lac_units;
 
-/// Reads the database.
+/// Finds the database.
 /// @return LAC_OK; LAC_EIO where it is not installed; LAC_ENOMEM
 lac_status lac_units_create(lac_units **out, lac_error *err);
 
@@ -23,19 +24,20 @@ void lac_units_free(lac_units *units);
 /// @param text   as the user wrote it
 /// @param unit   SI unit of the result; "1" where dimensionless
 /// @param value  the quantity in `unit`; set only on success
-/// @return LAC_OK; LAC_EINPUT, with in `err` what is allowed ("must be a length, such as \"1 m\"")
+/// @return LAC_OK; LAC_EINPUT, with in `err` what is allowed ("must be a length, such as \"1 m\"");
+///   LAC_EIO where the database is damaged
 lac_status lac_units_parse(const lac_units *units, const char *text, const char *unit,
                            double *value, lac_error *err);
 
 /// Factor and offset that take a number in unit `from` to unit `to`: y = scale x + offset.
-/// @return LAC_OK; LAC_EINPUT
+/// @return LAC_OK; LAC_EINPUT; LAC_EIO
 lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
                              double *scale, double *offset, lac_error *err);
 
 /// Factor and offset that take times in a file's unit to seconds: y = scale x + offset.
 /// @param text   "day" or, as CF has it, "days since 2015-06-07 12:00"
 /// @param dated  set where it counts from a date: seconds are then since 1970-01-01 UTC
-/// @return LAC_OK; LAC_EINPUT
+/// @return LAC_OK; LAC_EINPUT; LAC_EIO
 lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
                           bool *dated, lac_error *err);
 

@@ -55,7 +55,7 @@ void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// The keys of `solver`.
-enum { LAC_SOLVER_ROWS = 11 };
+enum { LAC_SOLVER_ROWS = 12 };
 extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
 
 /// What is wrong with the solver; chooses the formulation where the case leaves it open.

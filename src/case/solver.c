@@ -61,6 +61,14 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
      .max = 0.1,
      .offset = FIELD(run.rtol),
      .doc = "relative tolerance on slip rate and state"},
+    {.key = "contact_tolerance",
+     .unit = "1",
+     .fallback = 1e-8,
+     .min = 1e-12,
+     .max = 1e-3,
+     .offset = FIELD(contact_tolerance),
+     .doc = "of the elastic contact of a surface: complementarity, penetration and load, relative; "
+            "of a static history also slip and its traction"},
     {.key = "accuracy",
      .unit = "1",
      .fallback = NAN,
@@ -105,30 +113,51 @@ const lac_param lac_solver_rows[LAC_SOLVER_ROWS] = {
             "run, measure quicker"},
 };
 
+static bool asks_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0; }
+
+static bool asks_formulation(const lac_case *c)
+{
+    return c->formulation_given && c->formulation != LAC_FORMULATION_RATE;
+}
+
+static bool asks_method(const lac_case *c) { return c->run.method != LAC_BDF; }
+
+static bool asks_order(const lac_case *c) { return c->run.max_order != 0; }
+
+static bool asks_first_step(const lac_case *c) { return !isnan(c->run.first_step); }
+
 // Cells at steps of their own have one formulation and no method to choose.
+static const struct {
+    const char *key, *why;
+    bool (*asked)(const lac_case *c);
+} events_refuse[] = {
+    {"solver.fidelity", "knows no inertia: leave one of them out", asks_inertia},
+    {"solver.formulation", "must be auto or rate with fidelity events", asks_formulation},
+    {"solver.method", "goes with fidelity ode, not with events", asks_method},
+    {"solver.max_order", "goes with fidelity ode, not with events", asks_order},
+    {"solver.first_step", "goes with fidelity ode, not with events", asks_first_step},
+};
+
+enum { EVENTS_REFUSE = sizeof events_refuse / sizeof *events_refuse };
+
+bool lac_case_admits_events(const lac_case *c)
+{
+    bool admits = true;
+    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
+        admits = admits && !events_refuse[i].asked(c);
+    }
+    return admits;
+}
+
 static void check_events(lac_reader *reader, lac_case *c)
 {
-    bool rate = c->formulation == LAC_FORMULATION_AUTO || c->formulation == LAC_FORMULATION_RATE;
+    const bool clean = lac_clean(reader, "solver");
+    for (size_t i = 0; clean && i < EVENTS_REFUSE; i++) {
+        if (events_refuse[i].asked(c)) {
+            lac_blame_key(reader, events_refuse[i].key, "%s", events_refuse[i].why);
+        }
+    }
     c->formulation = LAC_FORMULATION_RATE;
-    if (!lac_clean(reader, "solver")) {
-        return;
-    }
-    if (lac_present(reader, "inertia")) {
-        lac_blame_key(reader, "solver.fidelity", "knows no inertia: leave one of them out");
-        return;
-    }
-    if (!rate) {
-        lac_blame_key(reader, "solver.formulation", "must be auto or rate with fidelity events");
-    }
-    if (c->run.method != LAC_BDF) {
-        lac_blame_key(reader, "solver.method", "goes with fidelity ode, not with events");
-    }
-    if (c->run.max_order != 0) {
-        lac_blame_key(reader, "solver.max_order", "goes with fidelity ode, not with events");
-    }
-    if (!isnan(c->run.first_step)) {
-        lac_blame_key(reader, "solver.first_step", "goes with fidelity ode, not with events");
-    }
 }
 
 void lac_check_solver(lac_reader *reader, lac_case *c)

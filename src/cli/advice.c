@@ -34,20 +34,23 @@ static bool linear_loads(const lac_slot_list *loads)
     return true;
 }
 
-// Whether the case runs as fidelity events with nothing else changed.
+static bool has_cut_off(const lac_case *c)
+{
+    const lac_friction_params *law = c->friction.params;
+    return !isnan(law->v1) || !isnan(law->v2) || !isnan(law->alpha) ||
+           lac_spread_has(&c->friction_spread, "v1") || lac_spread_has(&c->friction_spread, "v2") ||
+           lac_spread_has(&c->friction_spread, "alpha");
+}
+
+// Whether the case, of transfer hierarchy, runs as fidelity events with nothing else changed.
 static bool could_have_own_steps(const lac_case *c)
 {
-    static const char *const refused[] = {"v1", "v2", "alpha"};
-    const lac_friction_params *law = c->friction.params;
-    const char *name = c->friction.about->name;
-    bool could = strcmp(name, "aging") == 0 || strcmp(name, "slip") == 0;
-    could = could && isnan(law->v1) && isnan(law->v2) && isnan(law->alpha);
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
-        could = could && !lac_spread_has(&c->friction_spread, refused[i]);
-    }
-    return could && linear_loads(&c->shear) && linear_loads(&c->pore) && c->run.method == LAC_BDF &&
-           c->run.max_order == 0 && isnan(c->run.first_step) &&
-           c->formulation == LAC_FORMULATION_RATE && !(lac_inertia_mass(c) > 0);
+    const lac_events_scene scene = {.transfer = (const void *)c->transfer.about,
+                                    .law = c->friction.about,
+                                    .cut_off = has_cut_off(c),
+                                    .linear = linear_loads(&c->shear) && linear_loads(&c->pore),
+                                    .formulation = (lac_formulation)c->formulation};
+    return lac_case_admits_events(c) && lac_run_events_follows(&scene, NULL) == LAC_OK;
 }
 
 // Of the springs on the mean slip [Pa/m].

@@ -133,7 +133,6 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
                          .wall_time = cli_clock() - job->started};
     LAC_TRY(cli_fit_store(job->request, &view, err));
     LAC_TRY(cli_fit_write_case(&view, job->fitted, err));
-    cli_fit_warn(job->request, &job->result);
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_fit_json(&view);
     } else {
@@ -154,7 +153,9 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
     if (status == LAC_OK || (status == LAC_EINTERRUPT && job.result.times > 0)) {
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
-        if (status == LAC_EINTERRUPT) {
+        if (status == LAC_OK) {
+            status = cli_fit_judge(&job.result, err);
+        } else if (status == LAC_EINTERRUPT) {
             status = lac_fail(err, status, "interrupted; %s holds the draws up to there", job.path);
         }
     }

@@ -156,21 +156,33 @@ static void find_worst(const lac_fit_result *r, size_t *worst, size_t *partner)
     }
 }
 
-void cli_fit_warn(const cli_request *request, const lac_fit_result *r)
+lac_status cli_fit_judge(const lac_fit_result *r, lac_error *err)
 {
     size_t worst, partner;
     char with[200] = "";
-    if (!r->sampled || r->converged || cli_given(request, CLI_OPT_QUIET)) {
-        return;
+    if (!r->sampled || r->converged) {
+        return LAC_OK;
     }
     find_worst(r, &worst, &partner);
     if (partner != worst) {
         (void)snprintf(with, sizeof with, ", whose correlation with %s is %.3f",
                        r->unknown[partner].key, r->correlation[worst][partner]);
     }
-    cli_note("warning: the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its "
-             "intervals are not to be relied on: take more fit.rounds, or hold what trades off",
-             r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
+    return lac_fail(err, LAC_ENUMERIC,
+                    "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its "
+                    "intervals are not to be relied on: take more fit.rounds, or hold what trades "
+                    "off",
+                    r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
+}
+
+// From one time of failure to a later one; where the first is beyond the end, so is the second.
+static void print_range(const char *share, double from, const char *low, const char *high)
+{
+    if (isinf(from)) {
+        cli_row("", "%s: not by time.end", share);
+    } else {
+        cli_row("", "%s: %s to %s", share, low, high);
+    }
 }
 
 static void print_posterior(const lac_case *c, const lac_fit_result *r)
@@ -190,8 +202,8 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     }
     cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", text[2],
             100.0 * r->failing, r->draws);
-    cli_row("", "50 %%: %s to %s", text[1], text[3]);
-    cli_row("", "90 %%: %s to %s", text[0], text[4]);
+    print_range("50 %", r->failures.quantile[1], text[1], text[3]);
+    print_range("90 %", r->failures.quantile[0], text[0], text[4]);
 }
 
 void cli_fit_print(const cli_fit_view *view, bool verbose)

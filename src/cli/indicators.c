@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "lacuna/store_file.h"
+
 enum { SEED = 1, SURROGATES = 199 };
 
 void cli_cells_clear(cli_cells *cells)
@@ -32,11 +34,14 @@ static lac_status read_values(const char *path, cli_cells *c, lac_error *err)
         {"correlation_length", &c->length},
         {"critical_fraction", &c->critical},
     };
+    lac_stored_file *file = NULL;
     lac_status status = LAC_OK;
+    LAC_TRY(lac_stored_file_open(path, &file, err));
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        LAC_TRY(lac_store_read_values(path, wanted[i].name, wanted[i].to, err));
+        LAC_TRY(lac_stored_file_values(file, wanted[i].name, wanted[i].to, err));
     }
 out:
+    lac_stored_file_close(file);
     return status;
 }
 

@@ -8,7 +8,26 @@
 #include "cli/indicators.h"
 #include "cli/words.h"
 
-static const double day = 86400.0;
+// A unit of times to failure, by how long the issue times span.
+typedef struct unit {
+    double seconds;
+    const char *head, *name;
+} unit;
+
+static const unit units[] = {
+    {86400.0, "days", "day"}, {3600.0, "hour", "hour"}, {60.0, "min", "min"}, {1.0, "s", "s"}};
+
+static const unit *unit_of(const lac_rolling *roll)
+{
+    const double span = roll->issues > 0 ? roll->issue_time[roll->issues - 1] - roll->issue_time[0]
+                                         : units[0].seconds;
+    const double enough = 3.0;
+    const unit *u = units;
+    while (span < enough * u->seconds && u + 1 < units + sizeof units / sizeof *units) {
+        u++;
+    }
+    return u;
+}
 
 const char *cli_precursors_when(const cli_precursors_result *r, double t, char *text, size_t size)
 {
@@ -114,12 +133,14 @@ static void print_methods(const lac_outlook *o)
     }
 }
 
-// Days left by each method at each issue time; "." where none was issued.
+// Time left by each method at each issue time; "." where none was issued.
 static void print_lives(const cli_precursors_result *r)
 {
     const lac_rolling *roll = r->rolling;
+    const unit *u = unit_of(roll);
     char text[40];
-    printf("\n  life expectancy (days) %s", isfinite(r->watched->failed_at) ? "     true" : "");
+    (void)snprintf(text, sizeof text, "life expectancy (%s)", u->head);
+    printf("\n  %-22s %s", text, isfinite(r->watched->failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
         printf(" %11s", roll->forecast[k].kind->about.name);
     }
@@ -135,12 +156,12 @@ static void print_lives(const cli_precursors_result *r)
         }
         printf("  %-22s", when(r, now, text, sizeof text));
         if (isfinite(r->watched->failed_at)) {
-            printf(" %9.3g", (r->watched->failed_at - now) / day);
+            printf(" %9.3g", (r->watched->failed_at - now) / u->seconds);
         }
         for (size_t k = 0; k < roll->methods; k++) {
             const lac_forecast *f = &roll->forecast[i * roll->methods + k];
             if (f->issued) {
-                printf(" %11.3g", (f->time - now) / day);
+                printf(" %11.3g", (f->time - now) / u->seconds);
             } else {
                 printf(" %11s", ".");
             }
@@ -166,17 +187,21 @@ static const char *number(double value, char *text, size_t size)
 
 static void print_skill(const cli_precursors_result *r)
 {
+    const unit *u = unit_of(r->rolling);
     char a[16], b[16], c[16], d[16], e[16], horizon[32];
-    printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued", "error (day)",
-           "in 50 %", "in 90 %", "CRPS (day)", "baseline", "alarms: hits, false, missed");
+    (void)snprintf(a, sizeof a, "error (%s)", u->name);
+    (void)snprintf(b, sizeof b, "CRPS (%s)", u->name);
+    printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued", a, "in 50 %",
+           "in 90 %", b, "baseline", "alarms: hits, false, missed");
     for (size_t k = 0; k < r->rolling->methods; k++) {
         const lac_skill *s = &r->skill[k];
         printf("  %-12s %3zu/%-3zu %12s %10s %10s %10s %10s   %zu: %zu, %zu, %zu\n",
-               s->kind->about.name, s->issued, s->asked, number(s->error / day, a, sizeof a),
+               s->kind->about.name, s->issued, s->asked, number(s->error / u->seconds, a, sizeof a),
                share(s->inside50, isnan(s->crps) ? 0 : s->issued, b, sizeof b),
                share(s->inside90, isnan(s->crps) ? 0 : s->issued, c, sizeof c),
-               number(s->crps / day, d, sizeof d), number(s->persistence_crps / day, e, sizeof e),
-               s->alarms, s->hits, s->false_alarms, s->misses);
+               number(s->crps / u->seconds, d, sizeof d),
+               number(s->persistence_crps / u->seconds, e, sizeof e), s->alarms, s->hits,
+               s->false_alarms, s->misses);
     }
     printf("  An alarm: failure within %s with a chance of three in four.\n",
            cli_quantity(r->plan->horizon, "s", horizon, sizeof horizon));

@@ -230,6 +230,17 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
     return status;
 }
 
+// What mends a balance that is off.
+static const char *remedy(const run_job *job, bool integrated)
+{
+    if (job->source->run.fidelity == LAC_FIDELITY_EVENTS) {
+        return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc needs "
+               "solver.fidelity: ode";
+    }
+    return integrated ? "tighten solver.rtol, or see solver.projection and formulation: slip"
+                      : "cells at rest are held at the slowest rate that is followed";
+}
+
 static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status)
 {
     // A hundredth of the strength: the drift then shows in what is drawn from the run.
@@ -237,9 +248,7 @@ static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_st
     if (!(residual <= 0.01) && !cli_given(job->request, CLI_OPT_QUIET)) {
         bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
         cli_note("warning: the traction balance %s by %.2g of the strength; %s",
-                 integrated ? "drifted" : "is off", residual,
-                 integrated ? "tighten solver.rtol, or see solver.projection and formulation: slip"
-                            : "cells at rest are held at the slowest rate that is followed");
+                 integrated ? "drifted" : "is off", residual, remedy(job, integrated));
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_outcome_json(outcome);

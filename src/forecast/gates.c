@@ -5,6 +5,8 @@
 
 static const lac_forecast_gate gates[] = {
     {"readings", "of any method: fewer velocities than the long mean of the onset is of (7)"},
+    {"range",
+     "of any method: a velocity or displacement above 1e150 m/s or m, or all below 1e-150"},
     {"acceleration",
      "of any method: the mean of the last 3 velocities is not above that of the last 7 (--onset)"},
     {"noise", "of any method: the last 3 intervals moved the slope by no more than 3 errors of a "

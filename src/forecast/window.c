@@ -8,6 +8,7 @@
 
 enum { BRIDGED = 3, LAST_INTERVALS = 3 };
 static const double above_noise = 3.0; // errors of the last displacement
+static const double beyond = 1e150;    // what is not computed with, nor its inverse
 
 static double mean_velocity(const lac_motion *m, size_t last, size_t count)
 {
@@ -47,6 +48,24 @@ static bool is_lost_in_noise(const lac_motion *m)
     return !(moved > above_noise * sqrt(2.0) * m->noise);
 }
 
+static double largest(size_t n, const double *value, double from)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        most = fmax(most, fabs(value[i] - from));
+    }
+    return most;
+}
+
+// Whether squares of what the methods fit, or of its inverse, are beyond all numbers.
+static bool is_out_of_range(const lac_motion *m)
+{
+    const double v = largest(m->velocities, m->velocity, 0.0);
+    const double d = m->n > 0 ? largest(m->n, m->displacement, m->displacement[0]) : 0.0;
+    return !(v <= beyond && d <= beyond) || (v > 0.0 && v < 1.0 / beyond) ||
+           (d > 0.0 && d < 1.0 / beyond);
+}
+
 void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *start, char *reason)
 {
     reason[0] = '\0';
@@ -54,6 +73,11 @@ void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *s
     if (m->velocities < def->long_run) {
         (void)snprintf(reason, LAC_FORECAST_TEXT, "too few readings: %zu velocities, at least %zu",
                        m->velocities, def->long_run);
+    } else if (is_out_of_range(m)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "out of range: velocities or displacements come above %.0e m/s or m, or all "
+                       "stay below %.0e",
+                       beyond, 1.0 / beyond);
     } else if (!accelerates(def, m, m->velocities - 1)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "no acceleration: the mean of %zu velocities, %.3g m/s, is not above that "

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -197,5 +196,5 @@ void lac_clusters_free(lac_clusters *clusters)
 
 double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, size_t cluster)
 {
-    return fmax(clusters->width[cluster] * grid->dx, clusters->depth[cluster] * grid->dy);
+    return lac_grid_extent(grid, clusters->width[cluster], clusters->depth[cluster]);
 }

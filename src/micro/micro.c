@@ -17,17 +17,26 @@ struct lac_micro {
     lac_micro_counts counts;
 };
 
+lac_status lac_micro_follows(const lac_descriptor *law, bool cut_off, lac_error *err)
+{
+    if (strcmp(law->name, "aging") != 0 && strcmp(law->name, "slip") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "fidelity events follows the aging and the slip law, not \"%s\"",
+                        law->name);
+    }
+    return !cut_off ? LAC_OK
+                    : lac_fail(err, LAC_EINPUT,
+                               "fidelity events follows no cut-off slip rates (v1, v2) and no "
+                               "alpha");
+}
+
 lac_status lac_micro_supports(const lac_friction *friction, lac_error *err)
 {
-    const char *law = friction->law->about.name;
-    if (strcmp(law, "aging") != 0 && strcmp(law, "slip") != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "fidelity events follows the aging and the slip law, not \"%s\"", law);
-    }
-    if (friction->ln_v1.value != NULL || friction->ln_cut.value != NULL ||
-        friction->response.value != NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "fidelity events follows no cut-off slip rates (v1, v2) and no alpha");
+    const bool cut_off = friction->ln_v1.value != NULL || friction->ln_cut.value != NULL ||
+                         friction->response.value != NULL;
+    lac_status status = lac_micro_follows(&friction->law->about, cut_off, err);
+    if (status != LAC_OK) {
+        return status;
     }
     for (size_t i = 0; i < friction->n; i++) {
         if (!(lac_cellwise_of(&friction->column[LAC_A], i) > 0.0)) {

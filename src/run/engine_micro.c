@@ -35,23 +35,33 @@ static void cells_free(lac_engine *engine)
 // What each cell may err by, in ln v, over one of its steps.
 static double tolerance_of(const lac_run_def *def) { return 10.0 * sqrt(def->rtol); }
 
-lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
+lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err)
 {
-    const lac_problem_parts parts = lac_problem_parts_of(problem);
-    if (parts.transfer->kind->blocks == NULL) {
+    if (scene->transfer->blocks == NULL) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity events goes with transfer hierarchy, not with %s",
-                        parts.transfer->kind->about.name);
+                        scene->transfer->about.name);
     }
-    if (!parts.linear) {
+    if (!scene->linear) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity events follows loads that are linear in time between "
                         "jumps and bends: ratio, slope, ramp, step, spring, constant");
     }
-    if (lac_problem_formulation(problem) != LAC_FORMULATION_RATE) {
+    if (scene->formulation != LAC_FORMULATION_RATE) {
         return lac_fail(err, LAC_EINPUT, "solver.fidelity events needs formulation rate");
     }
-    return lac_micro_supports(parts.friction, err);
+    return lac_micro_follows(scene->law, scene->cut_off, err);
+}
+
+lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
+{
+    const lac_problem_parts parts = lac_problem_parts_of(problem);
+    const lac_events_scene scene = {.transfer = parts.transfer->kind,
+                                    .law = &parts.friction->law->about,
+                                    .linear = parts.linear,
+                                    .formulation = lac_problem_formulation(problem)};
+    lac_status status = lac_run_events_follows(&scene, err);
+    return status == LAC_OK ? lac_micro_supports(parts.friction, err) : status;
 }
 
 static lac_status make(lac_engine *engine, cells *c, lac_error *err)

@@ -40,10 +40,12 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
         return lac_fail_within(err, status, "interface.surface");
     }
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
+    out->tolerance = c->contact_tolerance;
     lac_contact_def def = lac_contact_default();
     def.grid = out->grid;
     def.heights = out->heights;
     def.e_star = out->e_star;
+    def.tolerance = c->contact_tolerance;
     def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
     def.mean_pressure = out->mean_pressure;
     def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;

@@ -38,6 +38,7 @@ static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact 
     def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
+    def.tolerance = contact->tolerance;
     def.mean_pressure = contact->mean_pressure;
     scaling.finest = contact->pressure;
     lac_status status = lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);

@@ -57,6 +57,7 @@ static lac_status press(history *h, double mean, lac_history_record *record, lac
     def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
+    def.tolerance = contact->tolerance;
     def.mean_pressure = mean;
     def.start = h->next;
     lac_status status = lac_contact_solve(&def, h->next, NULL, &report, err);
@@ -195,6 +196,7 @@ static lac_tangential_def shear_def(const history *h)
     def.e_star = material->shear_modulus / (1.0 - material->poisson);
     def.poisson = material->poisson;
     def.friction = h->source->history.friction;
+    def.tolerance = h->source->contact_tolerance;
     if (h->source->history.method == LAC_HISTORY_SUPERPOSED) {
         def.method = LAC_SHEAR_SUPERPOSED;
         def.heights = h->contact->heights;

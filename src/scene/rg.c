@@ -36,6 +36,7 @@ static lac_contact_def contact_of(const lac_scene_contact *contact)
     def.grid = contact->grid;
     def.heights = contact->heights;
     def.e_star = contact->e_star;
+    def.tolerance = contact->tolerance;
     def.mean_pressure = contact->mean_pressure;
     return def;
 }

@@ -28,14 +28,7 @@ bool lac_series_is_netcdf(FILE *stream)
 
 static lac_status check(const series_file *file, int code, const char *what, lac_error *err)
 {
-    if (code == NC_NOERR) {
-        return LAC_OK;
-    }
-    if (code == NC_ENOMEM) {
-        return lac_fail_memory(err);
-    }
-    return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", file->path, what,
-                    nc_strerror(code));
+    return lac_netcdf_check(file->path, code, what, err);
 }
 
 // The variable of a column: numbers over the one dimension.

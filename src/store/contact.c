@@ -129,21 +129,18 @@ out:
     return status;
 }
 
+static lac_status put_all(const lac_nc *file, void *contact, lac_error *err)
+{
+    lac_status status = lac_nc_contact(file, contact, err);
+    return status == LAC_OK ? lac_nc_text(file, NC_GLOBAL, "status", "complete", err) : status;
+}
+
 lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
                              const lac_contact_view *contact, lac_error *err)
 {
-    lac_nc file = {0};
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance,
-                              "Contact of a rough rock joint under normal load: maps over the "
-                              "interface, and the fractal measures of the contact domain.",
-                              err));
-    LAC_TRY(lac_nc_contact(&file, contact, err));
-    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
-    return status;
+    lac_contact_view view = *contact;
+    return lac_nc_write(path, force, provenance,
+                        "Contact of a rough rock joint under normal load: maps over the "
+                        "interface, and the fractal measures of the contact domain.",
+                        put_all, &view, err);
 }

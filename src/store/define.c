@@ -85,27 +85,51 @@ static double value_area(const lac_domain *domain, size_t cell)
     return lac_grid_cell_area(&domain->grid);
 }
 
-static lac_status put_cells(const lac_store *s, const lac_domain *domain, int dim, lac_error *err)
-{
-    const struct {
-        const lac_nc_var *var;
-        cell_value *value;
-    } table[] = {{&cell_x, value_x},
+static const struct {
+    const lac_nc_var *var;
+    cell_value *value;
+} cell_vars[] = {{&cell_x, value_x},
                  {&cell_y, value_y},
                  {&cell_pressure, value_pressure},
                  {&cell_area, value_area}};
+
+static const lac_nc_var *const level_vars[] = {&level_var, &level_size, &level_width, &level_total};
+
+enum {
+    CELL_VARS = sizeof cell_vars / sizeof cell_vars[0],
+    LEVEL_VARS = sizeof level_vars / sizeof level_vars[0]
+};
+
+// Variables that are written once.
+typedef struct fixed {
+    int cells[CELL_VARS];
+    int levels[LEVEL_VARS];
+} fixed;
+
+static lac_status define_cells(const lac_store *s, int dim, fixed *ids, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < CELL_VARS; i++) {
+        LAC_TRY(
+            lac_nc_define(&s->file, cell_vars[i].var, 1, &dim, &s->cells, 1, &ids->cells[i], err));
+    }
+out:
+    return status;
+}
+
+static lac_status put_cells(const lac_store *s, const lac_domain *domain, const fixed *ids,
+                            lac_error *err)
+{
     double *values = malloc(domain->n * sizeof *values);
     if (values == NULL) {
         return lac_fail_memory(err);
     }
     lac_status status = LAC_OK;
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        int id = 0;
-        LAC_TRY(lac_nc_define(&s->file, table[i].var, 1, &dim, NULL, 1, &id, err));
+    for (size_t i = 0; i < CELL_VARS; i++) {
         for (size_t c = 0; c < domain->n; c++) {
-            values[c] = table[i].value(domain, c);
+            values[c] = cell_vars[i].value(domain, c);
         }
-        LAC_TRY(put_real(s, id, table[i].var->name, values, err));
+        LAC_TRY(put_real(s, ids->cells[i], cell_vars[i].var->name, values, err));
     }
 out:
     free(values);
@@ -125,31 +149,34 @@ out:
     return status;
 }
 
-static lac_status put_levels(const lac_store *s, const lac_hierarchy *h, const lac_grid *grid,
-                             lac_error *err)
+static lac_status define_levels(const lac_store *s, const lac_hierarchy *h, fixed *ids,
+                                lac_error *err)
 {
-    size_t levels = lac_hierarchy_levels(h) + 1;
     lac_status status = LAC_OK;
     int dim = 0;
-    int label = 0;
-    int size = 0;
-    int width = 0;
-    int total = 0;
-    LAC_TRY(lac_nc_dim(&s->file, "level", levels, &dim, err));
-    LAC_TRY(lac_nc_define(&s->file, &level_var, 1, &dim, NULL, 0, &label, err));
-    LAC_TRY(lac_nc_define(&s->file, &level_size, 1, &dim, NULL, 0, &size, err));
-    LAC_TRY(lac_nc_define(&s->file, &level_width, 1, &dim, NULL, 0, &width, err));
-    LAC_TRY(lac_nc_define(&s->file, &level_total, 1, &dim, NULL, 0, &total, err));
-    for (size_t l = 0; l < levels; l++) {
+    LAC_TRY(lac_nc_dim(&s->file, "level", lac_hierarchy_levels(h) + 1, &dim, err));
+    for (size_t i = 0; i < LEVEL_VARS; i++) {
+        LAC_TRY(lac_nc_define(&s->file, level_vars[i], 1, &dim, NULL, 0, &ids->levels[i], err));
+    }
+out:
+    return status;
+}
+
+static lac_status put_levels(const lac_store *s, const lac_hierarchy *h, const lac_grid *grid,
+                             const fixed *ids, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    const int *id = ids->levels;
+    for (size_t l = 0; l <= lac_hierarchy_levels(h); l++) {
         // Blocks of a line or a single row are as wide as the row.
         const double side = ldexp(grid->dx, (int)l);
         const double across = grid->ny > 1 ? ldexp(grid->dy, (int)l) : grid->dy;
         const long long name = (long long)l;
         const long long blocks = (long long)lac_hierarchy_blocks(h, l);
-        int code = nc_put_var1_longlong(s->file.id, label, &l, &name);
-        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, size, &l, &side) : code;
-        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, width, &l, &across) : code;
-        code = code == NC_NOERR ? nc_put_var1_longlong(s->file.id, total, &l, &blocks) : code;
+        int code = nc_put_var1_longlong(s->file.id, id[0], &l, &name);
+        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, id[1], &l, &side) : code;
+        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, id[2], &l, &across) : code;
+        code = code == NC_NOERR ? nc_put_var1_longlong(s->file.id, id[3], &l, &blocks) : code;
         LAC_TRY(lac_nc_check(s->file.path, code, err, "write the levels", ""));
     }
 out:
@@ -230,6 +257,8 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
         "against time, one record per line of the time series; fields of every cell where "
         "snapshots were asked for. The attribute `case` is the whole input; `status` says whether "
         "the file is whole.";
+    const bool levels = def->hierarchy != NULL && def->domain != NULL;
+    fixed ids;
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_provenance(&s->file, &def->provenance, summary, err));
     LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
@@ -239,17 +268,24 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
         int dim = 0;
         LAC_TRY(put_grid(s, &def->domain->grid, err));
         LAC_TRY(lac_nc_dim(&s->file, "cell", s->cells, &dim, err));
-        LAC_TRY(put_cells(s, def->domain, dim, err));
+        LAC_TRY(define_cells(s, dim, &ids, err));
         if (s->fields != 0) {
             LAC_TRY(define_fields(s, def, dim, err));
         }
     }
-    if (def->hierarchy != NULL && def->domain != NULL) {
-        LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, err));
+    if (levels) {
+        LAC_TRY(define_levels(s, def->hierarchy, &ids, err));
     }
     LAC_TRY(lac_store_define_extras(s, err));
     if (s->events != NULL) {
         LAC_TRY(lac_store_define_events(s, err));
+    }
+    // All is defined before a value is written: going back to defining flushes the file.
+    if (def->domain != NULL) {
+        LAC_TRY(put_cells(s, def->domain, &ids, err));
+    }
+    if (levels) {
+        LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, &ids, err));
     }
 out:
     return status;

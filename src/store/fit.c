@@ -2,7 +2,6 @@
 // The file of a fit: the posterior's draws, the predicted series, the readings.
 #include "lacuna/store_fit.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,13 +25,7 @@ typedef struct writer {
 static lac_status put(writer *w, const lac_nc_var *var, int rank, const int *dims, int *id,
                       lac_error *err)
 {
-    lac_status status = lac_nc_define(w->file, var, rank, dims, NULL, rank > 1 ? 1 : 0, id, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    errno = 0;
-    return lac_nc_check(w->file->path, nc_put_var_double(w->file->id, *id, w->row), err, "write",
-                        var->name);
+    return lac_nc_reals(w->file, var, rank, dims, rank > 1 ? 1 : 0, w->row, id, err);
 }
 
 static double kept(double value) { return isfinite(value) ? value : NC_FILL_DOUBLE; }
@@ -213,8 +206,10 @@ static void set_time_unit(writer *w)
     }
 }
 
-static lac_status put_all(writer *w, lac_error *err)
+static lac_status put_all(const lac_nc *file, void *context, lac_error *err)
 {
+    writer *w = context;
+    w->file = file;
     const lac_fit_view *view = w->view;
     static const char *const names[DIMENSIONS] = {"chain",      "draw",    "quantile",
                                                   "prediction", "reading", "sample"};
@@ -233,6 +228,7 @@ static lac_status put_all(writer *w, lac_error *err)
         LAC_TRY(put_chain(w, err));
     }
     LAC_TRY(put_series(w, err));
+    LAC_TRY(lac_nc_text(file, NC_GLOBAL, "status", view->status, err));
 out:
     return status;
 }
@@ -240,26 +236,17 @@ out:
 lac_status lac_store_fit(const char *path, bool force, const lac_provenance *provenance,
                          const lac_fit_view *view, lac_error *err)
 {
-    lac_nc file = {0};
-    writer w = {.file = &file, .view = view};
+    static const char *const summary =
+        "Parameters of a creep model fitted to a monitoring series: draws of the posterior, "
+        "predicted series and times of failure.";
+    writer w = {.view = view};
     size_t most = view->chains * view->draws + view->chains + view->quantiles * view->times +
                   view->times + view->readings + view->failures + 1;
-    lac_status status;
     set_time_unit(&w);
     w.row = calloc(most, sizeof *w.row);
-    status = w.row != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance,
-                              "Parameters of a creep model fitted to a monitoring series: draws of "
-                              "the posterior, predicted series and times of failure.",
-                              err));
-    LAC_TRY(put_all(&w, err));
-    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", view->status, err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
+    lac_status status = w.row != NULL
+                            ? lac_nc_write(path, force, provenance, summary, put_all, &w, err)
+                            : lac_fail_memory(err);
     free(w.row);
     return status;
 }

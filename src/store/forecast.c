@@ -191,16 +191,12 @@ static lac_status put(writer *w, const variable *v, lac_error *err)
                                 v->dims[0] == ISSUE && rank == 2 ? "issue_time method" : NULL,
                             .type = NC_DOUBLE,
                             .fill = v->fill};
-    LAC_TRY(lac_nc_define(w->file, &var, rank, dims, NULL, 0, &id, err));
-    LAC_TRY(lac_nc_text(w->file, id, "calendar", dated ? "proleptic_gregorian" : NULL, err));
     for (size_t i = 0; i < count; i++) {
         const double value = v->value(w, i);
         w->row[i] = isfinite(value) ? value : NC_FILL_DOUBLE;
     }
-    errno = 0;
-    LAC_TRY(lac_nc_check(w->file->path,
-                         count > 0 ? nc_put_var_double(w->file->id, id, w->row) : NC_NOERR, err,
-                         "write", v->name));
+    LAC_TRY(lac_nc_reals(w->file, &var, rank, dims, 0, w->row, &id, err));
+    LAC_TRY(lac_nc_text(w->file, id, "calendar", dated ? "proleptic_gregorian" : NULL, err));
 out:
     return status;
 }
@@ -232,6 +228,42 @@ out:
     return status;
 }
 
+// Why each was not issued, as text that is as long as the longest needs.
+static lac_status put_reasons(const writer *w, lac_error *err)
+{
+    const size_t count = w->length[ISSUE] * w->length[METHOD];
+    const lac_nc_var var = {.name = "reason",
+                            .long_name = "why the forecast is not issued",
+                            .comment = "empty where it is",
+                            .coordinates = "issue_time method",
+                            .type = NC_CHAR};
+    size_t longest = 1;
+    int dims[] = {w->dim[ISSUE], w->dim[METHOD], 0};
+    int id = 0;
+    lac_status status;
+    for (size_t i = 0; i < count; i++) {
+        const size_t n = strlen(forecast(w, i)->fit.reason);
+        longest = n > longest ? n : longest;
+    }
+    char *text = calloc(count, longest);
+    LAC_TRY(text != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < count; i++) {
+        const char *reason = forecast(w, i)->fit.reason;
+        for (size_t k = 0; reason[k] != '\0'; k++) {
+            text[i * longest + k] = reason[k];
+        }
+    }
+    LAC_TRY(lac_nc_dim(w->file, "reason_length", longest, &dims[2], err));
+    LAC_TRY(lac_nc_define(w->file, &var, 3, dims, NULL, 1, &id, err));
+    LAC_TRY(lac_nc_text(w->file, id, "_Encoding", "utf-8", err));
+    errno = 0;
+    LAC_TRY(lac_nc_check(w->file->path, nc_put_var_text(w->file->id, id, text), err, "write",
+                         var.name));
+out:
+    free(text);
+    return status;
+}
+
 static lac_status put_attributes(const writer *w, lac_error *err)
 {
     const lac_forecast_file *c = w->content;
@@ -258,8 +290,10 @@ out:
     return status;
 }
 
-static lac_status put_all(writer *w, lac_error *err)
+static lac_status put_all(const lac_nc *file, void *context, lac_error *err)
 {
+    writer *w = context;
+    w->file = file;
     static const char *const names[DIMENSIONS] = {"reading", "velocity_reading", "issue", "method"};
     lac_status status = LAC_OK;
     for (int i = 0; i < DIMENSIONS; i++) {
@@ -269,6 +303,7 @@ static lac_status put_all(writer *w, lac_error *err)
     for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++) {
         LAC_TRY(put(w, &variables[i], err));
     }
+    LAC_TRY(put_reasons(w, err));
     LAC_TRY(lac_nc_indicators(w->file, w->content, w->dim[ISSUE], w->length[ISSUE], err));
     LAC_TRY(put_attributes(w, err));
 out:
@@ -278,30 +313,21 @@ out:
 lac_status lac_store_forecast(const char *path, bool force, const lac_provenance *provenance,
                               const lac_forecast_file *content, lac_error *err)
 {
+    static const char *const summary =
+        "Forecasts of the time of failure of a slope, by several methods, and indicators of it, "
+        "from what was known at each issue time.";
     const lac_outlook *o = content->outlook;
-    lac_nc file = {0};
-    writer w = {.file = &file,
-                .content = content,
+    writer w = {.content = content,
                 .length = {o->motion->n, o->motion->velocities,
                            content->rolling != NULL ? content->rolling->issues : 1, o->count}};
     size_t most = w.length[ISSUE] * w.length[METHOD];
-    lac_status status;
     for (int i = 0; i < DIMENSIONS; i++) {
         most = w.length[i] > most ? w.length[i] : most;
     }
     w.row = malloc(most * sizeof *w.row);
-    status = w.row != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance,
-                              "Forecasts of the time of failure of a slope, by several methods, "
-                              "and indicators of it, from what was known at each issue time.",
-                              err));
-    LAC_TRY(put_all(&w, err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
+    lac_status status = w.row != NULL
+                            ? lac_nc_write(path, force, provenance, summary, put_all, &w, err)
+                            : lac_fail_memory(err);
     free(w.row);
     return status;
 }

@@ -2,7 +2,6 @@
 // Indicators in the file of forecasts: a variable for each number that was found.
 #include "store/indicators.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,14 +23,7 @@ static const lac_precursor *at(const column *c, size_t issue, size_t k)
 
 static lac_status put(const column *c, const lac_nc_var *var, lac_error *err)
 {
-    int id = 0;
-    lac_status status;
-    LAC_TRY(lac_nc_define(c->file, var, 1, &c->dim, NULL, 0, &id, err));
-    errno = 0;
-    LAC_TRY(lac_nc_check(c->file->path, nc_put_var_double(c->file->id, id, c->row), err, "write",
-                         var->name));
-out:
-    return status;
+    return lac_nc_reals(c->file, var, 1, &c->dim, 0, c->row, NULL, err);
 }
 
 // One number at all issue times; nothing where none has it.

@@ -70,6 +70,15 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err);
 /// Closes what is open, removes what was not published, frees the names.
 void lac_nc_clear(lac_nc *file);
 
+/// Fills a file that lac_nc_write has made. @return as lac_nc_define
+typedef lac_status (*lac_nc_put)(const lac_nc *file, void *context, lac_error *err);
+
+/// Makes a file in one go: created, its attributes, what `put` writes, closed, published. Where
+/// one of these fails there is no file.
+/// @return as lac_nc_create; what `put` returns; LAC_EIO
+lac_status lac_nc_write(const char *path, bool force, const lac_provenance *provenance,
+                        const char *summary, lac_nc_put put, void *context, lac_error *err);
+
 /// A dimension; length NC_UNLIMITED grows.
 lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *dim,
                       lac_error *err);
@@ -78,6 +87,12 @@ lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *
 /// @param dims, chunk  [rank]; chunk NULL: netCDF's choice
 lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
                          const size_t *chunk, int deflate, int *id, lac_error *err);
+
+/// The same with its values, all of them.
+/// @param values  of all dims
+/// @param id      of the variable; NULL: not wanted
+lac_status lac_nc_reals(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
+                        int deflate, const double *values, int *id, lac_error *err);
 
 /// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty is left
 /// out.

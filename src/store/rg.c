@@ -2,7 +2,6 @@
 // The file of a cascade: what slips at which load, level by level, and what was fitted to it.
 #include "lacuna/store_rg.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -382,8 +381,6 @@ static lac_status put(writer *w, const variable *v, lac_error *err)
     int rank = 0;
     size_t row = 1;
     const bool each = v->dims[0] == BETA;
-    int id = 0;
-    lac_status status;
     for (; rank < 3 && v->dims[rank] >= 0; rank++) {
         dims[rank] = w->dim[v->dims[rank]];
         row *= v->dims[rank] == BETA ? 1 : w->length[v->dims[rank]];
@@ -391,15 +388,10 @@ static lac_status put(writer *w, const variable *v, lac_error *err)
     lac_nc_var var = v->var;
     var.type = NC_DOUBLE;
     var.unit = var.unit != NULL ? var.unit : "1";
-    LAC_TRY(lac_nc_define(w->file, &var, rank, dims, NULL, 0, &id, err));
     for (size_t k = 0; k < (each ? w->view->betas : 1); k++) {
         v->fill(w, w->view->result[k], k, w->row + k * row);
     }
-    errno = 0;
-    LAC_TRY(lac_nc_check(w->file->path, nc_put_var_double(w->file->id, id, w->row), err, "write",
-                         v->var.name));
-out:
-    return status;
+    return lac_nc_reals(w->file, &var, rank, dims, 0, w->row, NULL, err);
 }
 
 static lac_status put_origin(const lac_nc *file, const lac_rg_origin *o, lac_error *err)
@@ -425,8 +417,10 @@ out:
     return status;
 }
 
-static lac_status put_all(writer *w, lac_error *err)
+static lac_status put_all(const lac_nc *file, void *context, lac_error *err)
 {
+    writer *w = context;
+    w->file = file;
     static const char *const names[DIMENSIONS] = {"beta", "load", "level", "cell", "interface"};
     lac_status status = LAC_OK;
     for (int i = 0; i < DIMENSIONS; i++) {
@@ -444,6 +438,7 @@ static lac_status put_all(writer *w, lac_error *err)
     LAC_TRY(lac_nc_real(w->file, NC_GLOBAL, "q_nom_Pa", w->view->strength, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "interfaces", (long long)w->first->joints, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "places", (long long)w->first->places, err));
+    LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "status", "complete", err));
 out:
     return status;
 }
@@ -451,32 +446,21 @@ out:
 lac_status lac_store_rg(const char *path, bool force, const lac_provenance *provenance,
                         const lac_rg_view *view, lac_error *err)
 {
+    static const char *const summary =
+        "Cascade of slip over the blocks of a rough rock joint: what slips at which shear force, "
+        "scale by scale, and the critical force.";
     const lac_rg_result *first = view->result[0];
-    lac_nc file = {0};
     writer w = {
-        .file = &file,
         .view = view,
         .first = first,
         .length = {view->betas, first->loads, first->levels + 1, view->domain->n, first->joints}};
     size_t inner = w.length[LOAD] * w.length[LEVEL];
     inner = inner > w.length[CELL] ? inner : w.length[CELL];
     inner = inner > w.length[INTERFACE] ? inner : w.length[INTERFACE];
-    lac_status status;
     w.row = malloc(view->betas * inner * sizeof *w.row);
-    status = w.row != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(
-        lac_nc_provenance(&file, provenance,
-                          "Cascade of slip over the blocks of a rough rock joint: what slips at "
-                          "which shear force, scale by scale, and the critical force.",
-                          err));
-    LAC_TRY(put_all(&w, err));
-    LAC_TRY(lac_nc_text(&file, NC_GLOBAL, "status", "complete", err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
+    lac_status status = w.row != NULL
+                            ? lac_nc_write(path, force, provenance, summary, put_all, &w, err)
+                            : lac_fail_memory(err);
     free(w.row);
     return status;
 }

@@ -23,20 +23,12 @@ typedef struct grid_file {
 
 static bool is_netcdf(const lac_bytes *bytes)
 {
-    return lac_bytes_begin(bytes, "\x89HDF\r\n\x1a\n") || lac_bytes_begin(bytes, "CDF\x01") ||
-           lac_bytes_begin(bytes, "CDF\x02") || lac_bytes_begin(bytes, "CDF\x05");
+    return lac_netcdf_begins(bytes->data, bytes->size);
 }
 
 static lac_status check(const grid_file *file, int code, const char *what, lac_error *err)
 {
-    if (code == NC_NOERR) {
-        return LAC_OK;
-    }
-    if (code == NC_ENOMEM) {
-        return lac_fail_memory(err);
-    }
-    return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", file->path, what,
-                    nc_strerror(code));
+    return lac_netcdf_check(file->path, code, what, err);
 }
 
 // A variable that may be the map: two dimensions, numbers.

@@ -30,8 +30,14 @@ static const lac_case_issue *first_error(const lac_case_report *report)
     return NULL;
 }
 
-static lac_status read_case(const char *path, size_t count, const char *const *sets, lac_case **out,
-                            lac_error *err)
+// Where a case comes from: the file `name`, or text that goes by this name.
+typedef struct lac_case_origin {
+    const char *name, *text; // text NULL: the file
+    size_t size;
+} lac_case_origin;
+
+static lac_status read_case(const lac_case_origin *from, size_t count, const char *const *sets,
+                            lac_case **out, lac_error *err)
 {
     lac_case_report report = {0};
     lac_status status = LAC_OK;
@@ -43,7 +49,9 @@ static lac_status read_case(const char *path, size_t count, const char *const *s
         LAC_TRY(cut(sets[i], &overrides[i], err));
     }
     lac_case_request request = {.purpose = LAC_FOR_RUN, .overrides = overrides, .count = count};
-    status = lac_case_read(path, &request, out, &report, err);
+    status = from->text == NULL ? lac_case_read(from->name, &request, out, &report, err)
+                                : lac_case_read_text(from->name, from->text, from->size, &request,
+                                                     out, &report, err);
     const lac_case_issue *issue = first_error(&report);
     if (status == LAC_EINPUT && issue != NULL && err != NULL) {
         (void)lac_case_issue_format(issue, err->message, sizeof err->message);
@@ -135,8 +143,8 @@ out:
     return status == LAC_OK ? ended : status;
 }
 
-lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
-                           const lac_interruption *stop, lac_recording **out, lac_error *err)
+static lac_status record(const lac_case_origin *from, size_t count, const char *const *sets,
+                         const lac_interruption *stop, lac_recording **out, lac_error *err)
 {
     lac_case *source = NULL;
     lac_scene *scene = NULL;
@@ -144,7 +152,7 @@ lac_status lac_record_case(const char *path, size_t count, const char *const *se
     lac_recording *recording = NULL;
     lac_status status;
     *out = NULL;
-    LAC_TRY(read_case(path, count, sets, &source, err));
+    LAC_TRY(read_case(from, count, sets, &source, err));
     LAC_TRY(lac_scene_create(source, &scene, err));
     LAC_TRY(pick(scene, source, stop, err));
     LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
@@ -160,4 +168,19 @@ out:
     lac_scene_free(scene);
     lac_case_free(source);
     return status;
+}
+
+lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
+                           const lac_interruption *stop, lac_recording **out, lac_error *err)
+{
+    const lac_case_origin file = {.name = path};
+    return record(&file, count, sets, stop, out, err);
+}
+
+lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
+                                const char *const *sets, const lac_interruption *stop,
+                                lac_recording **out, lac_error *err)
+{
+    const lac_case_origin memory = {.name = name, .text = text, .size = size};
+    return record(&memory, count, sets, stop, out, err);
 }

@@ -62,3 +62,8 @@ def data_of(path):
     with open(path, encoding="utf-8") as file:
         page = file.read()
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL).group(1))
+
+
+def output(program, *words):
+    """What a command prints."""
+    return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout

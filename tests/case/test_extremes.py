@@ -173,6 +173,18 @@ class Extremes(unittest.TestCase):
                 'transfer: {hierarchy: {k0: "1 MPa/m"}}')
         self.breaks("1 sweeps over the cells were not enough", steps=1, fidelity="events", more=more)
 
+    def test_a_balance_that_is_off_names_what_mends_it(self):
+        """With events neither another formulation nor projection does, which it does not have."""
+        done = self.run_case(
+            fidelity="events", rtol=0.01, end=4, dc=3e-6, b=0.015, v=1e-6, every=4, pressure=3e6,
+            state="{ratio_to_steady: 0.9}, spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}",
+            shear=", shear: [{spring: {stiffness: 9e11, speed: 1 um/s}}]",
+            more='interface: {size: "8 m", levels: 3, domain: {full: {}}}\n'
+                 'transfer: {hierarchy: {k0: "1 MPa/m", ratio: 0.5}}')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, "balance drifted by .* solver.fidelity: ode")
+        self.assertNotIn("formulation", done.stderr)
+
     def test_no_direct_effect_and_no_damping(self):
         done = self.run_case(a=0, v=1e-9, state='"1e6 s"')
         self.assertIn(done.returncode, (1, 2), done.stderr)

@@ -225,8 +225,22 @@ class Precursors(unittest.TestCase):
         self.check_file("log.nc", answer)
         text = self.call("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
                          "-v", "--failed-at", "40 day").stdout
-        for word in ("life expectancy (days)", "skill", "An alarm", "saito", "40 day"):
+        for word in ("life expectancy (days)", "skill", "error (day)", "An alarm", "saito", "40 day"):
             self.assertIn(word, text)
+
+    def test_times_to_failure_have_a_unit_of_their_span(self):
+        """Times left at the same readings are the same numbers, whatever the clock's unit."""
+        tables = {}
+        for clock, head, name in (("s", "s", "s"), ("min", "min", "min"), ("hour", "hour", "hour"),
+                                  ("day", "days", "day")):
+            text = self.call("log.csv", "--displacement", "d:m", "--time-format", clock, "--rolling",
+                             "--failed-at", f"40 {clock}").stdout.split("\n  ")
+            at = next(i for i, line in enumerate(text) if line.startswith("life expectancy"))
+            self.assertTrue(text[at].startswith(f"life expectancy ({head}) "))
+            self.assertTrue(any(f"error ({name})" in line and f"CRPS ({name})" in line for line in text))
+            tables[clock] = [line.split()[2] for line in text[at + 1:at + 20]]
+        self.assertEqual(tables["s"][0], "33")
+        self.assertEqual(tables["s"], tables["day"])
 
     def check_file(self, name, answer):
         path = os.path.join(self.folder, name)
@@ -236,6 +250,7 @@ class Precursors(unittest.TestCase):
                 self.assertEqual(data["issue_time"][i], issue["issue_time_s"])
                 for k, f in enumerate(issue["forecasts"]):
                     self.assertEqual(data["issued"][i, k], f["issued"])
+                    self.assertEqual(data["reason"][i, k], f["reason"] or "")
                     stored = data["failure_time"][i, k]
                     self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
                                      f["tc_s"])

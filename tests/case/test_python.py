@@ -5,6 +5,7 @@
 usage: test_python.py PROGRAM SOURCE_FOLDER LIBRARY
 """
 
+import gc
 import json
 import os
 import shutil
@@ -107,6 +108,65 @@ class Python(unittest.TestCase):
         self.assertEqual(mine["n_slip"].dims, ("time", "level"))
         self.assertEqual(mine["cell_state"].dims, ("snapshot", "cell"))
         self.assertNotIn("cell_slip_rate", mine)
+
+    def test_case_in_memory(self):
+        """A mapping gives what the same case gives from its file, numpy's numbers and truth values included."""
+        case = {"lacuna": 1, "load": {"normal": {"pressure": numpy.float64(3e6)}},
+                "friction": {"aging": {"f0": 0.6, "a": 0.01, "b": 0.015, "dc": "5 mm", "v0": "1 um/s"}},
+                "initial": {"slip_rate": "1 cm/week", "state": {"ratio_to_steady": 0.5}},
+                "time": {"end": "30 day"}, "output": {"fields": []}}
+        path = os.path.join(self.folder, "same.yaml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(json.dumps({**case, "load": {"normal": {"pressure": "3 MPa"}}}))
+        mine, same = lacuna.run(case), lacuna.run(path)
+        self.assertTrue(mine.identical(same))
+        other = lacuna.run(case, {"initial.state": {"ratio_to_steady": 0.4}, "friction.aging.dc": 0.004})
+        self.assertFalse(mine.equals(other))
+        for wrong, kind in (({}, "input"), ({**case, "frictoin": 1}, "input")):
+            with self.assertRaises(lacuna.Error) as caught:
+                lacuna.run(wrong)
+            self.assertEqual(caught.exception.kind, kind)
+            self.assertTrue(str(caught.exception).startswith("case"), str(caught.exception))
+        for wrong in (None, 3):
+            with self.assertRaises(TypeError):
+                lacuna.run(wrong)
+
+    def test_values_as_text(self):
+        for value, text in ((True, "true"), ("4 cm", "4 cm"), (numpy.float64(0.25), "0.25"), (numpy.array([1, 2]), "[1, 2]"),
+                            ({"a": None}, '{"a": null}')):
+            self.assertEqual(lacuna._text(value), text)
+
+    def test_memory(self):
+        """Arrays are the recording's own memory: they outlive the Dataset, and it is freed with the last of them."""
+        freed = []
+        free = lacuna._library.lac_recording_free
+
+        class Watched(lacuna._Recording):
+            def __del__(self):
+                freed.append(True)
+                free(self.handle)
+
+        before, lacuna._Recording = lacuna._Recording, Watched
+        self.addCleanup(setattr, lacuna, "_Recording", before)
+        run = lacuna.run(self.path("block.yaml"))
+        values = run["slip"].values
+        self.assertFalse(values.flags.owndata)
+        kept = values.copy()
+        del run
+        gc.collect()
+        self.assertEqual(freed, [])
+        numpy.testing.assert_array_equal(values, kept)
+        values[0] = 1.0  # it is the caller's
+        del values
+        gc.collect()
+        self.assertEqual(freed, [True])
+
+    def test_no_library(self):
+        for path in ("/none/liblacuna.so", "libm.so.6"):
+            done = subprocess.run([sys.executable, "-c", "import lacuna"], capture_output=True, text=True, check=False, env={
+                **os.environ, "LACUNA_LIBRARY": path, "PYTHONPATH": os.path.join(SOURCE, "tools", "python")})
+            self.assertIn("ImportError", done.stderr.splitlines()[-1])
+            self.assertIn(path, done.stderr.splitlines()[-1])
 
     def test_errors(self):
         for case, overrides, kind, message in (

@@ -194,6 +194,22 @@ class Normals(Small):
             with self.subTest(name):
                 self.near(self.press("normal/" + name)["mean_pressure_Pa"], pressure, 1e-9)
 
+    def test_a_contact_is_solved_to_its_tolerance(self):
+        """Pressures come to those of the tightest tolerance, 1e-8 being what no case need name."""
+        pressure = {}
+        for tolerance in ("1e-12", "1e-8", "1e-4", ""):
+            words = ["--set", "solver.contact_tolerance=" + tolerance] if tolerance else []
+            said = self.press("normal/pressure", *words)
+            self.assertLess(said["complementarity_error"], float(tolerance or 1e-8))
+            with netCDF4.Dataset(self.path("out.nc")) as data:
+                pressure[tolerance] = numpy.array(data["pressure"][:])
+        best = pressure["1e-12"]
+        error = {t: abs(p - best).max() / best.max() for t, p in pressure.items()}
+        self.assertLess(error["1e-8"], 1e-6)
+        self.assertLess(error["1e-4"], 1e-2)
+        self.assertGreater(error["1e-4"], 10 * error["1e-8"])
+        self.assertTrue((pressure[""] == pressure["1e-8"]).all())
+
     def test_a_load_that_follows_presses_to_the_same(self):
         for name, key, wanted in (("approach", "approach_m", 0.01), ("dimension", "d_blocks", 1.5)):
             with self.subTest(name):

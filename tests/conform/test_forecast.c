@@ -237,6 +237,32 @@ static void any_numbers_are_survived(void **state)
     }
 }
 
+// Too large or too small to square: refused in words, with no nan or inf in them.
+static void numbers_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    static const double sizes[] = {1e149, 1e151, 1e307, DBL_MAX, 1e-149, 1e-151, DBL_MIN};
+    static const bool refused[] = {false, true, true, true, false, true, true};
+    double velocity[N];
+    const lac_forecast_def def = lac_forecast_default();
+    const lac_readings readings = {.n = N, .time = times, .velocity = velocity};
+    for (size_t kind = 0; kind < sizeof sizes / sizeof *sizes; kind++) {
+        for (size_t i = 0; i < N; i++) {
+            times[i] = (double)i;
+            velocity[i] = sizes[kind] / (double)(N - i);
+        }
+        lac_outlook *o = NULL;
+        assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+        for (size_t k = 0; k < o->count; k++) {
+            const char *reason = o->forecast[k].fit.reason;
+            assert_int_equal(strstr(reason, "out of range") != NULL, refused[kind]);
+            assert_null(strstr(reason, "inf"));
+            assert_null(strstr(reason, "nan"));
+        }
+        lac_outlook_free(o);
+    }
+}
+
 static void skill_is_measured(void **state)
 {
     (void)state;
@@ -275,6 +301,7 @@ int main(void)
         cmocka_unit_test(an_interruption_keeps_what_was_issued),
         cmocka_unit_test(clock_and_metre_do_not_matter),
         cmocka_unit_test(any_numbers_are_survived),
+        cmocka_unit_test(numbers_out_of_range_are_refused),
         cmocka_unit_test(skill_is_measured),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -110,7 +110,8 @@ class Checker:
         name, attributes = var.name, var.ncattrs()
         if not re.match(r"^[A-Za-z][A-Za-z0-9_]*$", name):
             self.fault(f"{name}: not a CF name")
-        for wanted in ("long_name", "units"):
+        text = var.dtype == "S1"
+        for wanted in ("long_name",) if text else ("long_name", "units"):
             if not str(getattr(var, wanted, "")).strip():
                 self.fault(f"{name}: has no {wanted}")
         unit = getattr(var, "units", "")

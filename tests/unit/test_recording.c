@@ -67,6 +67,29 @@ static void test_refused(void **state)
     expect_refused(BLOCK "s", "title=x", LAC_EIO, "block.yamls");
 }
 
+// A case from memory is that from its file; messages name it as the caller does.
+static void test_from_memory(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "{\"lacuna\": 1, \"load\": {\"normal\": {\"pressure\": 3e6}}, \"friction\": {\"aging\": "
+        "{\"a\": 0.01, \"b\": 0.015, \"dc\": \"5 mm\"}}, \"time\": {\"end\": \"2 s\"}}, left out";
+    const size_t size = sizeof text - sizeof ", left out";
+    const char *const sets[] = {"time.end=1 s", "initial={slip_rate: 1 cm/week, state: steady}"};
+    lac_recording *recording = NULL;
+    lac_error err = {0};
+    assert_int_equal(lac_record_case_text("mine", text, size, 2, sets, NULL, &recording, &err),
+                     LAC_OK);
+    const lac_recorded time = find(recording, "time"), rate = find(recording, "slip_rate");
+    assert_true(time.values[time.count - 1] == 1);
+    assert_true(fabs(rate.values[0] - 0.01 / (7 * 86400.0)) < 1e-12 * rate.values[0]);
+    lac_recording_free(recording);
+    assert_int_equal(lac_record_case_text("mine", "a: [", 4, 0, NULL, NULL, &recording, &err),
+                     LAC_EINPUT);
+    assert_null(recording);
+    assert_int_equal(strncmp(err.message, "mine:", 5), 0);
+}
+
 static bool after_five(void *context)
 {
     int *asked = context;
@@ -90,6 +113,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_block),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_from_memory),
         cmocka_unit_test(test_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,6 +85,18 @@ static void known_shapes(void **state)
     expect("#", true, 1, (const uint32_t[][3]){{1, 1, 1}});
 }
 
+// The width of a line is no extent, however long against its cells.
+static void clusters_of_a_line(void **state)
+{
+    (void)state;
+    const lac_grid grid = {.nx = 6, .ny = 1, .dx = 0.01, .dy = 1.0, .periodic = true};
+    lac_clusters *c = clusters_of(grid, (const uint8_t[]){1, 0, 1, 1, 1, 0});
+    assert_int_equal(c->n, 2);
+    assert_true(lac_cluster_extent(c, &grid, 0) == 3 * 0.01);
+    assert_true(lac_cluster_extent(c, &grid, 1) == 0.01);
+    lac_clusters_free(c);
+}
+
 // Spreads the least label to neighbours until nothing changes: slow and plain.
 static void flood(const lac_grid *g, const uint8_t *occupied, uint32_t *label)
 {
@@ -215,6 +227,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_shapes),
+        cmocka_unit_test(clusters_of_a_line),
         cmocka_unit_test(random_maps_agree_with_a_flood),
         cmocka_unit_test(percolation_sets_in),
         cmocka_unit_test(empty_domain_is_refused),

@@ -162,21 +162,32 @@ static double brute_critical(const scene *s, const lac_rg_path *path)
     return high;
 }
 
+static lac_rg_path *equal_path(const scene *s)
+{
+    lac_error err = {""};
+    lac_rg_path *path = NULL;
+    assert_int_equal(lac_rg_path_equal(s->n, s->strength, &path, &err), LAC_OK);
+    return path;
+}
+
+static double critical_by(const scene *s, lac_rg_rule rule, const lac_rg_path *path)
+{
+    double work[2 * MOST];
+    lac_rg_tree *tree = tree_of(&s->t.blocks, s->strength, s->drop);
+    const double critical = lac_rg_critical(tree, rule, path, work);
+    lac_rg_tree_free(tree);
+    return critical;
+}
+
 static void test_lump_critical_load(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 300; seed++) {
         scene s;
-        double work[2 * MOST];
-        lac_error err = {""};
-        lac_rg_path *path = NULL;
         scene_fill(&s, seed);
-        lac_rg_tree *tree = tree_of(&s.t.blocks, s.strength, s.drop);
-        assert_int_equal(lac_rg_path_equal(s.n, s.strength, &path, &err), LAC_OK);
-        assert_near(lac_rg_critical(tree, LAC_RG_LUMP, path, work), brute_critical(&s, path),
-                    1.1e-9);
+        lac_rg_path *path = equal_path(&s);
+        assert_near(critical_by(&s, LAC_RG_LUMP, path), brute_critical(&s, path), 1.1e-9);
         lac_rg_path_free(path);
-        lac_rg_tree_free(tree);
     }
 }
 
@@ -187,16 +198,11 @@ static void test_cons_lies_between_beta_and_one(void **state)
     (void)state;
     for (uint64_t seed = 0; seed < 1000; seed++) {
         scene s;
-        double work[2 * MOST];
-        lac_error err = {""};
-        lac_rg_path *path = NULL;
         scene_fill(&s, seed);
-        lac_rg_tree *tree = tree_of(&s.t.blocks, s.strength, s.drop);
-        assert_int_equal(lac_rg_path_equal(s.n, s.strength, &path, &err), LAC_OK);
-        double critical = lac_rg_critical(tree, LAC_RG_CONS, path, work);
+        lac_rg_path *path = equal_path(&s);
+        const double critical = critical_by(&s, LAC_RG_CONS, path);
         assert_true(critical >= s.beta - 1e-9 && critical <= 1.0 + 1e-12);
         lac_rg_path_free(path);
-        lac_rg_tree_free(tree);
     }
 }
 

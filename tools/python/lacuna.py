@@ -6,13 +6,19 @@
     run.slip_rate.plot(yscale="log")
     run.attrs["failure_time_s"]
 
-The variables are those of a run's file (docs/format.md), of one value what the run came to. The
+    case = {"lacuna": 1, "load": {"normal": {"pressure": "3 MPa"}}, ...}
+    lacuna.run(case)                     # a case that is in no file
+
+The variables are those of a run's file (docs/format.md); what has one value is an attribute, its unit in
+its name. Arrays are the library's memory, which is freed with the last of them. Errors are lacuna.Error. The
 library is liblacuna.so beside this module's installation, else where the loader finds it, else what
 LACUNA_LIBRARY names. Threads are OpenMP's: set OMP_NUM_THREADS=1 unless a run is large.
 """
 
+import collections.abc
 import ctypes
 import glob
+import json
 import os
 import signal
 import threading
@@ -28,7 +34,11 @@ LIBRARY = "liblacuna.so.0.1"  # the interface that this module knows
 
 
 class Error(Exception):
-    """What the library refused or could not do; `kind` is one of STATUS."""
+    """What the library refused or could not do, in its words.
+
+    `kind` says which: "input" (the case: key, value and what is allowed), "file", "numeric" or
+    "out of memory".
+    """
 
     def __init__(self, status, message):
         super().__init__(message or STATUS[status])
@@ -63,12 +73,19 @@ def _library_path():
 
 
 def _open():
-    library = ctypes.CDLL(_library_path())
+    path = _library_path()
+    try:
+        library = ctypes.CDLL(path)
+    except OSError as wrong:
+        raise ImportError(f"no library of Lacuna: {wrong}; LACUNA_LIBRARY names it", path=path) from wrong
+    if not hasattr(library, "lac_record_case_text"):
+        raise ImportError(f"{path}: not the library that this module is of", path=path)
     library.gsl_set_error_handler_off()  # GSL's own would end the process
     library.lac_version.restype = ctypes.c_char_p
-    library.lac_record_case.argtypes = [
-        ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p),
-        ctypes.POINTER(_Interruption), ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Error)]
+    shared = [ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(_Interruption),
+              ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Error)]
+    library.lac_record_case.argtypes = [ctypes.c_char_p, *shared]
+    library.lac_record_case_text.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, *shared]
     library.lac_recording_at.argtypes = [ctypes.c_void_p, ctypes.c_size_t,
                                          ctypes.POINTER(_Recorded)]
     library.lac_recording_at.restype = ctypes.c_bool
@@ -109,6 +126,38 @@ class _Stop:
             signal.signal(signal.SIGINT, self.before)
 
 
+class _Recording:
+    """A recording of the library; freed when nothing, no array either, refers to it any more."""
+
+    def __init__(self):
+        self.handle = ctypes.c_void_p()
+
+    def __del__(self):
+        _library.lac_recording_free(self.handle)
+
+    def variables(self):
+        """Name, dimensions, values and attributes of each variable."""
+        seen, index = _Recorded(), 0
+        while _library.lac_recording_at(self.handle, index, ctypes.byref(seen)):
+            yield (seen.name.decode(), seen.dimensions.decode().split(), _values(self, seen),
+                   {"units": seen.unit.decode(), "long_name": seen.long_name.decode()})
+            index += 1
+
+
+class _Memory:
+    """Numbers of a recording, which it keeps, as numpy takes them without a copy."""
+
+    def __init__(self, recording, seen):
+        self.recording = recording
+        self.__array_interface__ = {
+            "version": 3, "shape": (seen.count,), "typestr": numpy.dtype(float).str,
+            "data": (ctypes.cast(seen.values, ctypes.c_void_p).value, False)}
+
+
+def _values(recording, seen):
+    return numpy.asarray(_Memory(recording, seen)) if seen.count else numpy.empty(0)
+
+
 def _shape(dimensions, count, sizes):
     """Lengths of the dimensions; one that is new has what the others leave of `count`."""
     known = [sizes.get(d) for d in dimensions]
@@ -117,13 +166,9 @@ def _shape(dimensions, count, sizes):
 
 
 def _dataset(recording):
-    seen, sizes, variables, attributes = _Recorded(), {}, {}, {}
-    found = []
-    while _library.lac_recording_at(recording, len(found), ctypes.byref(seen)):
-        values = (numpy.ctypeslib.as_array(seen.values, (seen.count,)).copy() if seen.count
-                  else numpy.empty(0))
-        found.append((seen.name.decode(), seen.dimensions.decode().split(), values,
-                      {"units": seen.unit.decode(), "long_name": seen.long_name.decode()}))
+    """The Dataset of a recording, whose memory it keeps."""
+    sizes, variables, attributes = {}, {}, {}
+    found = list(recording.variables())
     # Those of one dimension first: they say how long it is.
     for name, dimensions, values, about in sorted(found, key=lambda v: len(v[1])):
         if not dimensions:
@@ -139,29 +184,52 @@ def _dataset(recording):
     return xarray.Dataset(variables, attrs=attributes).set_coords(coordinates)
 
 
-def run(case, overrides=None):
-    """Runs a case file to its end or to failure.
+def _text(value):
+    """A value as YAML: texts as they are, so that "4 cm" is a quantity; the rest as JSON, which YAML contains."""
+    return value if isinstance(value, str) else json.dumps(value, default=_plain)
 
-    case       path of the case
-    overrides  {"key.path": value}, as --set key.path=value
-    Returns an xarray.Dataset; raises Error, and KeyboardInterrupt after Ctrl-C. Threads that call it
-    at once wait for each other.
-    """
-    path = os.fsencode(case)
-    sets = [os.fsencode(f"{key}={value}") for key, value in (overrides or {}).items()]
-    if any(b"\0" in word for word in (path, *sets)):
-        raise ValueError("embedded null byte")
+
+def _plain(value):
+    """What JSON does not know: numpy's numbers and arrays, paths."""
+    if isinstance(value, (numpy.generic, numpy.ndarray)):
+        return value.tolist()
+    if isinstance(value, collections.abc.Mapping):
+        return dict(value)
+    return os.fspath(value)
+
+
+def _call(case, sets, stop, recording, error):
+    """The library's status for a case as a path or as a mapping."""
     words = (ctypes.c_char_p * len(sets))(*sets)
-    recording, error = ctypes.c_void_p(), _Error()
+    shared = (len(sets), words, ctypes.byref(stop.request), ctypes.byref(recording.handle), ctypes.byref(error))
+    if isinstance(case, collections.abc.Mapping):
+        text = json.dumps(dict(case), indent=1, default=_plain).encode()
+        return _library.lac_record_case_text(b"case", text, len(text), *shared)
+    return _library.lac_record_case(os.fsencode(case), *shared)
+
+
+def run(case, overrides=None):
+    """Runs a case to its end or to failure.
+
+    case       path of a case file; or the case itself as a mapping, whose relative paths are looked
+               for in the current folder
+    overrides  {"key.path": value}, as --set key.path=value: text with a unit, numbers in SI, lists,
+               mappings, True and False
+    Returns an xarray.Dataset whose attributes are what the run came to: "failed", "failure_time_s", "steps" ...
+    Raises Error for what the library refuses, TypeError for what is no case, ValueError for a null byte in a
+    text, and KeyboardInterrupt after Ctrl-C. Threads that call it at once wait for each other.
+
+    >>> run("cases/block.yaml", {"friction.aging.dc": "4 cm"}).slip_rate.max()
+    """
+    sets = [os.fsencode(f"{key}={_text(value)}") for key, value in (overrides or {}).items()]
+    path = [] if isinstance(case, collections.abc.Mapping) else [os.fsencode(case)]
+    if any(b"\0" in word for word in (*path, *sets)):
+        raise ValueError("embedded null byte")
+    recording, error = _Recording(), _Error()
     with _one_at_a_time, _Stop() as stop:
-        status = _library.lac_record_case(path, len(sets), words,
-                                          ctypes.byref(stop.request), ctypes.byref(recording),
-                                          ctypes.byref(error))
-    try:
-        if status == INTERRUPTED:
-            raise KeyboardInterrupt
-        if status != 0:
-            raise Error(status, error.message.decode(errors="replace"))
-        return _dataset(recording)
-    finally:
-        _library.lac_recording_free(recording)
+        status = _call(case, sets, stop, recording, error)
+    if status == INTERRUPTED:
+        raise KeyboardInterrupt
+    if status != 0:
+        raise Error(status, error.message.decode(errors="replace"))
+    return _dataset(recording)
