@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What `cmake --install` puts where: program, libraries, headers, Python module, manual pages,
-# completions, cases. Nothing of it knows its place: the whole may be moved.
+# What `cmake --install` puts where: program, libraries, headers, Python module, tools that draw, manual
+# pages, completions, documentation, cases. Nothing of it knows its place: the whole may be moved.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -11,12 +11,14 @@ install(TARGETS lacuna ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/include/lacuna DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna OPTIONAL
         PATTERN "*.nc" EXCLUDE)
-install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CITATION.cff
-              ${CMAKE_SOURCE_DIR}/CHANGELOG.md
-        DESTINATION ${CMAKE_INSTALL_DOCDIR})
+file(GLOB pages CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/*.md)
+install(FILES ${pages} ${CMAKE_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        PATTERN docs/man EXCLUDE PATTERN docs/notebook EXCLUDE)
+file(GLOB drawing CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tools/*plot*.py
+     ${CMAKE_SOURCE_DIR}/tools/*figure*.py)
+install(PROGRAMS ${drawing} DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna/tools)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
-install(FILES ${CMAKE_SOURCE_DIR}/docs/embed/creep.c ${CMAKE_SOURCE_DIR}/docs/embed/CMakeLists.txt
-        DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
 # cc program.c $(pkg-config --cflags --libs lacuna); with --static the static library and all it needs.
 file(RELATIVE_PATH LACUNA_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
@@ -39,20 +41,20 @@ if(TARGET lacuna_shared)
   install(FILES ${CMAKE_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages)
 endif()
 
-# Manual pages, where scdoc is there to make them.
+# Manual pages, where scdoc is there to make them; in man1 `man` finds them by the PATH of build/lacuna.
 find_program(SCDOC scdoc)
 if(SCDOC)
   file(GLOB man_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/man/*.scd)
   set(man_pages)
   foreach(source ${man_sources})
     get_filename_component(page ${source} NAME_WLE)
-    set(page ${CMAKE_BINARY_DIR}/man/${page})
+    set(page ${CMAKE_BINARY_DIR}/man/man1/${page})
     add_custom_command(OUTPUT ${page}
       COMMAND ${SCDOC} < ${source} > ${page}
       DEPENDS ${source} VERBATIM)
     list(APPEND man_pages ${page})
   endforeach()
-  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/man)
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/man/man1)
   add_custom_target(man ALL DEPENDS ${man_pages})
   install(FILES ${man_pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()
@@ -73,6 +75,9 @@ if(TARGET lacuna_program)
           DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.zsh RENAME _lacuna
           DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+  # where zsh looks below /usr/local, and anywhere but on Debian
+  install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.zsh RENAME _lacuna
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
   install(FILES ${CMAKE_BINARY_DIR}/completion/lacuna.fish
           DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 endif()

@@ -7,7 +7,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGE_DESCRIPTION
   "Presses rough surfaces, follows the cells that touch through rate-and-state friction and a
 hierarchy of stress transfer in time, and forecasts failure from readings. Program, library,
-headers, Python module, manual pages and cases.")
+headers, Python module, tools that draw, manual pages, documentation and cases.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -16,7 +16,9 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # Loaded where --view asks for it, which shlibdeps cannot see.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libmicrohttpd12")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-xarray, netcdf-bin")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-xarray, python3-netcdf4, python3-matplotlib, netcdf-bin")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/cmake/prerm)
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/cmake/package_needs.cmake)
 include(CPack)

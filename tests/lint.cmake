@@ -36,7 +36,7 @@ endif()
 find_program(SHELLCHECK NAMES shellcheck)
 if(SHELLCHECK)
   lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
-              tools/memcheck tools/bench tools/instruction-counts .ci/run)
+              tools/memcheck tools/bench tools/instruction-counts .ci/run cmake/prerm)
 endif()
 
 # Every unit of the compilation database; the options that gcc alone knows are dropped.

@@ -16,9 +16,12 @@ import shutil
 import sys
 import tempfile
 
-from mkdocs.commands.build import build
-from mkdocs.config import load_config
-from mkdocs.exceptions import Abort
+try:
+    from mkdocs.commands.build import build
+    from mkdocs.config import load_config
+    from mkdocs.exceptions import Abort
+except ImportError as missing:
+    sys.exit(f"docs_site: {missing.name} is not there: apt-get install mkdocs, and call it by /usr/bin/python3")
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TOP = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
@@ -29,13 +32,23 @@ CONTENTS = (
     ("Start", ("README.md", "docs/README.md", "docs/install.md", "docs/tutorial-first-slope.md",
                "docs/tutorial-*.md")),
     ("How to", ("docs/howto-simulate.md", "docs/howto-compare.md", "docs/howto-forecast.md",
-                "docs/howto-*.md", "docs/trade.md", "docs/surfaces-from-files.md")),
-    ("Choices", ("docs/*.md",)),
+                "docs/howto-trade.md", "docs/howto-*.md", "docs/report.md", "docs/paper-figures.md",
+                "docs/surfaces-from-files.md")),
+    ("Choices", ("docs/choosing.md", "docs/trade.md", "docs/*.md")),
     ("Theory", ("docs/theory/*.md",)),
     ("Reference", ("docs/case.md", "docs/format.md", "commands/lacuna.md", "commands/*.md",
                    "cases.md", "headers.md")),
     ("Development", TOP[1:] + ("docs/adr/README.md", "docs/adr/*.md")),
 )
+
+
+# Tables with room in their cells; those wider than a phone scroll by themselves, not with the page.
+STYLE = """.rst-content table { display: block; overflow-x: auto; margin-bottom: 24px; font-size: 90%; }
+.rst-content th, .rst-content td { padding: 4px 10px; vertical-align: top; text-align: left; }
+.rst-content thead { background: #f0f2f3; }
+.rst-content code, .rst-content h2 { overflow-wrap: anywhere; }
+.rst-content :not(pre) > code { white-space: normal; }
+"""
 
 
 def read(path):
@@ -140,6 +153,7 @@ def stage(folder):
         name = os.path.basename(path).split(".")[0]
         write(f"commands/{name}.md", manual(read(os.path.join(ROOT, path))))
     write("cases.md", cases())
+    write("css/lacuna.css", STYLE)
     write("headers.md", headers())
     for path in ["CITATION.cff"] + glob.glob("docs/images/*", root_dir=ROOT) + glob.glob(
             "docs/embed/*", root_dir=ROOT):
@@ -201,7 +215,7 @@ def main():
             file.write("site_name: Lacuna\n")
         config = load_config(
             os.path.join(folder, "mkdocs.yml"), docs_dir=pages, site_dir=output, strict=True,
-            use_directory_urls=False, nav=contents(pages), site_url="",
+            use_directory_urls=False, extra_css=["css/lacuna.css"], nav=contents(pages), site_url="",
             site_description="Creep, acceleration and failure of rough rock joints",
             theme={"name": "readthedocs", "highlightjs": False, "navigation_depth": 2,
                    "titles_only": True},

@@ -75,8 +75,8 @@ class Law(unittest.TestCase):
         objects = glob.glob(os.path.join(BUILD, target, "**", "*.o"), recursive=True)
         program = os.path.join(self.folder, os.path.basename(target))
         support = os.path.join(BUILD, "tests", "liblacuna_test_support.a")
-        flags = call("pkg-config", "--static", "--libs", "lacuna", env=dict(
-            os.environ, PKG_CONFIG_PATH=BUILD)).split()
+        flags = shlex.split(call("pkg-config", "--static", "--libs", "lacuna", env=dict(
+            os.environ, PKG_CONFIG_PATH=BUILD)))
         flags = [flag for flag in flags if flag != "-llacuna" and "liblacuna" not in flag]
         own = [os.path.join(self.folder, "my_prz.c.o"), os.path.join(self.folder, "registry.c.o")]
         call("cc", *objects, *own, support, LIBRARY, *flags, "-lcmocka", "-o", program)

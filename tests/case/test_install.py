@@ -9,6 +9,7 @@ usage: test_install.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
 import glob
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -66,8 +67,22 @@ class Prefix:
             found = glob.glob(os.path.join(self.prefix, "share", "man", "man1", page + ".1*"))
             self.assertEqual(len(found), 1, page)
         for words in ("bash-completion/completions/lacuna", "zsh/vendor-completions/_lacuna",
-                      "fish/vendor_completions.d/lacuna.fish"):
+                      "zsh/site-functions/_lacuna", "fish/vendor_completions.d/lacuna.fish"):
             self.assertTrue(os.path.exists(os.path.join(self.prefix, "share", words)), words)
+
+    def checks_of_documents(self):
+        """What an installed page leads to is installed; of cases, in their own place."""
+        top = os.path.join(self.prefix, "share", "doc", "lacuna")
+        pages = glob.glob(os.path.join(top, "**", "*.md"), recursive=True)
+        self.assertIn(os.path.join(top, "docs", "howto-simulate.md"), pages)
+        for page in pages:
+            with open(page, encoding="utf-8") as file:
+                text = re.sub(r"```.*?```", "", file.read(), flags=re.DOTALL)
+            for link in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", text):
+                target = os.path.normpath(os.path.join(os.path.dirname(page), link))
+                target = target.replace(os.path.join(top, "cases"),
+                                        os.path.join(self.prefix, "share", "lacuna", "cases"))
+                self.assertTrue(os.path.exists(target), f"{page}: {link}")
 
     def checks_of_python(self):
         module = os.path.join(self.prefix, "lib", "python3", "dist-packages")
@@ -100,8 +115,8 @@ class Installed(Prefix, unittest.TestCase):
 
     def flags(self, *words):
         pages = os.path.join(self.prefix, "lib", "pkgconfig")
-        return call("pkg-config", *words, "--cflags", "--libs", "lacuna", env=dict(
-            os.environ, PKG_CONFIG_PATH=pages)).split()
+        return shlex.split(call("pkg-config", *words, "--cflags", "--libs", "lacuna", env=dict(
+            os.environ, PKG_CONFIG_PATH=pages)))
 
     def compile(self, name, *flags):
         program = os.path.join(self.folder, name)
@@ -143,6 +158,22 @@ class Installed(Prefix, unittest.TestCase):
     def test_pages(self):
         self.checks_of_pages()
 
+    @unittest.skipUnless(shutil.which("scdoc") and shutil.which("man"), "needs scdoc and man-db")
+    def test_man_finds_the_pages_beside_the_program(self):
+        path = BUILD + os.pathsep + os.environ["PATH"]
+        self.assertEqual(call("man", "-w", "lacuna-run", env=dict(os.environ, PATH=path)).strip(),
+                         os.path.join(BUILD, "man", "man1", "lacuna-run.1"))
+
+    def test_documents(self):
+        self.checks_of_documents()
+
+    def test_tools_draw_from_where_they_are(self):
+        run, picture = (os.path.join(self.folder, name) for name in ("drawn.nc", "drawn.png"))
+        call(os.path.join(self.prefix, "bin", "lacuna"), "run", BLOCK, "-o", run, "--force")
+        call("/usr/bin/python3", os.path.join(self.prefix, "share", "lacuna", "tools", "plot_run.py"),
+             run, "-o", picture, env=dict(os.environ, MPLBACKEND="Agg"))
+        self.assertGreater(os.path.getsize(picture), 10000)
+
     def test_python(self):
         self.checks_of_python()
 
@@ -157,7 +188,8 @@ class Installed(Prefix, unittest.TestCase):
                          sorted(os.listdir(os.path.join(SOURCE, "include", "lacuna"))))
 
 
-@unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "needs dpkg-dev")
+@unittest.skipUnless(shutil.which("dpkg-shlibdeps") and shutil.which("file"),
+                     "needs dpkg-dev and file")
 class Package(Prefix, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -178,6 +210,16 @@ class Package(Prefix, unittest.TestCase):
         self.assertFalse([name for name in names if not name.startswith(libraries)], names)
         self.assertEqual(call("dpkg-deb", "-f", self.package, "Version").strip(),
                          call(PROGRAM, "--version").split()[1])
+
+    def test_it_takes_away_what_python_wrote(self):
+        script = call("dpkg-deb", "-I", self.package, "prerm")
+        modules = os.path.join(self.folder, "modules")
+        os.makedirs(os.path.join(modules, "__pycache__"))
+        for name in ("lacuna.cpython-311.pyc", "other.cpython-311.pyc"):
+            open(os.path.join(modules, "__pycache__", name), "w", encoding="utf-8").close()
+        script = script.replace("/usr/lib/python3/dist-packages", modules)
+        call("sh", "-c", script.replace("/usr/share", modules))
+        self.assertEqual(os.listdir(os.path.join(modules, "__pycache__")), ["other.cpython-311.pyc"])
 
     def test_what_is_in_it(self):
         self.checks_of_library()
