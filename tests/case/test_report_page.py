@@ -388,6 +388,29 @@ class Page(unittest.TestCase):
         self.show("brief", motion="reduce")
         self.assertEqual(self.driver.execute_script(glide), "auto")
 
+    def test_words_of_quantities(self):
+        self.show("brief")
+        for code, said in (("span(DAY)", "1 day"), ("span(-DAY)", "\u22121 day"), ("span(1.5 * DAY)", "1.5 days"), ("span(YEAR)", "1 year"),
+                           ("span(0)", "0 s"), ("span(59.9999)", "1 min"), ("span(59.9)", "59.9 s"), ("span(364.99 * DAY, 6)", "364.99 days"),
+                           ("span(1)", "1 s"), ("length(0)", "0 m"), ("length(0.999999)", "1 m"), ("length(2e-12)", "0.002 nm"),
+                           ("rate(1)", "1 m/s"), ("many(1, 'cell')", "1 cell"), ("many(0, 'cell')", "0 cells"), ("many(2000, 'cell')", "2 000 cells"),
+                           ("denseSpans(DAY, 5 * DAY, 5)[0].label", "1 day")):
+            self.assertEqual(self.driver.execute_script("return " + code).replace("\u2009", " "), said, code)
+
+    def test_a_phone_prints_as_a_desk_does(self):
+        drawn = """
+          window.dispatchEvent(new Event('beforeprint'));
+          const edge = document.body.getBoundingClientRect().right + 1;
+          const wide = [...document.querySelectorAll('table, svg, p')].filter((e) => e.getBoundingClientRect().right > edge).map((e) => e.textContent.slice(0, 60));
+          return [[...document.querySelectorAll('.frame svg')].map((s) => s.viewBox.baseVal.width), wide];
+        """
+        seen = []
+        for size in (DESK, PHONE):
+            self.show("block", size, media="print")
+            seen.append(self.driver.execute_script(drawn))
+        self.assertEqual(seen[0][1], [])
+        self.assertEqual(seen[1], seen[0])
+
     def test_dark_pages_print_light(self):
         ground = "const s = getComputedStyle(document.body); return [s.backgroundColor, s.color]"
         self.show("brief", scheme="dark")

@@ -25,7 +25,7 @@ function facts(data) {
   add("Largest slip rate", rate(a.max_slip_rate_m_s ?? extent([m.max_rate])[1]), "of any cell");
   if (data.cells) add("Contact cells", count(data.cells.cells), `of a grid of ${count(a.grid_nx)} × ${count(a.grid_ny)}`);
   if (data.events) add("Events", count(data.events.all));
-  if (a.steps !== undefined) add("Steps", count(a.steps), `${count(a.rhs_evaluations)} evaluations`);
+  if (a.steps !== undefined) add("Steps", count(a.steps), many(a.rhs_evaluations, "evaluation"));
   if (a.wall_time_s !== undefined) add("Computed in", span(a.wall_time_s, 3));
   return list;
 }

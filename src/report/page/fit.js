@@ -90,7 +90,7 @@ function failureWords(fit) {
 
 function fitSection(data) {
   const fit = data.fit;
-  const section = openSection("fit", "Fitted model", `${fit.title ? `${fit.title}: ` : ""}${count(fit.readings)} readings from ${moment(page.clock, fit.from)} to ${moment(page.clock, fit.until)}, and none later. ${failureWords(fit)}`);
+  const section = openSection("fit", "Fitted model", `${fit.title ? `${fit.title}: ` : ""}${many(fit.readings, "reading")} from ${moment(page.clock, fit.from)} to ${moment(page.clock, fit.until)}, and none later. ${failureWords(fit)}`);
   if (fit.failure?.failing > 1) section.append(failureChart(fit));
   if (fit.estimates.length) section.append(estimateTable(fit));
   return section;

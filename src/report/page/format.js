@@ -26,12 +26,21 @@ function count(value) {
   return value === null || value === undefined ? "–" : Math.round(value).toString().replace(/\B(?=(\d{3})+(?!\d))/g, THIN);
 }
 
-// A value in the largest of these units of which it holds at least one.
+// "1 cell" and "2 cells".
+const many = (n, word) => `${count(n)} ${word}${n === 1 ? "" : "s"}`;
+
+// A value in the largest of these units of which it holds at least one, as it is written: not "60 s".
 function inUnits(value, units, digits = 4) {
   if (value === null || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  const [unit, scale] = units.find(([, s]) => size >= s) || units[units.length - 1];
-  return `${number(value / scale, digits)}${THIN}${size === 0 ? units.find(([, s]) => s === 1)[0] : unit}`;
+  const [unit, scale] = size === 0 ? units.find(([, s]) => s === 1) : units.find(([, s]) => Number((size / s).toPrecision(digits)) >= 1) || units[units.length - 1];
+  return counted(number(value / scale, digits), unit);
+}
+
+// "1 day" and "1.5 days".
+function counted(text, unit, gap = THIN) {
+  const one = { years: "year", days: "day" }[unit];
+  return `${text}${gap}${one && text.replace(MINUS, "") === "1" ? one : unit}`;
 }
 
 const LENGTHS = [["km", 1e3], ["m", 1], ["cm", 0.01], ["mm", 1e-3], ["µm", 1e-6], ["nm", 1e-9]];

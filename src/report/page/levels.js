@@ -155,7 +155,7 @@ function eventTime(events) {
     title: "Events in time", caption: "Each circle an event; its area grows with the length of its patch.",
     x: { clock: true }, y: { kind: "log", label: `${moments ? "Moment" : "Potency"} (${unit})`, tick: powerTick, clear: 0.06 },
     lines: [{ kind: "dots", full: true, colour: "run", time: events.time, before, y: events[key], radius }],
-    readout: (i) => `${moment(page.clock, events.time[i])}: ${key} ${number(events[key][i], 3)} ${unit}, ${length(events.size[i])} long, ${count(events.cells[i])} cells, ${span(events.duration[i])}`,
+    readout: (i) => `${moment(page.clock, events.time[i])}: ${key} ${number(events[key][i], 3)} ${unit}, ${length(events.size[i])} long, ${many(events.cells[i], "cell")}, ${span(events.duration[i])}`,
     table: { n: events.time.length, caption: "events", columns: [["Start", (i) => moment(page.clock, events.time[i])], ["Duration", (i) => span(events.duration[i])],
       ["Cells", (i) => count(events.cells[i])], ["Length", (i) => length(events.size[i])], ["Potency (m³)", (i) => number(events.potency[i], 3)],
       ["Moment (N m)", (i) => number(events.moment[i], 3)], ["Largest rate", (i) => rate(events.max_rate[i])]] },
@@ -164,12 +164,12 @@ function eventTime(events) {
 
 function eventSizes(events) {
   const b = events.b_value;
-  const words = b.reason ? `No b-value: ${b.reason}.` : `b = ${number(b.b, 3)} ± ${number(b.error, 2)} over ${count(b.points)} events from magnitude ${number(b.complete_from, 3)} on (maximum likelihood).`;
+  const words = b.reason ? `No b-value: ${b.reason}.` : `b = ${number(b.b, 3)} ± ${number(b.error, 2)} over ${many(b.points, "event")} from magnitude ${number(b.complete_from, 3)} on (maximum likelihood).`;
   return figure({
     title: "Size distribution", caption: `How many events have at least this potency (slip times area). ${words}`,
     x: { label: "potency (m³)", kind: "log", tick: powerTick }, y: { kind: "log", label: "Events at least as large", tick: (v) => count(v) },
     lines: [{ kind: "dots", colour: "run", x: events.at_least, y: events.count }],
-    readout: (i) => `${count(events.count[i])} events of at least ${number(events.at_least[i], 3)} m³`,
+    readout: (i) => `${many(events.count[i], "event")} of at least ${number(events.at_least[i], 3)} m³`,
     table: { n: events.at_least.length, caption: "size distribution", columns: [["Potency (m³)", (i) => number(events.at_least[i], 4)], ["Events at least as large", (i) => count(events.count[i])]] },
   });
 }
@@ -177,7 +177,7 @@ function eventSizes(events) {
 function eventsSection(data) {
   const events = data.events, cut = events.cut.filter((c) => c > 0).length;
   const thinned = events.time.length < events.all ? ` ${count(events.time.length)} of them are drawn: the largest, and of the others every so many.` : "";
-  const section = openSection("events", "Events", `${count(events.all)} events in the catalogue${cut ? `, ${count(cut)} of those drawn cut by the ends of the run` : ""}.${thinned}`);
+  const section = openSection("events", "Events", `${many(events.all, "event")} in the catalogue${cut ? `, ${count(cut)} of those drawn cut by the ends of the run` : ""}.${thinned}`);
   section.append(element("div", { class: "pair" }, eventTime(events), eventSizes(events)));
   return section;
 }

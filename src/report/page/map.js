@@ -129,7 +129,7 @@ function firstSnapshot(cells) {
 function snapshotSlider(cells, at, change) {
   return slider({ name: "Time", id: "snapshot", n: cells.snapshot_time.length, at, times: cells.snapshot_time, change,
     words: (k) => `${moment(page.clock, cells.snapshot_time[k])}, ${beforeEnd(page.clock, cells.snapshot_before[k])}` +
-      (cells.slipping ? `, ${count(cells.slipping_cells[k])} cells slip` : "") });
+      (cells.slipping ? `, ${many(cells.slipping_cells[k], "cell")} ${cells.slipping_cells[k] === 1 ? "slips" : "slip"}` : "") });
 }
 
 function squaresBody(cells, kinds, moving) {
@@ -162,7 +162,7 @@ function cellsSection(data) {
   const kinds = mapKinds(cells);
   const squares = cells.block > 1 ? ` Each square stands for ${line ? cells.block : `${cells.block} × ${cells.block}`} cells of the grid.` : "";
   const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right`;
-  const section = openSection("cells", "Contact domain", `${count(cells.cells)} cells touch, ${where}. Empty places do not touch.${squares}`);
+  const section = openSection("cells", "Contact domain", `${many(cells.cells, "cell")} ${cells.cells === 1 ? "touches" : "touch"}, ${where}. Empty places do not touch.${squares}`);
   section.append(...(line ? lineBody(data, kinds, moving) : squaresBody(cells, kinds, moving)));
   if (moving) section.append(snapshotTable(cells));
   return section;

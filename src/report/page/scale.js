@@ -73,7 +73,7 @@ const KNOWN_SPANS = [
 // Ticks where those that people know are too few: 1, 2, 5 ... of one unit, or even ones.
 function denseSpans(low, high, most) {
   const [unit, scale] = SPANS.find(([, s]) => low >= s) || SPANS[SPANS.length - 1];
-  const tick = (n) => ({ value: n * scale, label: `${number(n, 6)} ${n === 1 ? unit.replace(/s$/, (s) => (unit.length > 2 ? "" : s)) : unit}` });
+  const tick = (n) => ({ value: n * scale, label: counted(number(n, 6), unit, " ") });
   const [from, to] = [low / scale, high / scale];
   if (to < 3 * from) return range(from, to, evenStep(to - from, most)).map(tick);
   const all = [];
