@@ -43,7 +43,9 @@ class Live(unittest.TestCase):
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600})
 
-    def open(self, run):
+    def open(self, run, motion="reduce"):
+        """The page; what moves over it smoothly has no place that could be told."""
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": motion}]})
         self.driver.get(f"http://127.0.0.1:{run.port}/")
 
     def wait(self, condition):
@@ -117,6 +119,22 @@ class Live(unittest.TestCase):
         self.assertEqual(driver.get_log("browser"), [])
         here = f"http://127.0.0.1:{run.port}/"
         self.assertEqual({url.removeprefix(here) for url in requests(driver)}, {"", "events", "data"})
+
+    def test_a_jump_is_not_cut_short(self):
+        """Data that come in while the page glides to where a link leads are drawn when it is there."""
+        run = self.start(2)
+        self.size(DESK)
+        self.open(run, "no-preference")
+        run.wait_until_held(2)
+        self.shown(self.records(run))
+        driver = self.driver
+        driver.execute_script("document.querySelector('nav a[href=\"#solver\"]').click(); live.ready = page.data; drawReady()")
+        self.wait("live.ready === null")
+        top = "return document.getElementById('solver').getBoundingClientRect().top - parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop)"
+        self.assertAlmostEqual(driver.execute_script(top), 0, delta=3)
+        driver.get("about:blank")
+        driver.get_log("browser")  # that the server is gone is complained of
+        driver.get_log("performance")
 
     def test_a_run_that_is_killed(self):
         run = self.start(2)

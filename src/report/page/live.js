@@ -3,7 +3,7 @@
 // and leaves what its reader holds where it is.
 "use strict";
 
-const live = { shown: 0, fetching: false, last: null, ready: null, held: false, touched: 0 };
+const live = { shown: 0, fetching: false, last: null, ready: null, held: false, touched: 0, moved: 0, gliding: false };
 
 const STATES = {
   preparing: ["Preparing", "The scene is being made; the charts come with its first steps."],
@@ -22,7 +22,7 @@ function whereWords(event) {
   const clock = page.clock, dated = clock && clock.dated;
   const at = dated ? date(clock.start + event.time) : span(event.time, 4);
   const end = over(event.state) ? "" : dated ? `, to ${date(clock.start + event.end, "day")}` : ` of ${span(event.end, 4)}`;
-  return `${at}${end} · ${rate(event.rate)} · ${count(event.steps)} steps`;
+  return `${at}${end} · ${rate(event.rate)} · ${many(event.steps, "step")}`;
 }
 
 function afterWords(event, state) {
@@ -124,10 +124,18 @@ function restorePlace(kept) {
   if (there) window.scrollBy({ top: there.getBoundingClientRect().top - kept.anchor.top, behavior: "instant" });
 }
 
-// What is dragged, played, selected or chosen from must not be pulled away.
+// A page on its way to where a link or a key leads; not every browser says when it is there.
+const moves = () => Date.now() - live.moved < (live.gliding ? 2000 : 250);
+
+function noteMove(event) {
+  live.moved = Date.now();
+  live.gliding = event.type !== "scrollend" && "onscrollend" in window;
+}
+
+// What is dragged, played, selected, chosen from or on its way must not be pulled away.
 function busy() {
   const choosing = document.activeElement?.tagName === "SELECT" && Date.now() - live.touched < 5000;
-  return live.held || choosing || document.querySelector("[data-playing]") !== null || !window.getSelection().isCollapsed;
+  return live.held || moves() || choosing || document.querySelector("[data-playing]") !== null || !window.getSelection().isCollapsed;
 }
 
 function showData(data) {
@@ -194,6 +202,8 @@ function startLive() {
     window.addEventListener(event, () => { live.held = held; });
   }
   for (const event of ["pointerdown", "keydown", "focusin"]) window.addEventListener(event, () => { live.touched = Date.now(); });
+  for (const event of ["scroll", "scrollend"]) document.addEventListener(event, noteMove);
+  document.addEventListener("click", (event) => { if (event.target.closest("a")) noteMove(event); });
   document.addEventListener("visibilitychange", () => { if (live.last) fetchData(); });
   watch();
 }
