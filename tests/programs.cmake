@@ -106,6 +106,9 @@ lacuna_python_test(test_trade)
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/memory.c)
 
+# What a page of a run that goes on is made from.
+target_sources(unit_test_view_inbox PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/view_inbox.c)
+
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)

@@ -48,6 +48,7 @@ struct cli_view {
     bool stop;                  // under the feed's lock
     const char *path;           // of the run's file; NULL: not begun
     bool ended, stay;
+    bool whole; // the data come from the run's file, which holds all
     // The viewer's thread alone:
     bool fresh;       // something came since the last data
     pace data, issue; // without forecasts, with them
@@ -80,12 +81,13 @@ static void say(cli_view *view, const char *state, const lac_progress *now, cons
 {
     char json[CLI_FEED_EVENT], words[CLI_FEED_EVENT / 2];
     escape(message, words, sizeof words);
-    (void)snprintf(json, sizeof json,
-                   "{\"state\":\"%s\",\"version\":%" PRIu64 ",\"time\":%.9g,\"end\":%.9g,"
-                   "\"rate\":%.4g,\"steps\":%" PRId64 ",\"last\":%s,\"message\":\"%s\"}",
-                   state, view->feed.version, now->time, now->end,
-                   isfinite(now->mean_rate) ? now->mean_rate : 0.0, now->steps,
-                   last ? "true" : "false", words);
+    (void)snprintf(
+        json, sizeof json,
+        "{\"state\":\"%s\",\"version\":%" PRIu64 ",\"time\":%.9g,\"end\":%.9g,"
+        "\"rate\":%.4g,\"steps\":%" PRId64 ",\"last\":%s,\"missing\":%s,\"message\":\"%s\"}",
+        state, view->feed.version, now->time, now->end,
+        isfinite(now->mean_rate) ? now->mean_rate : 0.0, now->steps, last ? "true" : "false",
+        !view->whole && cli_inbox_missing(&view->inbox) ? "true" : "false", words);
     cli_feed_event(&view->feed, json, last);
 }
 
@@ -366,7 +368,8 @@ static void wait_for_signal(void)
 static void show_end(cli_view *view, const char *state, const char *message)
 {
     const lac_progress *now = &view->inbox.progress;
-    if (view->path != NULL && make_data(view, NULL, NO_FORECASTS)) {
+    view->whole = view->path != NULL && make_data(view, NULL, NO_FORECASTS);
+    if (view->whole) {
         say(view, state, now, message, false);
         (void)make_data(view, NULL, ALL_FORECASTS);
     } else if (view->recording != NULL) { // the file is not whole

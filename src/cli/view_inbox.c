@@ -22,7 +22,7 @@ static const unsigned flags[FIELDS] = {LAC_FIELD_SLIP, LAC_FIELD_RATE, LAC_FIELD
 
 bool cli_inbox_create(cli_inbox *inbox)
 {
-    *inbox = (cli_inbox){0};
+    *inbox = (cli_inbox){.most = most_bytes};
     return pthread_mutex_init(&inbox->lock, NULL) == 0;
 }
 
@@ -41,7 +41,7 @@ typedef struct piece {
 static bool make_room(cli_inbox *inbox, size_t more)
 {
     size_t room = inbox->room > 0 ? inbox->room : (size_t)1 << 16;
-    if (inbox->used + more > most_bytes && inbox->used > 0) {
+    if (inbox->used + more > inbox->most && inbox->used > 0) {
         return false;
     }
     while (room - inbox->used < more) {
@@ -75,7 +75,7 @@ static void put(cli_inbox *inbox, kind what, size_t count, const piece *pieces)
             inbox->used += pieces[i].size;
         }
     } else {
-        inbox->refused = true;
+        inbox->missing = true;
     }
     (void)pthread_mutex_unlock(&inbox->lock);
 }
@@ -175,46 +175,47 @@ static void lay_out(const cli_inbox *inbox, const double *values, lac_snapshot *
     }
 }
 
-static void pass_record(const unsigned char *at, size_t size, double *extra, const lac_sink *sink)
+static lac_status pass_record(const unsigned char *at, size_t size, double *extra,
+                              const lac_sink *sink)
 {
     lac_record record;
     memcpy(&record, at, sizeof record);
     memcpy(extra, at + sizeof record, size - sizeof record);
     record.extra = size > sizeof record ? extra : NULL;
     record.cells = (lac_record_cells){0}; // the run's arrays have moved on
-    (void)sink->record(sink->context, &record, NULL);
+    return sink->record(sink->context, &record, NULL);
 }
 
-static void pass_snapshot(const cli_inbox *inbox, const unsigned char *at, size_t size,
-                          const lac_sink *sink)
+static lac_status pass_snapshot(const cli_inbox *inbox, const unsigned char *at, size_t size,
+                                const lac_sink *sink)
 {
     lac_snapshot snapshot = {0};
+    lac_status status = LAC_ENOMEM;
     double *values = malloc(size); // aligned
     if (values != NULL) {
         memcpy(values, at, size);
         snapshot.time = values[0];
         lay_out(inbox, values + 1, &snapshot);
-        (void)sink->snapshot(sink->context, &snapshot, NULL);
+        status = sink->snapshot(sink->context, &snapshot, NULL);
     }
     free(values);
+    return status;
 }
 
-static void pass(const cli_inbox *inbox, const entry *head, const unsigned char *at, double *extra,
-                 const lac_sink *sink)
+static lac_status pass(const cli_inbox *inbox, const entry *head, const unsigned char *at,
+                       double *extra, const lac_sink *sink)
 {
     lac_event event;
     switch (head->what) {
     case RECORD:
-        pass_record(at, head->size, extra, sink);
-        break;
+        return pass_record(at, head->size, extra, sink);
     case SNAPSHOT:
-        pass_snapshot(inbox, at, head->size, sink);
-        break;
+        return pass_snapshot(inbox, at, head->size, sink);
     case EVENT:
         memcpy(&event, at, sizeof event);
-        (void)sink->event(sink->context, &event, NULL);
-        break;
+        return sink->event(sink->context, &event, NULL);
     }
+    return LAC_OK;
 }
 
 size_t cli_inbox_empty(cli_inbox *inbox, const lac_sink *sink, lac_progress *progress, bool *moved)
@@ -230,13 +231,27 @@ size_t cli_inbox_empty(cli_inbox *inbox, const lac_sink *sink, lac_progress *pro
     inbox->moved = false;
     (void)pthread_mutex_unlock(&inbox->lock);
     double *extra = malloc((inbox->extras + 1) * sizeof *extra);
+    bool whole = extra != NULL || used == 0;
     for (size_t at = 0; extra != NULL && at < used; count++) {
         entry head;
         memcpy(&head, bytes + at, sizeof head);
-        pass(inbox, &head, bytes + at + sizeof head, extra, sink);
+        whole = pass(inbox, &head, bytes + at + sizeof head, extra, sink) == LAC_OK && whole;
         at += sizeof head + head.size;
     }
     free(extra);
     free(bytes);
+    if (!whole) {
+        (void)pthread_mutex_lock(&inbox->lock);
+        inbox->missing = true;
+        (void)pthread_mutex_unlock(&inbox->lock);
+    }
     return count;
+}
+
+bool cli_inbox_missing(cli_inbox *inbox)
+{
+    (void)pthread_mutex_lock(&inbox->lock);
+    const bool missing = inbox->missing;
+    (void)pthread_mutex_unlock(&inbox->lock);
+    return missing;
 }

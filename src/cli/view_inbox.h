@@ -7,7 +7,7 @@
 #include "lacuna/run.h"
 
 /// What a run has put out and its viewer has not yet looked at. The run's thread only copies into
-/// it: it never waits for the viewer, and where memory runs out the page misses something.
+/// it: it never waits for the viewer, and where memory runs out the page misses something, and says so.
 typedef struct cli_inbox {
     pthread_mutex_t lock;
     lac_progress progress;
@@ -18,7 +18,8 @@ typedef struct cli_inbox {
     size_t cells;         ///< of a snapshot; 0: none is kept
     unsigned fields;      ///< LAC_FIELD_* of a snapshot
     lac_sink next;        ///< where everything goes first
-    bool refused;         ///< no memory: something is missing
+    size_t most;          ///< that it holds [bytes]
+    bool missing;         ///< no room or no memory: not all came through
 } cli_inbox;
 
 /// @return false where the system gives no lock
@@ -35,5 +36,8 @@ void cli_inbox_progress(cli_inbox *inbox, const lac_progress *progress);
 /// @param moved     whether there was any since the last time
 /// @return how many records, snapshots and events there were
 size_t cli_inbox_empty(cli_inbox *inbox, const lac_sink *sink, lac_progress *progress, bool *moved);
+
+/// @return whether anything has not come through since the inbox was made
+bool cli_inbox_missing(cli_inbox *inbox);
 
 #endif

@@ -132,6 +132,12 @@ class Live(unittest.TestCase):
         self.wait("live.ready === null")
         top = "return document.getElementById('solver').getBoundingClientRect().top - parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop)"
         self.assertAlmostEqual(driver.execute_script(top), 0, delta=3)
+        # Whether all of the run has come through is said.
+        after = driver.find_element(By.ID, "after")
+        self.assertIs(driver.execute_script("return live.last.missing"), False)
+        self.assertEqual(after.text, "")
+        driver.execute_script("showState({...live.last, missing: true})")
+        self.assertIn("some is missing here", after.text)
         driver.get("about:blank")
         driver.get_log("browser")  # that the server is gone is complained of
         driver.get_log("performance")

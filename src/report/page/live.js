@@ -26,7 +26,8 @@ function whereWords(event) {
 }
 
 function afterWords(event, state) {
-  const words = [STATES[state][1], state === "lost" ? "" : event.message].filter((text) => text).join(" ");
+  const missing = event.missing ? "Memory was short: of what the run has put out some is missing here; its file holds all." : "";
+  const words = [STATES[state][1], state === "lost" ? "" : event.message, missing].filter((text) => text).join(" ");
   const file = page.data ? page.data.about.file : "";
   return over(state) && file ? [`${words} This page stays as it is; `, element("code", {}, `lacuna report ${file}`), " makes a file of it."] : [words];
 }
