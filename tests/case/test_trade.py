@@ -290,7 +290,8 @@ class Trade(Program):
         self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
         self.refused("nothing to turn", BLOCK, "--dials", "levels")
         self.refused('--reach: "-1%" must be', BLOCK, "--reach=-1%")
-        self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m")
+        self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m", "--quantity", "failure")
+        self.refused('--reach: "3 Pa" must be', BLOCK, "--reach", "3 Pa")
         self.refused('--spend: "1 m" must be', BLOCK, "--spend", "1 m")
         self.refused('--jobs: "0" must be', BLOCK, "--jobs", "0")
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
@@ -299,6 +300,8 @@ class Trade(Program):
         pressed = "cases/normal/approach.yaml"
         self.refused("rtol turns nothing in a contact", pressed, "--dials", "rtol")
         self.refused("history turns nothing but a contact", BLOCK, "--dials", "history")
+        self.refused("shifts turns nothing but a cascade", BLOCK, "--dials", "shifts")
+        self.refused("rtol turns nothing in a cascade", "cases/rg/cons.yaml", "--dials", "rtol")
         self.refused("the case has no time", pressed, "--until", "1 day")
         self.refused("there is no dial to turn", BLOCK, "--quantity", "contact-fraction")
         self.assertIn("no load.history", self.trade(pressed, "--quantity", "work", status=2))
@@ -310,6 +313,19 @@ class Trade(Program):
         self.call("trade", BLOCK, "-o", self.out, status=2)
         with open(self.out, "rb") as file:
             self.assertEqual(file.read(), before)
+
+    def test_reach_in_units(self):
+        """An amount is one of the quantity that is traded, named or not."""
+        words = "cases/load/sine.yaml", "--dials", "rtol=1e-3:1e-4"
+        self.assertIn("For 1 mm:", self.trade(*words, "--reach", "1 mm")["recommendation"])
+        said = self.trade(*words, "--reach", "1 h", status=2)
+        self.assertIn("--reach: is in s, but what is traded is the mean slip at the end, in m", said)
+
+    def test_critical_of_a_run(self):
+        """Without a section rg q-crit is the largest load of a run, cells given or not."""
+        words = "domain/cascade.yaml", "--quantity", "q-crit", "--dials", "rtol=1e-3:1e-4"
+        said = self.trade("cases/" + words[0], *words[1:])
+        self.assertEqual({run["command"] for run in said["runs"]}, {"run"})
 
     def test_words(self):
         """The table and the sentence that people read."""
