@@ -5,6 +5,7 @@
 usage: test_trade.py PROGRAM SOURCE_FOLDER STOP_LIBRARY [unittest options]
 """
 
+import fcntl
 import json
 import math
 import os
@@ -251,6 +252,17 @@ class Trade(Program):
         self.assertIn("holds no runs", self.trade(BLOCK, "--resume", status=2))
         with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
             self.assertEqual(done.read(), "something else\n")
+
+    def test_two_at_once(self):
+        """A trade on a file that another one makes is refused, and takes nothing away from it."""
+        os.mkdir(self.runs)
+        left = os.path.join(self.runs, "run-7.nc")
+        with open(left, "wb"), open(os.path.join(self.runs, "done"), "wb") as done:
+            fcntl.flock(done, fcntl.LOCK_EX)
+            for more in ((), ("--resume",)):
+                said = self.trade(BLOCK, *DIALS, *more, status=2)
+                self.assertIn("another trade is at work there", said)
+                self.assertTrue(os.path.exists(left))
 
     def test_another_case(self):
         """Runs of another case are not taken over."""
