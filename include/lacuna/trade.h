@@ -28,6 +28,7 @@ typedef struct lac_dial {
     unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
     bool scene;             ///< it changes what is computed, not only how well
     unsigned use;           ///< lac_trade_of
+    bool falls;             ///< of a ladder: a finer position is a smaller number
     double ratio;           ///< its positions are a ladder from coarse to fine, and errors fall by
                             ///< at most this factor from rung to rung; 0: no ladder
     /// Its positions on this case, the coarsest and cheapest first.

@@ -29,6 +29,26 @@ static lac_status no_dial(const char *name, size_t length, lac_error *err)
                     (int)(length < 40 ? length : 40), name, known);
 }
 
+// A ladder is climbed from coarse to fine: its last rung is what all are compared with.
+static lac_status check_rungs(const lac_trade_dial *dial, lac_error *err)
+{
+    double before = 0.0;
+    for (size_t i = 0; dial->dial->ratio > 0.0 && i < dial->count; i++) {
+        char *end;
+        const double rung = strtod(dial->value[i].yaml, &end);
+        const bool finer = i == 0 || (dial->dial->falls ? rung < before : rung > before);
+        if (*end != '\0' || !(rung > 0.0) || !finer) {
+            return lac_fail(err, LAC_EINPUT,
+                            "--dials: %s: \"%s\" must be a number > 0, and %s than the one before "
+                            "it: from coarse to fine",
+                            dial->dial->name, dial->value[i].label,
+                            dial->dial->falls ? "smaller" : "larger");
+        }
+        before = rung;
+    }
+    return LAC_OK;
+}
+
 // "1e-3:1e-5" into positions; the dial's own where a label of them is meant.
 static lac_status read_values(const char *text, size_t length, const lac_case *c, lac_trade_of of,
                               lac_trade_dial *out, lac_error *err)
@@ -58,7 +78,7 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
         at = end + 1;
     }
     out->shown = out->count;
-    return LAC_OK;
+    return check_rungs(out, err);
 }
 
 static bool is_of(const lac_dial *dial, lac_trade_of of) { return (dial->use & of) != 0; }
