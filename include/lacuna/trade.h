@@ -28,6 +28,7 @@ typedef struct lac_dial {
     unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
     bool scene;             ///< it changes what is computed, not only how well
     unsigned use;           ///< lac_trade_of
+    bool falls;             ///< of a ladder: a finer position is a smaller number
     double ratio;           ///< its positions are a ladder from coarse to fine, and errors fall by
                             ///< at most this factor from rung to rung; 0: no ladder
     /// Its positions on this case, the coarsest and cheapest first.
@@ -161,8 +162,9 @@ typedef struct lac_trade_ask {
     int quantity; ///< lac_quantity; -1: time of failure, else of the limit, else slip; of a cascade
                   ///< Q_crit/Q_nom; of a contact its fraction
     double reach; ///< relative error to reach [1]; NaN
-    double within; ///< the same in the quantity's unit; NaN
-    double spend;  ///< time that a run may take [s]; NaN
+    double within;    ///< the same as an amount; NaN
+    double spend;     ///< time that a run may take [s]; NaN
+    const char *unit; ///< SI unit of `within`, to be the quantity's; NULL: it is
 } lac_trade_ask;
 
 /// What a trade came to. Errors are relative to the reference's value.
@@ -190,8 +192,8 @@ void lac_pareto_front(size_t n, const double *cost, const double *error, double 
                       bool *on_front);
 
 /// Judges the runs: CPU time is the cost.
-/// @return LAC_OK; LAC_EINPUT where the reference has no such quantity; LAC_ENUMERIC where no run
-///         that could be the reference was done; LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT where the reference has no such quantity, or it has another unit;
+///         LAC_ENUMERIC where no run that could be the reference was done; LAC_ENOMEM
 lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
                            const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
 void lac_trade_verdict_clear(lac_trade_verdict *verdict);

@@ -45,15 +45,21 @@ static lac_status wrong(const char *option, const char *text, const char *allowe
     return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be %s", option, text, allowed);
 }
 
-// 1%, 0.01, or an amount of the quantity itself.
+// 1%, 0.01, or an amount of the quantity itself; where that is left to the case, of any that it may
+// choose.
 static lac_status read_reach(const lac_units *units, const char *text, lac_trade_ask *ask,
                              lac_error *err)
 {
-    const char *unit = lac_quantity_about_of(ask->quantity < 0 ? 0 : ask->quantity)->unit;
+    static const int usual[] = {LAC_QUANTITY_FAILURE, LAC_QUANTITY_SLIP};
+    const bool named = ask->quantity >= 0;
+    const int *quantity = named ? &ask->quantity : usual;
     double value = NAN;
     if (lac_units_parse(units, text, "1", &value, NULL) == LAC_OK) {
         ask->reach = value;
-    } else if (lac_units_parse(units, text, unit, &value, NULL) == LAC_OK) {
+    }
+    for (size_t i = 0; isnan(value) && i < (named ? 1 : sizeof usual / sizeof *usual); i++) {
+        ask->unit = lac_quantity_about_of(quantity[i])->unit;
+        (void)lac_units_parse(units, text, ask->unit, &value, NULL);
         ask->within = value;
     }
     return value > 0.0 && isfinite(value)
@@ -111,7 +117,7 @@ static lac_status find_out(const cli_trade_job *job, lac_trade_of *of, lac_error
     cli_request quiet = *job->request; // its warnings are said when it is read for what it is
     quiet.given |= CLI_OPT_QUIET;
     const bool critical = quantity == LAC_QUANTITY_CRITICAL;
-    lac_status status = cli_case_read(&quiet, critical ? LAC_FOR_RG : LAC_FOR_CHECK, &c, NULL, err);
+    lac_status status = cli_case_read(&quiet, LAC_FOR_CHECK, &c, NULL, err);
     if (status == LAC_OK) {
         const bool is_static = critical || isnan(c->run.end);
         *of = c->rg.named && is_static ? LAC_OF_CASCADE

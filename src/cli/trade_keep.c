@@ -146,6 +146,8 @@ static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err
                         strerror(errno));
     }
     if (flock(job->kept, LOCK_EX | LOCK_NB) != 0) {
+        (void)close(job->kept);
+        job->kept = -1; // what is there belongs to the other one
         return lac_fail(err, LAC_EINPUT, "%s: another trade is at work there", path);
     }
     sweep(job->folder, false);

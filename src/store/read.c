@@ -126,9 +126,10 @@ double lac_input_fill(const lac_input *in, int id, nc_type type)
     if (lac_input_number(in, id, "_FillValue", &fill)) {
         return fill;
     }
-    return type == NC_DOUBLE ? NC_FILL_DOUBLE
-           : type == NC_INT  ? (double)NC_FILL_INT
-                             : (double)NC_FILL_INT64;
+    return type == NC_DOUBLE  ? NC_FILL_DOUBLE
+           : type == NC_FLOAT ? (double)NC_FILL_FLOAT
+           : type == NC_INT   ? (double)NC_FILL_INT
+                              : (double)NC_FILL_INT64;
 }
 
 // The values of a variable over `time`, NaN where missing.

@@ -40,7 +40,7 @@ static bool has_variable(const lac_input *in, const char *name)
     return nc_inq_varid(in->id, name, &id) == NC_NOERR;
 }
 
-// `count` doubles of a variable from `start` on; NaN where nothing was written.
+// `count` reals of a variable from `start` on; NaN where nothing was written.
 static lac_status read_part(const lac_input *in, const char *name, int rank, const size_t *start,
                             const size_t *count, double *values, lac_error *err)
 {
@@ -50,7 +50,7 @@ static lac_status read_part(const lac_input *in, const char *name, int rank, con
     int code = nc_inq_varid(in->id, name, &id);
     code = code == NC_NOERR ? nc_inq_varndims(in->id, id, &found) : code;
     code = code == NC_NOERR ? nc_inq_vartype(in->id, id, &type) : code;
-    if (code == NC_NOERR && (found != rank || type != NC_DOUBLE)) {
+    if (code == NC_NOERR && (found != rank || (type != NC_DOUBLE && type != NC_FLOAT))) {
         return fail_damaged(in, name, err);
     }
     code = code == NC_NOERR ? nc_get_vara_double(in->id, id, start, count, values) : code;

@@ -89,14 +89,15 @@ static lac_status copy_rows(const lac_store *s, const lac_input *in, const serie
     const size_t start[2] = {first, 0};
     const size_t count[2] = {rows, v->width};
     const double *real = values;
-    bool whole_numbers = v->type != NC_DOUBLE;
+    const bool whole_numbers = v->type != NC_DOUBLE && v->type != NC_FLOAT;
+    const double missing = lac_input_fill(in, v->from, v->type);
     int code = whole_numbers ? nc_get_vara_longlong(in->id, v->from, start, count, values)
                              : nc_get_vara_double(in->id, v->from, start, count, values);
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, v->name);
     }
     for (size_t i = 0; v->never_missing && i < rows; i++) {
-        if (real[i] == NC_FILL_DOUBLE) {
+        if (real[i] == missing) {
             return fail_damaged(in, v->name, err);
         }
     }

@@ -265,6 +265,7 @@ static const lac_dial dials[] = {
      .key = "solver.rtol",
      .doc = "tolerance, in decades",
      .use = LAC_OF_RUN,
+     .falls = true,
      .ratio = 10,
      .values = rtol_values,
      .tighter = rtol_tighter,

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "lacuna/trade.h"
 
@@ -119,6 +120,14 @@ static lac_status no_quantity(int quantity, lac_error *err)
     }
 }
 
+static lac_status other_unit(int quantity, const char *unit, lac_error *err)
+{
+    const lac_quantity_about *about = lac_quantity_about_of(quantity);
+    return lac_fail(err, LAC_EINPUT,
+                    "--reach: is in %s, but what is traded is the %s, in %s (--quantity %s)", unit,
+                    about->doc, about->unit, about->name);
+}
+
 // Whether a run may be recommended, and what it costs.
 static bool is_tried(const lac_trade_plan *plan, const lac_trade_measure *measure,
                      const lac_trade_verdict *v, size_t i)
@@ -206,6 +215,10 @@ lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *
     out->value = value[out->quantity];
     if (isnan(out->value)) {
         return no_quantity(out->quantity, err);
+    }
+    const char *unit = lac_quantity_about_of(out->quantity)->unit;
+    if (!isnan(ask->within) && ask->unit != NULL && strcmp(ask->unit, unit) != 0) {
+        return other_unit(out->quantity, ask->unit, err);
     }
     out->uncertainty = uncertainty(plan, measure, out);
     lac_status status = mark(plan, measure, out, err);

@@ -29,6 +29,26 @@ static lac_status no_dial(const char *name, size_t length, lac_error *err)
                     (int)(length < 40 ? length : 40), name, known);
 }
 
+// A ladder is climbed from coarse to fine: its last rung is what all are compared with.
+static lac_status check_rungs(const lac_trade_dial *dial, lac_error *err)
+{
+    double before = 0.0;
+    for (size_t i = 0; dial->dial->ratio > 0.0 && i < dial->count; i++) {
+        char *end;
+        const double rung = strtod(dial->value[i].yaml, &end);
+        const bool finer = i == 0 || (dial->dial->falls ? rung < before : rung > before);
+        if (*end != '\0' || !(rung > 0.0) || !finer) {
+            return lac_fail(err, LAC_EINPUT,
+                            "--dials: %s: \"%s\" must be a number > 0, and %s than the one before "
+                            "it: from coarse to fine",
+                            dial->dial->name, dial->value[i].label,
+                            dial->dial->falls ? "smaller" : "larger");
+        }
+        before = rung;
+    }
+    return LAC_OK;
+}
+
 // "1e-3:1e-5" into positions; the dial's own where a label of them is meant.
 static lac_status read_values(const char *text, size_t length, const lac_case *c, lac_trade_of of,
                               lac_trade_dial *out, lac_error *err)
@@ -58,7 +78,7 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
         at = end + 1;
     }
     out->shown = out->count;
-    return LAC_OK;
+    return check_rungs(out, err);
 }
 
 static bool is_of(const lac_dial *dial, lac_trade_of of) { return (dial->use & of) != 0; }
@@ -72,12 +92,6 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     const lac_dial *dial = find(word, name);
     if (dial == NULL) {
         return no_dial(word, name, err);
-    }
-    // A cascade may have dials of the run that its fidelity turns it into.
-    const bool contact = plan->of == LAC_OF_CONTACT;
-    if ((dial->use & (contact ? LAC_OF_CONTACT : LAC_OF_RUN | LAC_OF_CASCADE)) == 0) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing %s", dial->name,
-                        contact ? "in a contact" : "but a contact");
     }
     for (size_t d = 0; d < plan->dials; d++) {
         if (plan->dial[d].dial == dial) {
@@ -94,11 +108,44 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     } else {
         added->count = added->shown = dial->values(c, plan->of, added->value);
     }
-    if (added->count == 0) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
-                        dial->name);
-    }
     plan->dials++;
+    return LAC_OK;
+}
+
+// What the dials of a trade may belong to: a cascade has those of a run where its fidelity is
+// turned, which makes it one.
+static unsigned turned_of(const lac_trade_plan *plan)
+{
+    unsigned of = plan->of;
+    for (size_t d = 0; plan->of == LAC_OF_CASCADE && d < plan->dials; d++) {
+        of |= strcmp(plan->dial[d].dial->name, "fidelity") == 0 ? LAC_OF_RUN : 0;
+    }
+    return of;
+}
+
+static lac_status no_turn(const lac_dial *dial, lac_trade_of of, lac_error *err)
+{
+    if (of == LAC_OF_RUN) {
+        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a %s", dial->name,
+                        (dial->use & LAC_OF_CONTACT) != 0 ? "contact" : "cascade");
+    }
+    return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing in a %s", dial->name,
+                    of == LAC_OF_CONTACT ? "contact" : "cascade, unless fidelity is turned too");
+}
+
+static lac_status check_turned(const lac_trade_plan *plan, lac_error *err)
+{
+    const unsigned of = turned_of(plan);
+    for (size_t d = 0; d < plan->dials; d++) {
+        const lac_dial *dial = plan->dial[d].dial;
+        if ((dial->use & of) == 0) {
+            return no_turn(dial, plan->of, err);
+        }
+        if (plan->dial[d].count == 0) {
+            return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
+                            dial->name);
+        }
+    }
     return LAC_OK;
 }
 
@@ -108,11 +155,15 @@ static lac_status read_words(const char *words, const lac_case *c, lac_trade_pla
     for (const char *word = words;; word++) {
         const size_t length = strcspn(word, ",");
         lac_status status = add_word(word, length, c, plan, err);
-        if (status != LAC_OK || word[length] == '\0') {
+        if (status != LAC_OK) {
             return status;
+        }
+        if (word[length] == '\0') {
+            break;
         }
         word += length;
     }
+    return check_turned(plan, err);
 }
 
 // All that need not be asked for.

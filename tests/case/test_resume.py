@@ -58,6 +58,8 @@ TABLE = {
                                "output.fields_every={steps: 40}"]),
     "events, adams": ("events.yaml", [*EVENTS, "time.end=4 s", "solver.method=adams",
                                       "output.checkpoint={steps: 500}"]),
+    "floats": ("events.yaml", [*EVENTS, *FIELDS, "time.end=4 s", "output.precision=float",
+                               "output.checkpoint={time: 0.1 s}", "output.fields_every={steps: 40}"]),
     "elastic": ("transfer/elastic.yaml", [*FIELDS, "interface.levels=3",
                                           "output.checkpoint={steps: 60}"]),
     "elastic, adams": ("transfer/elastic.yaml",

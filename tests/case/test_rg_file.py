@@ -233,6 +233,15 @@ class Files(unittest.TestCase):
                                self.path("out.nc")], text=True, capture_output=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def test_floats(self):
+        """A file of single precision says the same, to that."""
+        whole = self.rg("run.nc")
+        self.call("run", "run.yaml", "--no-progress", "-q", "-o", "float.nc", "--force", "--set",
+                  "output.precision=float")
+        single = self.rg("float.nc")
+        for key in ("q_over_q_nom", "q_crit_over_q_nom"):
+            self.assertAlmostEqual(single[key] / whole[key], 1, delta=1e-5)
+
     def test_snapshots_by_number_time_and_date(self):
         last = self.rg("run.nc")["source"]
         self.assertEqual((last["kind"], last["snapshots"]), ("run", last["snapshot"] + 1))

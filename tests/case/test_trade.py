@@ -5,6 +5,7 @@
 usage: test_trade.py PROGRAM SOURCE_FOLDER STOP_LIBRARY [unittest options]
 """
 
+import fcntl
 import json
 import math
 import os
@@ -252,6 +253,17 @@ class Trade(Program):
         with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
             self.assertEqual(done.read(), "something else\n")
 
+    def test_two_at_once(self):
+        """A trade on a file that another one makes is refused, and takes nothing away from it."""
+        os.mkdir(self.runs)
+        left = os.path.join(self.runs, "run-7.nc")
+        with open(left, "wb"), open(os.path.join(self.runs, "done"), "wb") as done:
+            fcntl.flock(done, fcntl.LOCK_EX)
+            for more in ((), ("--resume",)):
+                said = self.trade(BLOCK, *DIALS, *more, status=2)
+                self.assertIn("another trade is at work there", said)
+                self.assertTrue(os.path.exists(left))
+
     def test_another_case(self):
         """Runs of another case are not taken over."""
         self.trade(BLOCK, *DIALS, "--jobs", "1", status=4,
@@ -290,7 +302,8 @@ class Trade(Program):
         self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
         self.refused("nothing to turn", BLOCK, "--dials", "levels")
         self.refused('--reach: "-1%" must be', BLOCK, "--reach=-1%")
-        self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m")
+        self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m", "--quantity", "failure")
+        self.refused('--reach: "3 Pa" must be', BLOCK, "--reach", "3 Pa")
         self.refused('--spend: "1 m" must be', BLOCK, "--spend", "1 m")
         self.refused('--jobs: "0" must be', BLOCK, "--jobs", "0")
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
@@ -299,6 +312,8 @@ class Trade(Program):
         pressed = "cases/normal/approach.yaml"
         self.refused("rtol turns nothing in a contact", pressed, "--dials", "rtol")
         self.refused("history turns nothing but a contact", BLOCK, "--dials", "history")
+        self.refused("shifts turns nothing but a cascade", BLOCK, "--dials", "shifts")
+        self.refused("rtol turns nothing in a cascade", "cases/rg/cons.yaml", "--dials", "rtol")
         self.refused("the case has no time", pressed, "--until", "1 day")
         self.refused("there is no dial to turn", BLOCK, "--quantity", "contact-fraction")
         self.assertIn("no load.history", self.trade(pressed, "--quantity", "work", status=2))
@@ -310,6 +325,19 @@ class Trade(Program):
         self.call("trade", BLOCK, "-o", self.out, status=2)
         with open(self.out, "rb") as file:
             self.assertEqual(file.read(), before)
+
+    def test_reach_in_units(self):
+        """An amount is one of the quantity that is traded, named or not."""
+        words = "cases/load/sine.yaml", "--dials", "rtol=1e-3:1e-4"
+        self.assertIn("For 1 mm:", self.trade(*words, "--reach", "1 mm")["recommendation"])
+        said = self.trade(*words, "--reach", "1 h", status=2)
+        self.assertIn("--reach: is in s, but what is traded is the mean slip at the end, in m", said)
+
+    def test_critical_of_a_run(self):
+        """Without a section rg q-crit is the largest load of a run, cells given or not."""
+        words = "domain/cascade.yaml", "--quantity", "q-crit", "--dials", "rtol=1e-3:1e-4"
+        said = self.trade("cases/" + words[0], *words[1:])
+        self.assertEqual({run["command"] for run in said["runs"]}, {"run"})
 
     def test_words(self):
         """The table and the sentence that people read."""

@@ -218,6 +218,14 @@ static void plan_of_a_scene(void **state)
                      LAC_OK);
     assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_RUN);
     lac_trade_plan_clear(&plan);
+    // dials of the one turn nothing in the other, but where the cascade may become a run
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "rtol", false, &plan, NULL),
+                     LAC_EINPUT);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "shifts", false, &plan, NULL),
+                     LAC_EINPUT);
+    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "rtol,fidelity", false, &plan, NULL),
+                     LAC_OK);
+    lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
 
@@ -225,9 +233,11 @@ static void wrong_dials(void **state)
 {
     (void)state;
     static const char *const words[] = {
-        "speed", "rtol,rtol",       "levels",
-        "rtol=", "rtol=1e-3::1e-4", "",
-        "rtol,", "transfer",        "rtol=1:2:3:4:5:6:7:8:9:10:11:12:13:14:15:16:17"};
+        "speed",          "rtol,rtol",       "levels",
+        "rtol=",          "rtol=1e-3::1e-4", "",
+        "rtol,",          "transfer",        "rtol=1:2:3:4:5:6:7:8:9:10:11:12:13:14:15:16:17",
+        "rtol=1e-4:1e-3", "rtol=1e-3:1e-3",  "rtol=0",
+        "rtol=abc",       "levels=6:5",      "shifts=-1:4"};
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         lac_trade_plan plan;
@@ -281,6 +291,10 @@ static void verdict(void **state)
     ask = (lac_trade_ask){.quantity = -1, .reach = NAN, .within = 2.5e-3, .spend = NAN};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
     assert_int_equal(plan.run[v.recommended].at[0], 0); // 1e-3 of 2 is 2e-3
+    lac_trade_verdict_clear(&v);
+
+    ask.unit = "s"; // of the slip
+    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_EINPUT);
     lac_trade_verdict_clear(&v);
 
     ask = (lac_trade_ask){.quantity = -1, .reach = NAN, .within = NAN, .spend = 3.5};
