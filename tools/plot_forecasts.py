@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 
-from figures import (COLOURS, DAY, INK, QUIET, RED, SPANS, WIDTH, called, matplotlib, np, panel, plt, span, start_of,
+from figures import (COLOURS, DAY, INK, QUIET, RED, SPANS, WIDTH, called, date_ticks, matplotlib, np, panel, plt, span, start_of,
                      unit_of)
 from matplotlib.patches import Patch
 
@@ -61,9 +61,7 @@ class Clock:
         if self.start is None:
             axes.set_xlabel(f"time ({self.name})")
             return
-        locator = matplotlib.dates.AutoDateLocator(minticks=2, maxticks=4)
-        axes.xaxis.set_major_locator(locator)
-        axes.xaxis.set_major_formatter(matplotlib.dates.ConciseDateFormatter(locator))
+        date_ticks(axes.xaxis, 2, 4)
         axes.set_xlabel("date (UTC)", loc="left")
 
 
@@ -168,4 +166,4 @@ def draw_methods(axes, found, k, clock, failed):
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlim(0, most / unit)
     axes.set_xlabel(f"time from issue to failure ({name})")
-    panel(axes, "b", f"50 %, 90 % windows, {span(left)} before {'failure' if failed else 'the end'}")
+    panel(axes, "b", f"windows, {span(left)} before {'failure' if failed else 'the end'}")
