@@ -136,12 +136,12 @@ def draw_life(axes, found, issue, clock, failed):
     there = left[left > 0]
     if there.size:
         axes.set_xlim(there.max(), there.min())
-        axes.set_ylim(there.min() / 5, there.max() * 30)
+        axes.set_ylim(there.min() / 5, there.max() * 5)
         if failed:
             axes.plot(there, there, color=INK, lw=0.8, ls=(0, (5, 2)), label="true")
     axes.set_xlabel(f"time before {'failure' if failed else 'the end'}, at issue (s)")
     axes.set_ylabel("time left as forecast (s)")
-    axes.legend(ncol=3, handlelength=1, columnspacing=0.8, loc="upper right", borderaxespad=0)
+    axes.legend(ncol=3, handlelength=1, columnspacing=0.8, loc="lower left", borderaxespad=0.4)
     panel(axes, "a", "forecasts, each from what came before it")
 
 
