@@ -146,7 +146,7 @@ def stage(folder):
     pages = list(TOP) + sorted(glob.glob("docs/**/*.md", root_dir=ROOT, recursive=True))
     for path in pages:
         write(path, linked(spaced(read(os.path.join(ROOT, path))), path))
-    theory = [p for p in pages if p.startswith("docs/theory/")]
+    theory = in_order([p for p in pages if p.startswith("docs/theory/")])
     write("docs/theory/README.md", "# Theory\n\n" + "\n".join(
         f"- [{title(os.path.join(ROOT, p))}]({os.path.basename(p)})" for p in theory) + "\n")
     for path in sorted(glob.glob("docs/man/*.scd", root_dir=ROOT)):
@@ -165,6 +165,13 @@ def title(path):
     return re.search(r"^# (.*)$", read(path), re.MULTILINE).group(1).replace("`", "")
 
 
+def in_order(pages):
+    """Pages in the order in which docs/README.md leads to them; what it does not name comes last."""
+    named = re.findall(r"\]\(([^)#]+\.md)", read(os.path.join(ROOT, "docs", "README.md")))
+    place = {os.path.normpath(os.path.join("docs", name)): i for i, name in reversed(list(enumerate(named)))}
+    return sorted(pages, key=lambda path: place.get(path, -1 if path.endswith("README.md") else len(named)))
+
+
 def contents(folder):
     """The table of contents: every page once."""
     named = {p for _, patterns in CONTENTS for pattern in patterns if "*" not in pattern
@@ -176,7 +183,7 @@ def contents(folder):
     for section, patterns in CONTENTS:
         pages = []
         for pattern in patterns:
-            found = sorted(glob.glob(pattern, root_dir=folder))
+            found = in_order(sorted(glob.glob(pattern, root_dir=folder)))
             if pattern == "docs/*.md":
                 found = [p for p in found if p not in named | held]
             for path in found:

@@ -30,7 +30,7 @@ except ImportError as missing:
     )
 
 __all__ = ["BLUE", "COLOURS", "DAY", "FAINT", "FAST", "GREEN", "INK", "LENGTHS", "QUIET", "RED", "ROOT", "SEEN",
-           "SLIP", "SPANS", "STYLE", "TOOL", "WIDTH", "YEAR", "called", "json_of", "length", "matplotlib", "np", "open_file",
+           "SLIP", "SPANS", "STYLE", "TOOL", "WIDTH", "YEAR", "called", "date_ticks", "json_of", "length", "matplotlib", "np", "open_file",
            "panel", "parse_date", "plain_ticks", "plt", "save", "span", "start_of", "stop", "unit_of", "use_screen_style", "xarray"]
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -131,6 +131,23 @@ def start_of(run):
     """The date at which a run's file says that it starts; None where it has none."""
     since = re.match(r"seconds since (\S+)(?:[ T](\S+))?", run["time"].attrs.get("units", ""))
     return parse_date("T".join(filter(None, since.groups()))) if since else None
+
+
+class _DateTicks(matplotlib.dates.ConciseDateFormatter):
+    """At the axis' end the month too only where all ticks are of that month."""
+
+    def format_ticks(self, values):
+        labels = super().format_ticks(values)
+        if len({date.month for date in matplotlib.dates.num2date(values)}) > 1:
+            self.offset_string = self.offset_string.split("-")[0]
+        return labels
+
+
+def date_ticks(axis, least, most):
+    """From `least` to `most` ticks at round dates."""
+    locator = matplotlib.dates.AutoDateLocator(minticks=least, maxticks=most)
+    axis.set_major_locator(locator)
+    axis.set_major_formatter(_DateTicks(locator))
 
 
 def panel(axes, letter, text="", **where):

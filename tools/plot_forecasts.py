@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 
-from figures import (COLOURS, DAY, INK, QUIET, RED, SPANS, WIDTH, called, matplotlib, np, panel, plt, span, start_of,
+from figures import (COLOURS, DAY, INK, QUIET, RED, SPANS, WIDTH, called, date_ticks, matplotlib, np, panel, plt, span, start_of,
                      unit_of)
 from matplotlib.patches import Patch
 
@@ -61,9 +61,7 @@ class Clock:
         if self.start is None:
             axes.set_xlabel(f"time ({self.name})")
             return
-        locator = matplotlib.dates.AutoDateLocator(minticks=2, maxticks=4)
-        axes.xaxis.set_major_locator(locator)
-        axes.xaxis.set_major_formatter(matplotlib.dates.ConciseDateFormatter(locator))
+        date_ticks(axes.xaxis, 2, 4)
         axes.set_xlabel("date (UTC)", loc="left")
 
 
@@ -138,12 +136,12 @@ def draw_life(axes, found, issue, clock, failed):
     there = left[left > 0]
     if there.size:
         axes.set_xlim(there.max(), there.min())
-        axes.set_ylim(there.min() / 5, there.max() * 30)
+        axes.set_ylim(there.min() / 5, there.max() * 5)
         if failed:
             axes.plot(there, there, color=INK, lw=0.8, ls=(0, (5, 2)), label="true")
     axes.set_xlabel(f"time before {'failure' if failed else 'the end'}, at issue (s)")
     axes.set_ylabel("time left as forecast (s)")
-    axes.legend(ncol=3, handlelength=1, columnspacing=0.8, loc="upper right", borderaxespad=0)
+    axes.legend(ncol=3, handlelength=1, columnspacing=0.8, loc="lower left", borderaxespad=0.4)
     panel(axes, "a", "forecasts, each from what came before it")
 
 
@@ -168,4 +166,4 @@ def draw_methods(axes, found, k, clock, failed):
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlim(0, most / unit)
     axes.set_xlabel(f"time from issue to failure ({name})")
-    panel(axes, "b", f"50 %, 90 % windows, {span(left)} before {'failure' if failed else 'the end'}")
+    panel(axes, "b", f"windows, {span(left)} before {'failure' if failed else 'the end'}")

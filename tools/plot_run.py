@@ -15,7 +15,7 @@ import os
 from datetime import timedelta
 
 # first: it says what is missing
-from figures import DAY, FAINT, FAST, INK, QUIET, SEEN, YEAR, matplotlib, np, open_file, parse_date, plt, save, start_of, stop, use_screen_style
+from figures import DAY, FAINT, FAST, INK, QUIET, SEEN, YEAR, date_ticks, matplotlib, np, open_file, parse_date, plt, save, start_of, stop, use_screen_style
 
 WEEK = 7 * DAY
 LENGTHS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3}
@@ -124,9 +124,7 @@ def time_axis(axes, run, seconds):
     if run.start is None:
         axes.set_xlabel(f"time ({name_of(run.unit, TIMES)})")
         return
-    locator = matplotlib.dates.AutoDateLocator(minticks=3, maxticks=5)
-    axes.xaxis.set_major_locator(locator)
-    axes.xaxis.set_major_formatter(matplotlib.dates.ConciseDateFormatter(locator))
+    date_ticks(axes.xaxis, 3, 5)
 
 
 def mark_failure(axes, run):

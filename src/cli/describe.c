@@ -8,27 +8,27 @@
 
 enum { MAX_NAMES = 64 };
 
-static const lac_kind *find_kind(const char *name)
-{
-    const lac_kind *kind;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        // an option is found by its own name: its section has keys besides; so is what a command
-        // has
-        bool stands_there =
-            !kind->option && kind->command == NULL && strcmp(kind->section, name) == 0;
-        if (strcmp(kind->name, name) == 0 || stands_there) {
-            return kind;
-        }
-    }
-    return NULL;
-}
-
 static const lac_section *find_section(const char *name)
 {
     const lac_section *section;
     for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
         if (strcmp(section->name, name) == 0) {
             return section;
+        }
+    }
+    return NULL;
+}
+
+// By its name, or by where it stands in a case, unless plain parameters stand there or a command
+// has it.
+static const lac_kind *find_kind(const char *name)
+{
+    const lac_kind *kind;
+    bool place = find_section(name) == NULL;
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        bool stands_there = place && kind->command == NULL && strcmp(kind->section, name) == 0;
+        if (strcmp(kind->name, name) == 0 || stands_there) {
+            return kind;
         }
     }
     return NULL;
@@ -49,6 +49,13 @@ static lac_status unknown_kind(const char *word, lac_error *err)
 {
     const char *names[MAX_NAMES];
     size_t n = 0;
+    for (size_t i = 0; lac_kind_at(i) != NULL; i++) {
+        const lac_kind *kind = lac_kind_at(i);
+        if (find_model(kind, word) != NULL) {
+            return lac_fail(err, LAC_EINPUT, "describe: \"%s\" is a %s: lacuna describe %s %s",
+                            word, kind->name, kind->name, word);
+        }
+    }
     for (size_t i = 0; n < MAX_NAMES && lac_kind_at(i) != NULL; i++) {
         names[n++] = lac_kind_at(i)->name;
     }
@@ -107,7 +114,12 @@ static void print_gates(void)
 static void print_kind(const lac_kind *kind)
 {
     const lac_descriptor *model;
-    printf("%s: %s\n", kind->command != NULL ? kind->name : kind->section, kind->summary);
+    const char *place = kind->command != NULL ? kind->name : kind->section;
+    printf("%s", place);
+    if (find_kind(place) != kind) { // plain parameters stand there too
+        printf(" (%s)", kind->name);
+    }
+    printf(": %s\n", kind->summary);
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         const lac_precursor_kind *precursor = precursor_of(model);
         char text[300];

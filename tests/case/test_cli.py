@@ -659,6 +659,10 @@ class Describe(Case):
         for kind in whole["kinds"]:
             self.assertTrue(kind["summary"])
             self.describe_kind(kind, overview)
+            heading = re.search(rf"^(\S+)( \(\S+\))?: {re.escape(kind['summary'])}", overview, re.MULTILINE)
+            known = heading[2].strip(" ()") if heading[2] else heading[1]  # what the overview names is understood
+            self.assertEqual(self.expect(0, "describe", known).stdout,
+                             self.expect(0, "describe", kind["name"]).stdout)
         for section in whole["sections"]:
             self.assertIn(section["name"], overview)
             self.check_parameters(section, self.expect(0, "describe", section["name"]).stdout)
@@ -712,6 +716,8 @@ class Describe(Case):
                          '"friction"?\n')
         done = self.expect(2, "describe", "friction", "ageing")
         self.assertIn('did you mean "aging"?', done.stderr)
+        done = self.expect(2, "describe", "voight")
+        self.assertEqual(done.stderr, 'lacuna: describe: "voight" is a forecast: lacuna describe forecast voight\n')
 
 
 def block_failure_time():

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import matplotlib.image
 import matplotlib.text
@@ -143,6 +144,20 @@ class Plots(unittest.TestCase):
         truth = figure.axes[0].lines[-1]
         numpy.testing.assert_array_equal(truth.get_xdata(), truth.get_ydata())
         self.assertEqual([t.get_text() for t in figure.axes[1].get_yticklabels()], [m["name"] for m in found["methods"]])
+        with unittest.mock.patch("plot_forecasts.span", return_value="3.62 days"):  # as wide as it gets
+            self.check(self.plot.forecasts(run, page), "ab")
+
+    def test_dates(self):
+        """The month stands at the end of an axis only where it is that of all ticks."""
+        from datetime import datetime
+        from figures import date_ticks, plt
+
+        for last, words in ((datetime(2024, 3, 9), "2024"), (datetime(2024, 1, 9), "2024-Jan"), (datetime(2025, 3, 9), "")):
+            figure, axes = plt.subplots()
+            axes.set_xlim(datetime(2024, 1, 1), last)
+            date_ticks(axes.xaxis, 3, 5)
+            figure.canvas.draw()
+            self.assertEqual(axes.xaxis.get_offset_text().get_text(), words, last)
 
     def test_readings(self):
         path = os.path.join(FOLDER, "series.csv")

@@ -88,6 +88,12 @@ class Site(unittest.TestCase):
             page = re.sub(r"README\.md$", "index.md", path)[:-3] + ".html"
             self.assertIn(page, listed)
 
+    def test_theory_stands_in_the_order_of_reading(self):
+        listed = [os.path.normpath(link) for link in self.pages["index.html"].links]
+        places = [listed.index(f"docs/theory/{page}.html")
+                  for page in ("surface", "contact", "friction", "creep", "events", "rg", "precursors", "fitting")]
+        self.assertEqual(places, sorted(places))
+
     def test_tables_and_code_are_such(self):
         """Markdown here is not GitHub's: what it does not see stands in the text as it is."""
         left = []

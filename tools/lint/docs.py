@@ -177,6 +177,15 @@ def check_references(project, path, text):
     return complaints
 
 
+def check_map(project, path, text):
+    """Whether the code map has a row for every module, and every public header."""
+    modules = {name.split("/")[1] for name in project.sources if name.startswith("src/")}
+    wanted = {f"src/{name}": f"| `{name}` |" for name in modules}
+    headers = source.files(project.root, ["include"], (".h",))
+    wanted |= {name: f"`{name.rsplit('/', maxsplit=1)[1]}`" for name in headers if not name.endswith("/lacuna.h")}
+    return [f"{path}:1: the code map has no {name}" for name, there in sorted(wanted.items()) if there not in text]
+
+
 def main(root):
     project = Project(root)
     complaints = []
@@ -187,6 +196,7 @@ def main(root):
         complaints += check_names(project, path, text)
         complaints += check_links(project, path, text) if path.endswith(".md") else []
         complaints += check_tables(project, path, text)
+    complaints += check_map(project, "ARCHITECTURE.md", source.read(root, "ARCHITECTURE.md"))
     for name in PAGES:
         path = f"docs/theory/{name}.md"
         complaints += check_page(path, source.read(root, path))

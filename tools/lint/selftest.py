@@ -34,7 +34,7 @@ class Docs(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         for path, text in {"src/base/a.c": "double lac_rate, speed;\n", "docs/x.md": cls.PAGE,
-                           "tests/unit/test_a.c": "int main;\n"}.items():
+                           "include/lacuna/b.h": "int lac_b;\n", "tests/unit/test_a.c": "int main;\n"}.items():
             os.makedirs(os.path.join(cls.folder.name, os.path.dirname(path)), exist_ok=True)
             with open(os.path.join(cls.folder.name, path), "w", encoding="utf-8") as file:
                 file.write(text)
@@ -54,6 +54,12 @@ class Docs(unittest.TestCase):
             self.assertEqual(check(self.project, "docs/x.md", self.PAGE
                                    + "`src/base/a.c` `a.c` `unit/test_a` [x](x.md#a) `lac_x_…`"), [])
         self.assertEqual(docs.check_page("docs/x.md", self.PAGE), [])
+
+    def test_code_map(self):
+        whole = "| `base` | rates | `b.h` |"
+        self.assertEqual(docs.check_map(self.project, "docs/x.md", whole), [])
+        self.refuses(docs.check_map, whole.replace("`base`", "`basis`"), "src/base")
+        self.refuses(docs.check_map, whole.replace("`b.h`", ""), "b.h")
 
     def test_names_that_are_nowhere(self):
         for text, word in (("`lac_gone`", "lac_gone"), ("src/base/b.c", "b.c"), ("`b.c`", "b.c"),

@@ -51,7 +51,7 @@ function provenance(data) {
     ["Grid", a.grid_nx === undefined ? undefined : `${count(a.grid_nx)} × ${count(a.grid_ny)} cells of ${length(a.grid_dx_m)}, ${b || ""}`],
     ["Records", count(a.records)], ["Worst balance residual", a.balance_residual_max === undefined ? undefined : number(a.balance_residual_max, 3)],
     ["References", a.references]].filter(([, v]) => v);
-  return element("div", { class: "plain" }, bareTable("Provenance", rows.length, [["What", (i) => rows[i][0]], ["", (i) => rows[i][1], "text"]]));
+  return element("div", { class: "plain" }, bareTable("Provenance", rows.length, [["What", (i) => rows[i][0]], ["Value", (i) => rows[i][1], "text"]]));
 }
 
 function aboutSection(data) {
