@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/select.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -348,16 +349,18 @@ static void stop_watching(cli_view *view)
     }
 }
 
-// The signal that ends it may come at any moment, also just before the wait.
+// The signal that ends it may come at any moment, also just before the wait, or to another thread,
+// which wakes nobody here.
 static void wait_for_signal(void)
 {
+    const struct timespec look_again = {.tv_nsec = 200000000};
     sigset_t stopping, before;
     (void)sigemptyset(&stopping);
     (void)sigaddset(&stopping, SIGINT);
     (void)sigaddset(&stopping, SIGTERM);
     (void)pthread_sigmask(SIG_BLOCK, &stopping, &before);
     while (!cli_signals_stop()) {
-        (void)sigsuspend(&before);
+        (void)pselect(0, NULL, NULL, NULL, &look_again, &before);
     }
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
