@@ -74,8 +74,6 @@ static void put(cli_inbox *inbox, kind what, size_t count, const piece *pieces)
             }
             inbox->used += pieces[i].size;
         }
-    } else {
-        inbox->refused = true;
     }
     (void)pthread_mutex_unlock(&inbox->lock);
 }

@@ -18,7 +18,6 @@ typedef struct cli_inbox {
     size_t cells;         ///< of a snapshot; 0: none is kept
     unsigned fields;      ///< LAC_FIELD_* of a snapshot
     lac_sink next;        ///< where everything goes first
-    bool refused;         ///< no memory: something is missing
 } cli_inbox;
 
 /// @return false where the system gives no lock
