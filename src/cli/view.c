@@ -27,7 +27,7 @@
 // Between looks into the inbox, and between data; for so many times as long as the last data took
 // none are made, so that the viewer takes little of a processor that the run may need.
 static const double look = 0.2, least_pause = 1.0, rest = 15.0;
-static const double last_wait = 3.0;
+static const double last_wait = 10.0; // a busy machine takes its time to draw what came before
 
 // Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps
 // those it has.
