@@ -43,7 +43,7 @@ void lac_stored_file_comment(const lac_stored_file *file, const char *variable, 
 void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size);
 
-/// An attribute of one number of a variable; NaN where there is none.
+/// An attribute of one number of a variable; NaN where there is none, as in a run in memory.
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute);
 

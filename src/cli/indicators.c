@@ -202,7 +202,8 @@ void cli_course_print(const cli_precursors_result *r)
         if (!any) {
             continue;
         }
-        printf("  %-22s", cli_precursors_when(r, r->rolling->issue_time[i], text, sizeof text));
+        printf("  %-22s",
+               cli_watched_time(r->watched, r->rolling->issue_time[i], text, sizeof text));
         for (size_t k = 0; k < count; k++) {
             (void)snprintf(text, sizeof text, isnan(value[k]) ? "." : "%.4g", value[k]);
             printf(" %18s", text);

@@ -26,6 +26,11 @@ lac_status cli_watched_read(const cli_request *request, const lac_units *units, 
                             lac_error *err);
 void cli_watched_clear(cli_watched *watched);
 
+/// A time of its clock: "2015-07-05 09:54", or seconds with the unit that reads best; "-" where
+/// there is none.
+/// @return text
+const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size);
+
 /// Whether the file is a run's, and no column is asked of it.
 bool cli_watched_is_run(const cli_request *request);
 
@@ -65,10 +70,6 @@ typedef struct cli_precursors_result {
     const lac_skill *skill;             ///< [methods]; NULL: no time of failure
     const char *output;                 ///< NULL: none
 } cli_precursors_result;
-
-/// "2015-07-05 09:54", or seconds with the unit that reads best; "-" where there is none.
-/// @return text
-const char *cli_precursors_when(const cli_precursors_result *r, double t, char *text, size_t size);
 
 void cli_precursors_print(const cli_precursors_result *r, bool verbose);
 void cli_precursors_json(const cli_precursors_result *r);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -223,4 +224,23 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     }
 out:
     return status;
+}
+
+const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size)
+{
+    if (!isfinite(t)) {
+        (void)snprintf(text, size, "-");
+        return text;
+    }
+    if (!watched->dated) {
+        return lac_units_format(t, "s", text, size);
+    }
+    (void)lac_date_format(t, text, size);
+    if (strlen(text) == 20) {
+        text[10] = ' ';
+        text[16] = '\0';
+    } else {
+        (void)snprintf(text, size, "-");
+    }
+    return text;
 }

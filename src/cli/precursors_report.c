@@ -2,9 +2,7 @@
 // What the precursors command found, as tables.
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
-#include "base/date.h"
 #include "cli/indicators.h"
 #include "cli/words.h"
 
@@ -29,28 +27,9 @@ static const unit *unit_of(const lac_rolling *roll)
     return u;
 }
 
-const char *cli_precursors_when(const cli_precursors_result *r, double t, char *text, size_t size)
-{
-    if (!isfinite(t)) {
-        (void)snprintf(text, size, "-");
-        return text;
-    }
-    if (!r->watched->dated) {
-        return lac_units_format(t, "s", text, size);
-    }
-    (void)lac_date_format(t, text, size);
-    if (strlen(text) == 20) {
-        text[10] = ' ';
-        text[16] = '\0';
-    } else {
-        (void)snprintf(text, size, "-");
-    }
-    return text;
-}
-
 static const char *when(const cli_precursors_result *r, double t, char *text, size_t size)
 {
-    return cli_precursors_when(r, t, text, size);
+    return cli_watched_time(r->watched, t, text, size);
 }
 
 static void print_input(const cli_precursors_result *r)

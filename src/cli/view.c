@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/select.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -26,7 +27,7 @@
 // Between looks into the inbox, and between data; for so many times as long as the last data took
 // none are made, so that the viewer takes little of a processor that the run may need.
 static const double look = 0.2, least_pause = 1.0, rest = 15.0;
-static const double last_wait = 3.0;
+static const double last_wait = 10.0; // a busy machine takes its time to draw what came before
 
 // Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps
 // those it has.
@@ -350,16 +351,18 @@ static void stop_watching(cli_view *view)
     }
 }
 
-// The signal that ends it may come at any moment, also just before the wait.
+// The signal that ends it may come at any moment, also just before the wait, or to another thread,
+// which wakes nobody here.
 static void wait_for_signal(void)
 {
+    const struct timespec look_again = {.tv_nsec = 200000000};
     sigset_t stopping, before;
     (void)sigemptyset(&stopping);
     (void)sigaddset(&stopping, SIGINT);
     (void)sigaddset(&stopping, SIGTERM);
     (void)pthread_sigmask(SIG_BLOCK, &stopping, &before);
     while (!cli_signals_stop()) {
-        (void)sigsuspend(&before);
+        (void)pselect(0, NULL, NULL, NULL, &look_again, &before);
     }
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
 }

@@ -27,7 +27,7 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next);
 void cli_view_progress(cli_view *view, const lac_progress *now);
 
 /// Shows how the run ended, from its file, which is closed; then, on a terminal, stays until
-/// Ctrl-C, else for as long as the pages that are open take to fetch it, 3 seconds at most.
+/// Ctrl-C, else for as long as the pages that are open take to fetch it, 10 seconds at most.
 /// @param status   "complete", "interrupted" or "failed"
 /// @param failed   the slope did
 /// @param message  what went wrong; "": nothing

@@ -81,7 +81,7 @@ bool cli_feed_streams(cli_feed *feed)
 void cli_feed_close(cli_feed *feed)
 {
     (void)pthread_mutex_lock(&feed->lock);
-    feed->ended = feed->closed = true;
+    feed->ended = true;
     (void)pthread_cond_broadcast(&feed->changed);
     (void)pthread_mutex_unlock(&feed->lock);
 }

@@ -23,7 +23,6 @@ typedef struct cli_feed {
     unsigned expected;          ///< streams that were open at the last event
     bool wanted;                ///< data were asked for since there were new ones
     bool ended;                 ///< the newest event is the last
-    bool closed;                ///< nothing is served any more
 } cli_feed;
 
 /// @return false where the system gives no lock

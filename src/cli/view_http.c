@@ -165,6 +165,17 @@ static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *conn
     return done;
 }
 
+// A response with a text of its own, which is freed with it; NULL without memory.
+static struct MHD_Response *respond(const cli_http *http, char *text)
+{
+    struct MHD_Response *response =
+        http->mhd.from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
+    if (response == NULL) {
+        free(text); // it was not taken
+    }
+    return response;
+}
+
 #define CLOSED_POLICY "default-src 'none'; frame-ancestors 'none'"
 
 // A line of text: what is wrong.
@@ -176,9 +187,7 @@ static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *conne
                            {status == 405 ? "Allow" : NULL, "GET, HEAD"},
                            {NULL, NULL}};
     char *copy = strdup(words);
-    return copy == NULL ? MHD_NO
-                        : deliver(http, connection, status, more,
-                                  http->mhd.from_buffer(strlen(copy), copy, MHD_RESPMEM_MUST_FREE));
+    return copy != NULL ? deliver(http, connection, status, more, respond(http, copy)) : MHD_NO;
 }
 
 static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *connection)
@@ -202,8 +211,7 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
     if (lac_report_live_page(nonce, &html, NULL) != LAC_OK) {
         return MHD_NO;
     }
-    return deliver(http, connection, MHD_HTTP_OK, more,
-                   http->mhd.from_buffer(strlen(html), html, MHD_RESPMEM_MUST_FREE));
+    return deliver(http, connection, MHD_HTTP_OK, more, respond(http, html));
 }
 
 // Data on their way: a run that has ended waits for them.

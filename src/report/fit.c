@@ -54,6 +54,15 @@ static lac_status find_shift(const lac_page *page, fitted *f, lac_error *err)
     return LAC_OK;
 }
 
+static bool has_shares(const lac_stored_values *quantiles)
+{
+    bool sound = quantiles->value == NULL || quantiles->n == QUANTILES;
+    for (size_t q = 0; sound && q < quantiles->n; q++) {
+        sound = quantiles->value[q] >= 0.0 && quantiles->value[q] <= 1.0;
+    }
+    return sound;
+}
+
 static bool fits_together(const fitted *f)
 {
     const lac_stored_values *v = f->value;
@@ -62,8 +71,7 @@ static bool fits_together(const fitted *f)
     for (size_t k = SLIP; k <= RATE; k++) {
         sound = sound && (v[k].value == NULL || (v[k].n == QUANTILES && v[k].width == n));
     }
-    return sound && v[READING].value != NULL && v[READING].n > 0 &&
-           (v[QUANTILE].value == NULL || v[QUANTILE].n == QUANTILES);
+    return sound && v[READING].value != NULL && v[READING].n > 0 && has_shares(&v[QUANTILE]);
 }
 
 static lac_status open_fit(const lac_page *page, fitted *f, lac_error *err)

@@ -27,6 +27,7 @@ static lac_status measure(const lac_input *in, int id, const char *name, lac_sto
         out->n = i == 0 ? length : out->n;
         out->width *= i == 0 ? 1 : length;
     }
+    out->n = out->width > 0 ? out->n : 0; // rows of nothing are none
     if (code == NC_NOERR && !lac_input_may_hold(in, out->n * out->width)) {
         code = NC_EHDFERR;
     }

@@ -263,9 +263,23 @@ out:
     return status;
 }
 
+// Back to `n` records: what memory did not suffice for is missing in all columns.
+static void drop_record(lac_recording *r, size_t n)
+{
+    for (size_t c = 0; c < LAC_COLUMNS; c++) {
+        r->variable[c].seen.count = n;
+    }
+    for (size_t i = 0; i < r->extras; i++) {
+        if (r->width[i] > 0) {
+            r->variable[r->extra + i].seen.count = n * r->width[i];
+        }
+    }
+}
+
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_recording *r = context;
+    const size_t n = r->variable[0].seen.count;
     const lac_row row = {.time = record->time_origin + record->time_local,
                          .apparent_friction = record->seen.shear_force / record->seen.normal_force,
                          .record = *record};
@@ -275,15 +289,16 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
         record->time_local == r->last_local) {
         return LAC_OK;
     }
-    r->has_last = true;
-    r->last_origin = record->time_origin;
-    r->last_local = record->time_local;
     for (size_t c = 0; c < LAC_COLUMNS; c++) {
         double value = value_of(&lac_columns[c], &row);
         LAC_TRY(append(&r->variable[c], &value, 1, err));
     }
     LAC_TRY(put_extras(r, record->extra, err));
+    lac_recording_resume(r, record->time_origin, record->time_local);
 out:
+    if (status != LAC_OK) {
+        drop_record(r, n);
+    }
     return status;
 }
 
@@ -295,6 +310,8 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
         return LAC_OK;
     }
     variable *v = &r->variable[r->fields];
+    const variable *first = v;
+    const size_t n = v->seen.count;
     LAC_TRY(append(v, &snapshot->time, 1, err));
     for (size_t f = 0; f < LAC_FIELDS; f++) {
         const double *values;
@@ -304,12 +321,16 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
         }
     }
 out:
+    for (; status != LAC_OK && v >= first; v--) {
+        v->seen.count = v == first ? n : n * r->cells; // none of it
+    }
     return status;
 }
 
 static lac_status put_event(void *context, const lac_event *event, lac_error *err)
 {
     lac_recording *r = context;
+    const size_t n = r->variable[r->events].seen.count;
     lac_status status = LAC_OK;
     for (size_t c = 0; c < LAC_EVENT_COLUMNS; c++) {
         double value = c == LAC_COLUMN_TIME ? event->time_origin + event->time_local
@@ -317,6 +338,9 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
         LAC_TRY(append(&r->variable[r->events + c], &value, 1, err));
     }
 out:
+    for (size_t c = 0; status != LAC_OK && c < LAC_EVENT_COLUMNS; c++) {
+        r->variable[r->events + c].seen.count = n;
+    }
     return status;
 }
 

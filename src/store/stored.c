@@ -113,17 +113,31 @@ void lac_stored_file_comment(const lac_stored_file *file, const char *variable, 
     lac_stored_file_text(file, variable, "comment", text, size);
 }
 
+// An attribute of a recording's variable; NULL where there is none.
+static const char *text_of(const lac_recording *recording, const char *variable,
+                           const char *attribute)
+{
+    lac_recorded seen;
+    char name[LAC_RECORDING_NAME];
+    if (!lac_recording_find(recording, variable, &seen)) {
+        return NULL;
+    }
+    (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, variable);
+    return strcmp(attribute, "units") == 0       ? seen.unit
+           : strcmp(attribute, "long_name") == 0 ? seen.long_name
+           : strcmp(attribute, "comment") == 0   ? lac_recording_text_of(recording, name)
+                                                 : NULL;
+}
+
 void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size)
 {
     int id = 0;
     text[0] = '\0';
     if (file->recording != NULL) {
-        char name[LAC_RECORDING_NAME];
-        (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, variable);
-        const char *comment = lac_recording_text_of(file->recording, name);
-        if (comment != NULL && strlen(comment) < size) {
-            memcpy(text, comment, strlen(comment) + 1);
+        const char *found = text_of(file->recording, variable, attribute);
+        if (found != NULL && strlen(found) < size) {
+            memcpy(text, found, strlen(found) + 1);
         }
         return;
     }
@@ -137,7 +151,8 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 {
     int id = 0;
     double value = NAN;
-    const bool found = nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
+    const bool found = file->recording == NULL &&
+                       nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
                        lac_input_number(&file->in, id, attribute, &value);
     return found ? value : NAN;
 }
@@ -145,11 +160,15 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)
 {
     char longest[NC_MAX_NAME + 1];
-    if (index > INT_MAX || nc_inq_varname(file->in.id, (int)index, longest) != NC_NOERR ||
-        strlen(longest) >= size) {
+    lac_recorded seen = {.name = longest};
+    const bool there =
+        file->recording != NULL
+            ? lac_recording_at(file->recording, index, &seen)
+            : index <= INT_MAX && nc_inq_varname(file->in.id, (int)index, longest) == NC_NOERR;
+    if (!there || strlen(seen.name) >= size) {
         return false;
     }
-    (void)memcpy(name, longest, strlen(longest) + 1);
+    (void)memcpy(name, seen.name, strlen(seen.name) + 1);
     return true;
 }
 

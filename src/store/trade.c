@@ -119,21 +119,18 @@ out:
     return status;
 }
 
+static lac_status put_all(const lac_nc *file, void *view, lac_error *err)
+{
+    lac_status status = put_about(file, view, err);
+    return status == LAC_OK ? put_rows(file, view, err) : status;
+}
+
 lac_status lac_store_trade(const char *path, bool force, const lac_provenance *provenance,
                            const lac_trade_view *view, lac_error *err)
 {
     static const char *const summary =
         "Error against cost of a case at different settings: one run a row, measured in a process "
         "of its own, with the Pareto front and what is recommended.";
-    lac_nc file = {0};
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance, summary, err));
-    LAC_TRY(put_about(&file, view, err));
-    LAC_TRY(put_rows(&file, view, err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
-    return status;
+    lac_trade_view rows = *view;
+    return lac_nc_write(path, force, provenance, summary, put_all, &rows, err);
 }

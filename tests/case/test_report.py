@@ -322,7 +322,30 @@ class Refused(unittest.TestCase):
         self.refused(3, "No such file", run, "--fit", os.path.join(FOLDER, "nothing.nc"), "-o", html)
         self.refused(2, "has dates", made("joint", scenes.JOINT), "--fit", Fit.fit, "-o", html)
         self.refused(2, "is read by this command", run, "--fit", Fit.fit, "-o", Fit.fit, "--force")
+        for name, shape, values in (("quantile", ("quantile",), [0.05, 0.25, 0.5, 0.75, 2e9]),
+                                    ("quantile", ("quantile",), [-1, 0.25, 0.5, 0.75, numpy.nan]),
+                                    ("quantile", ("quantile", "none"), None),
+                                    ("reading_time", ("reading", "none"), None)):
+            path = os.path.join(FOLDER, "damaged.nc")
+            self.changed(Fit.fit, path, name, shape, values)
+            self.refused(3, "is not a file of lacuna fit", run, "--fit", path, "-o", html)
         self.assertFalse(os.path.exists(html))
+
+    @staticmethod
+    def changed(source, path, changed, shape, values):
+        """A copy of a file with another variable in place of one; the dimension `none` is empty."""
+        with netCDF4.Dataset(source) as old, netCDF4.Dataset(path, "w") as new:
+            new.setncatts({k: old.getncattr(k) for k in old.ncattrs()})
+            new.createDimension("none", None)
+            for name, dimension in old.dimensions.items():
+                new.createDimension(name, len(dimension))
+            for name, variable in old.variables.items():
+                own = new.createVariable(name, variable.dtype, shape if name == changed else variable.dimensions)
+                own.setncatts({k: variable.getncattr(k) for k in variable.ncattrs() if k != "_FillValue"})
+                if name != changed:
+                    own[...] = variable[...]
+                elif values is not None:
+                    own[:] = values
 
     def test_dates_beside_a_run_without(self):
         series = os.path.join(FOLDER, "dated.csv")

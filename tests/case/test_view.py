@@ -5,6 +5,7 @@
 usage: test_view.py PROGRAM SOURCE_FOLDER HOLD_AT_CHECKPOINT [unittest options]
 """
 
+import ctypes
 import json
 import os
 import pty
@@ -43,6 +44,17 @@ analysis: {rg: {critical_fraction: 0.5}, events: {slip_rate: "1 um/s"}}
 output: {every: {steps: 5}, fields: [slip_rate, slip, traction], fields_every: {steps: 20}, checkpoint: {steps: 40}}
 """
 
+# A block on a surface that is large enough for two threads to make it.
+SURFACE = """\
+lacuna: 1
+interface: {size: "1 m", levels: 8, surface: {self-affine: {hurst: 0.8, rms_slope: 0.1, seed: 1}}}
+material: {shear_modulus: "15 GPa", poisson: 0.25}
+load: {normal: {pressure: "20 MPa"}}
+friction: {aging: {a: 0.010, b: 0.015, dc: "4 um"}}
+initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.5}}
+time: {end: "1 s"}
+"""
+
 # Of the data, what is of their making and not of the run.
 OWN = {"made", "made_by", "date_created", "date_modified", "wall_time_s", "file", "history", "source"}
 
@@ -55,6 +67,18 @@ def contents(path):
 
 def running(event):
     return event["state"] == "running" and event["version"] > 0
+
+
+def others(process):
+    """Threads of a process but its first."""
+    return [int(thread) for thread in os.listdir(f"/proc/{process}/task") if int(thread) != process]
+
+
+def blocks(process, thread, number):
+    """Whether a thread takes no such signals."""
+    with open(f"/proc/{process}/task/{thread}/status", encoding="ascii") as file:
+        masks = dict(line.split(":", 1) for line in file)
+    return bool(int(masks["SigBlk"], 16) >> (number - 1) & 1)
 
 
 def of_the_run(data):
@@ -316,6 +340,25 @@ class View(unittest.TestCase):
         self.assertEqual(next(run.events())["state"], "failure")
         self.assertEqual(of_the_run(run.data()), of_the_run(self.report(os.path.join(self.folder, "out.nc"))))
         process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=60), 0)
+        os.close(master)
+
+    def test_a_signal_to_another_thread_ends_it(self):
+        """The kernel may give Ctrl-C to any thread that takes it: here one that makes surfaces."""
+        master, slave = pty.openpty()
+        with open(os.path.join(self.folder, "c.yaml"), "w", encoding="utf-8") as file:
+            file.write(SURFACE)
+        process = subprocess.Popen([PROGRAM, "run", "c.yaml", "-o", "out.nc", "--view", "--no-progress", "--threads", "2"],
+                                   cwd=self.folder, stdout=subprocess.DEVNULL, stderr=slave, env=os.environ | {"OMP_THREAD_LIMIT": "2"})
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        os.close(slave)
+        text = b""
+        while b"until Ctrl-C" not in text:
+            text += os.read(master, 4096)
+        takes = [thread for thread in others(process.pid) if not blocks(process.pid, thread, signal.SIGINT)]
+        self.assertEqual(len(takes), 1)
+        self.assertEqual(ctypes.CDLL(None).tgkill(process.pid, takes[0], int(signal.SIGINT)), 0)
         self.assertEqual(process.wait(timeout=60), 0)
         os.close(master)
 

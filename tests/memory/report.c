@@ -8,12 +8,14 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 // cmocka needs the headers above first
 #include <cmocka.h>
 
 #include "lacuna/report.h"
 #include "lacuna/store_fit.h"
+#include "memory/failing_malloc.h"
 #include "memory/whole_run.h"
 
 enum { READINGS = 8, TIMES = 3, DRAWS = 4, QUANTILES = 5 };
@@ -97,5 +99,114 @@ lac_status whole_report(const char *path, lac_error *err)
     def = (lac_report_def){.run = events, .made_by = "test"};
     LAC_TRY(lac_report_write(&def, path, true, err));
 out:
+    return status;
+}
+
+enum { CELLS = 2 };
+
+// A recording with columns of every kind, and something in each.
+static lac_status begin(lac_recording **recording, lac_error *err)
+{
+    static uint32_t index[CELLS] = {0, 1};
+    static double pressure[CELLS] = {1.0, 2.0};
+    static const lac_extra extra = {
+        .name = "own", .unit = "1", .long_name = "own", .comment = "c", .over = LAC_OVER_TIME};
+    const lac_domain domain = {.grid = {.nx = CELLS, .ny = 1, .dx = 1.0, .dy = 1.0},
+                               .n = CELLS,
+                               .index = index,
+                               .pressure = pressure};
+    const lac_recording_def def = {.domain = &domain,
+                                   .fields = LAC_FIELD_SLIP | LAC_FIELD_RATE,
+                                   .extras = 1,
+                                   .extra = &extra,
+                                   .events = true};
+    return lac_recording_create(&def, recording, err);
+}
+
+// The i-th of everything.
+static lac_status put(lac_recording *recording, size_t i, lac_error *err)
+{
+    const lac_sink sink = lac_recording_sink(recording);
+    const double own = 1.0, field[CELLS] = {1.0, 2.0};
+    const lac_record record = {.time_local = (double)i,
+                               .seen = {.mean_rate = 1.0, .max_rate = 1.0, .normal_force = 1.0},
+                               .extra = &own};
+    const lac_snapshot snapshot = {.time = (double)i, .slip = field, .slip_rate = field};
+    const lac_event event = {.time_local = (double)i};
+    lac_status status;
+    LAC_TRY(sink.record(sink.context, &record, err));
+    LAC_TRY(sink.snapshot(sink.context, &snapshot, err));
+    LAC_TRY(sink.event(sink.context, &event, err));
+out:
+    return status;
+}
+
+static size_t count_of(const lac_recording *recording, const char *name)
+{
+    lac_recorded seen;
+    assert_true(lac_recording_find(recording, name, &seen));
+    return seen.count;
+}
+
+// All columns along a dimension are as long as its first one.
+static void check_whole(const lac_recording *recording)
+{
+    static const char *const first[][2] = {
+        {"time", "time"}, {"snapshot", "snapshot_time"}, {"event", "event_time"}};
+    lac_recorded seen;
+    for (size_t v = 0; lac_recording_at(recording, v, &seen); v++) {
+        for (size_t d = 0; d < 3; d++) {
+            const bool fields = strcmp(seen.dimensions, "snapshot cell") == 0;
+            if (strncmp(seen.dimensions, first[d][0], strlen(first[d][0])) == 0) {
+                assert_int_equal(seen.count,
+                                 (fields ? CELLS : 1) * count_of(recording, first[d][1]));
+            }
+        }
+    }
+}
+
+// What memory does not suffice for is left out whole: of a run that is looked at while it goes on
+// nobody else would see that a column is short. The same record may come again.
+void recording_stays_whole(void)
+{
+    bool fails = true;
+    for (long k = 0; fails; k++) {
+        lac_recording *recording = NULL;
+        assert_int_equal(begin(&recording, NULL), LAC_OK);
+        fail_allocation(k, false);
+        const lac_status status = put(recording, 0, NULL);
+        fails = stop_failing();
+        assert_int_equal(status, fails ? LAC_ENOMEM : LAC_OK);
+        check_whole(recording);
+        assert_int_equal(put(recording, 0, NULL), LAC_OK);
+        check_whole(recording);
+        assert_int_equal(count_of(recording, "time"), 1);
+        lac_recording_free(recording);
+    }
+}
+
+lac_status whole_live(const char *path, lac_error *err)
+{
+    enum { PUT = 90 }; // more snapshots than a page keeps
+    lac_recording *recording = NULL, *before = NULL;
+    char *json = NULL, *html = NULL;
+    lac_status status;
+    (void)path;
+    LAC_TRY(begin(&recording, err));
+    LAC_TRY(lac_recording_text(recording, "title", "live", err));
+    for (size_t i = 0; i < PUT; i++) {
+        LAC_TRY(put(recording, i, err));
+    }
+    LAC_TRY(lac_report_thin(recording, err));
+    const lac_report_def def = {.run = "x.nc", .recording = recording, .made_by = "test"};
+    LAC_TRY(lac_report_data(&def, &json, err));
+    LAC_TRY(lac_report_live_page("00", &html, err));
+    LAC_TRY(lac_recording_create(&(lac_recording_def){0}, &before, err));
+    LAC_TRY(lac_recording_load(before, run, &(lac_kept_checkpoint){.records = 2}, err));
+out:
+    free(html);
+    free(json);
+    lac_recording_free(before);
+    lac_recording_free(recording);
     return status;
 }

@@ -11,4 +11,10 @@ void report_remove(void);
 /// Two runs to pages: one beside readings and a fit, one with events.
 lac_status whole_report(const char *path, lac_error *err);
 
+/// A run in memory, what a file holds before it, and its page while it goes on.
+lac_status whole_live(const char *path, lac_error *err);
+
+/// Each allocation of a record, a snapshot and an event in memory fails once.
+void recording_stays_whole(void);
+
 #endif

@@ -384,13 +384,22 @@ static void a_page_fails(void **state)
     report_prepare();
     every_allocation_fails(whole_report, false);
     every_allocation_fails(whole_report, true);
+    every_allocation_fails(whole_live, false);
+    every_allocation_fails(whole_live, true);
     report_remove();
+}
+
+static void a_record_fails(void **state)
+{
+    (void)state;
+    recording_stays_whole();
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_fails),
+        cmocka_unit_test(a_record_fails),
         cmocka_unit_test(one_fails),
         cmocka_unit_test(all_fail_from_one_on),
     };

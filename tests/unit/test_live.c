@@ -96,6 +96,39 @@ static void test_read_as_a_file(void **state)
     lac_recording_free(recording);
 }
 
+// Names and attributes of variables, as a file has them.
+static void test_variables_as_of_a_file(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *recording = begin(&domain);
+    lac_stored_file *file = NULL;
+    char text[64];
+    size_t count = 0;
+    put_records(recording, 0, 1, 0);
+    assert_int_equal(lac_stored_file_of(recording, &file, NULL), LAC_OK);
+    lac_stored_file_text(file, "slip_rate", "units", text, sizeof text);
+    assert_string_equal(text, "m s-1");
+    lac_stored_file_text(file, "slip_rate", "units", text, 5);
+    assert_string_equal(text, ""); // no room
+    lac_stored_file_text(file, "x", "long_name", text, sizeof text);
+    assert_string_equal(text, "position of the cell's centre along x");
+    lac_stored_file_text(file, "slip_rate", "case_key", text, sizeof text);
+    assert_string_equal(text, "");
+    lac_stored_file_text(file, "no_such", "units", text, sizeof text);
+    assert_string_equal(text, "");
+    assert_true(isnan(lac_stored_file_number(file, "slip_rate", "best_fit")));
+    for (; lac_stored_file_variable(file, count, text, sizeof text); count++) {
+        lac_recorded seen;
+        assert_true(lac_recording_at(recording, count, &seen));
+        assert_string_equal(text, seen.name);
+    }
+    assert_true(count > 10);
+    assert_false(lac_stored_file_variable(file, 0, text, 1));
+    lac_stored_file_close(file);
+    lac_recording_free(recording);
+}
+
 static void test_thinned_by_hand(void **state)
 {
     (void)state;
@@ -190,11 +223,9 @@ static void test_live_page(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_read_as_a_file),
-        cmocka_unit_test(test_thinned_by_hand),
-        cmocka_unit_test(test_memory_stays_bounded),
-        cmocka_unit_test(test_data_from_memory),
-        cmocka_unit_test(test_live_page),
+        cmocka_unit_test(test_read_as_a_file),   cmocka_unit_test(test_variables_as_of_a_file),
+        cmocka_unit_test(test_thinned_by_hand),  cmocka_unit_test(test_memory_stays_bounded),
+        cmocka_unit_test(test_data_from_memory), cmocka_unit_test(test_live_page),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
