@@ -212,7 +212,7 @@ lacuna_python_test(test_view_page)
 # The notebook, and figures for a publication.
 lacuna_python_test(test_pictures)
 
-# Fits, and what they write; the bundled cases for it check, and their files meet CF.
+# Fits, and what they write; the bundled cases for it check.
 lacuna_python_test(test_fit)
 foreach(bundled block century century-undriven)
   add_test(NAME case.fit.${bundled}.check
@@ -220,18 +220,6 @@ foreach(bundled block century century-undriven)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case
                        ENVIRONMENT ${case_environment})
 endforeach()
-set(fit_output ${CMAKE_CURRENT_BINARY_DIR}/block-fit.nc)
-add_test(NAME case.fit.block.fit
-         COMMAND lacuna_program fit ${CMAKE_SOURCE_DIR}/cases/fit/block.yaml
-                 ${CMAKE_SOURCE_DIR}/cases/data/creep.csv --set fit.steps=20 --set fit.burn=5
-                 --set fit.starts=8 -o ${fit_output} --force)
-add_test(NAME case.fit.block.cf
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
-                 --status complete ${fit_output})
-set_tests_properties(case.fit.block.fit case.fit.block.cf PROPERTIES LABELS case
-                     ENVIRONMENT ${case_environment})
-set_tests_properties(case.fit.block.fit PROPERTIES FIXTURES_SETUP block_fit)
-set_tests_properties(case.fit.block.cf PROPERTIES FIXTURES_REQUIRED block_fit)
 
 # A friction law made as docs/howto-friction-law.md says, and what its conformance kit says of it.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)

@@ -65,6 +65,8 @@ class Fit(unittest.TestCase):
             self.assertEqual(file.dimensions["reading"].size, 47)
             spread = file["predicted_displacement"][:]
             self.assertTrue(numpy.all(numpy.diff(spread[:, :100], axis=0) >= 0))
+        subprocess.run([sys.executable, os.path.join(SOURCE, "tests/support/check_cf.py"), "--status",
+                        "complete", self.out], check=True)
         self.assertEqual(said["case_output"], os.path.join(self.folder, "out.yaml"))
         done = self.run_program("run", said["case_output"], "--json", "-o",
                                 os.path.join(self.folder, "run.nc"))
