@@ -332,6 +332,7 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
         take_mean_off(e, force);
         return 0;
     }
+    take_mean_off(e, r); // what rounding left: of slips all but alike as much as they differ by
     lac_krylov system = {n, &j, multiply_compliance, precondition_compliance};
     memset(tau, 0, n * sizeof *tau);
     int iterations = lac_krylov_solve(&system, tau, r, NAN, e->tolerance, LAC_ELASTIC_ITERATIONS,

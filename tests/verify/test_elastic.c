@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The elastic transfer against plane waves, dense matrices and cracks with closed forms.
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -255,6 +256,49 @@ static void uniform_slip_costs_nothing_and_forces_balance(void **state)
     }
 }
 
+// Slips that differ by little, down to rounding: the stress of what they differ by, which the
+// difference from one of them gives exactly.
+static void check_alike(lac_grid grid, rock_def rock, double tolerance)
+{
+    scene s = scene_of(grid, rock, (choice){0.6, false, tolerance});
+    double *of_all = new_doubles(s.n);
+    for (uint64_t seed = 0; seed < 60; seed++) {
+        const double mean = draw_uniform(seed, 1000, 0.1, 1);
+        const double spread = pow(10, -10 - (double)(seed % 7));
+        double size = 0, off = 0;
+        for (size_t i = 0; i < s.n; i++) {
+            s.x[i] = mean * (1 + spread * draw_uniform(seed, i, -1, 1));
+        }
+        apply(&s);
+        memcpy(of_all, s.y, s.n * sizeof *of_all);
+        for (size_t i = s.n; i-- > 0;) {
+            s.x[i] -= s.x[0];
+        }
+        apply(&s);
+        for (size_t i = 0; i < s.n; i++) {
+            assert_true(isfinite(of_all[i]) && isfinite(s.y[i]));
+            size = fmax(size, fabs(s.y[i]));
+            off = fmax(off, fabs(of_all[i] - s.y[i]));
+        }
+        const double rounding = 4 * DBL_EPSILON * mean * rock.g / grid.dx;
+        assert_true(off <= 100 * tolerance * size + rounding);
+    }
+    free(of_all);
+    scene_free(&s);
+}
+
+static void slips_that_hardly_differ_have_their_stress(void **state)
+{
+    (void)state;
+    const rock_def plane = {2, 0.25, INFINITY, false}, line = {2, 0.25, INFINITY, true};
+    for (int periodic = 0; periodic < 2; periodic++) {
+        for (double tolerance = 1e-9; tolerance > 1e-13; tolerance /= 1000) {
+            check_alike((lac_grid){16, 16, 0.5, 0.5, periodic == 1}, plane, tolerance);
+            check_alike((lac_grid){128, 1, 1, 1, periodic == 1}, line, tolerance);
+        }
+    }
+}
+
 // Outside creeping: the traction that slip of one cell puts on the others, by quadrature.
 static void check_creeping(lac_grid grid, rock_def rock)
 {
@@ -433,6 +477,7 @@ int main(void)
         cmocka_unit_test(gaps_slip_freely_as_in_dense_matrices),
         cmocka_unit_test(systems_that_are_not_definite_are_refused),
         cmocka_unit_test(uniform_slip_costs_nothing_and_forces_balance),
+        cmocka_unit_test(slips_that_hardly_differ_have_their_stress),
         cmocka_unit_test(creeping_surroundings_hold_as_by_quadrature),
         cmocka_unit_test(a_crack_in_a_line_opens_into_an_ellipse),
         cmocka_unit_test(a_circular_crack_opens_into_an_ellipsoid),
