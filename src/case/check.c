@@ -243,10 +243,33 @@ static void check_load(lac_reader *reader, const lac_case *c)
     }
 }
 
+// Whether the case starts where nothing changes but by rounding, which grows as b > a.
+static bool starts_unstable(const lac_case *c)
+{
+    const lac_initial_def *initial = &c->initial;
+    const lac_friction_params *law = c->friction.params;
+    bool alike = c->initial_spread.count == 0 &&
+                 (c->friction_spread.count == 0 || !isnan(initial->slip_rate));
+    return initial->state == LAC_STATE_STEADY && law->b > law->a && alike;
+}
+
+// Whether nothing but constant loads acts.
+static bool loads_stay(const lac_case *c)
+{
+    bool stay = !holds_mean_slip(c);
+    for (size_t i = 0; i < c->shear.count; i++) {
+        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        stay = stay && kind->fixes_shear;
+    }
+    for (size_t i = 0; i < c->pore.count; i++) {
+        stay = stay && strcmp(c->pore.item[i].about->name, "constant") == 0;
+    }
+    return stay;
+}
+
 static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
-    bool steady = initial->state == LAC_STATE_STEADY;
     if (lac_present(reader, "initial.spread.slip_rate") &&
         !lac_present(reader, "initial.slip_rate")) {
         lac_blame_key(reader, "initial.spread.slip_rate", "needs initial.slip_rate");
@@ -260,18 +283,23 @@ static void check_initial(lac_reader *reader, const lac_case *c)
         return;
     }
     const lac_friction_params *law = c->friction.params;
-    bool spread = c->friction_spread.count > 0 || c->initial_spread.count > 0;
     bool renewal = strcmp(c->friction.about->name, "composite") != 0 && isnan(law->v1) &&
                    isnan(law->v2); // steady at dc/v, whatever the rate
     if (law->b == law->a && initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate) &&
         renewal) {
         lac_warn(reader, "initial.state", "has no effect where b = a: theta is dc/v for any ratio");
     }
-    if (steady && law->b > law->a && !spread) {
-        lac_warn(reader, lac_present(reader, "initial.state") ? "initial.state" : "friction",
-                 "starts steady with b > a, the unstable fixed point: rounding decides when it "
-                 "fails");
+    if (!starts_unstable(c)) {
+        return;
     }
+    if (!isnan(c->accuracy) && loads_stay(c)) {
+        lac_blame_key(reader, "solver.accuracy",
+                      "cannot be kept: the case starts steady with b > a and no load changes, so "
+                      "rounding decides what it does");
+        return;
+    }
+    lac_warn(reader, lac_present(reader, "initial.state") ? "initial.state" : "friction",
+             "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
 }
 
 void lac_check_case(lac_reader *reader, lac_case *c)

@@ -444,6 +444,18 @@ class Accuracy(Program):
         _, noted = self.run_case("--accuracy", "1e-9", "--set", "solver.max_steps=50", status=1)
         self.assertIn("50 steps were not enough", noted)
 
+    def test_unstable(self):
+        """What rounding decides is refused; where a load decides, it is not."""
+        steady = ["--accuracy", "1%", "--set", "initial.state=steady"]
+        _, noted = self.run_case(*steady, status=2)
+        self.assertIn('lacuna: --accuracy: "1%" cannot be kept: the case starts steady', noted)
+        constant = "load.pore_pressure=[{constant: {value: 1 kPa}}]"
+        self.run_case(*steady, "--set", constant, status=2)
+        ramp = "load.pore_pressure=[{ramp: {rate: 0.1 Pa/s}}]"
+        said, noted = self.run_case(*steady, "--set", ramp)
+        self.assertTrue(said["failed"])
+        self.assertIn("rounding decides when it fails", noted)
+
 
 if __name__ == "__main__":
     PROGRAM, SOURCE, STOP = sys.argv[1:4]
