@@ -93,11 +93,14 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
-/// Slip errors that count, for slip integrated beside y: rtol dc where the rate is solved for,
-/// whose own errors y does not show (a traction under a given load is known whatever the rate).
-/// @param tolerance  [n] absolute [m]; overwritten where true is given back
-/// @return whether slip takes part in the error control
-bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
+/// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
+/// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
+/// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip besides.
+/// @param relative   part of the slip; overwritten where true is given back
+/// @param tolerance  [n] absolute [m]; likewise
+/// @return whether slip is integrated beside y
+bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *relative,
+                                double *tolerance);
 
 /// dy/dt.
 /// @param t     time since the start [s]

@@ -78,18 +78,25 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
     return good ? LAC_OK : lac_fail_memory(err);
 }
 
-// Slip beside y, and whether its errors count.
-static int set_slip(lac_engine *engine, cvode *c)
+// Slip beside y, whose errors count; to one tolerance, the least, where the slip itself counts
+// besides, so that no cell keeps its own.
+static int set_slip(const lac_engine *engine, cvode *c)
 {
     int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
     N_Vector tolerance = N_VClone(c->slip);
     if (lac_vector_lacks(c->slip)) {
         flag = CV_MEM_FAIL;
     } else {
-        bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol,
-                                                 lac_vector_data(tolerance));
-        flag |= CVodeSetQuadErrCon(c->mem, counts ? SUNTRUE : SUNFALSE);
-        flag |= counts ? CVodeQuadSVtolerances(c->mem, 0.0, tolerance) : CV_SUCCESS;
+        double relative = 0.0;
+        double *absolute = lac_vector_data(tolerance);
+        double least = INFINITY;
+        (void)lac_problem_slip_tolerance(engine->problem, engine->def->rtol, &relative, absolute);
+        for (size_t i = 0; i < engine->n; i++) {
+            least = fmin(least, absolute[i]);
+        }
+        flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
+        flag |= relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
+                               : CVodeQuadSVtolerances(c->mem, 0.0, tolerance);
     }
     N_VDestroy(tolerance);
     return flag;

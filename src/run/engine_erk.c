@@ -36,7 +36,6 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     return good ? 0 : 1;
 }
 
-// Slip beside y takes no part in the error control where y is ln v: it follows from v.
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
@@ -49,10 +48,12 @@ static int weights(N_Vector y, N_Vector w, void *user)
     if (lac_problem_has_slip(engine->problem)) {
         return 0;
     }
+    const double *at = lac_vector_data(y) + 2 * n;
     double *slip = weight + 2 * n;
-    bool counts = lac_problem_slip_tolerance(engine->problem, engine->def->rtol, slip);
+    double relative = 0.0;
+    (void)lac_problem_slip_tolerance(engine->problem, engine->def->rtol, &relative, slip);
     for (size_t i = 0; i < n; i++) {
-        slip[i] = counts ? 1.0 / slip[i] : 1e-200;
+        slip[i] = 1.0 / (relative * fabs(at[i]) + slip[i]);
     }
     return 0;
 }

@@ -144,11 +144,65 @@ static void a_pulse_triggers_at_its_threshold(void **state)
     lac_slot_clear(&slot);
 }
 
+// Mean slip at the end of a block that a ramp speeds up by an e-fold each second.
+static double slip_by(block_def def, lac_method method, double rtol, double end)
+{
+    block b;
+    lac_error err = {""};
+    lac_run_result result;
+    lac_run_def how = lac_run_default();
+    lac_slot slot = test_slot_shear("ramp");
+    test_slot_set(&slot, "rate",
+                  (strcmp(def.law, "weakening") == 0 ? def.a : def.a - def.b) * def.pressure);
+    def.shear = &slot;
+    def.shear_count = 1;
+    how.method = method;
+    how.rtol = rtol;
+    how.failure_rate = 1e9;
+    how.end = end;
+    block_create(&def, &b);
+    if (lac_run(b.problem, &how, NULL, &result, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    block_clear(&b);
+    lac_slot_clear(&slot);
+    assert_false(result.failed);
+    return result.mean_slip;
+}
+
+// Where ln v and ln theta grow along straight lines any step follows them, but not the slip.
+static void slip_is_followed_where_its_rate_is_a_straight_line(void **state)
+{
+    static const lac_formulation unknown[] = {LAC_FORMULATION_RATE, LAC_FORMULATION_TRACTION};
+    (void)state;
+    block_def holding = block_default(1.5, 0.5); // theta stays, as v theta < dc
+    holding.law = "weakening";
+    holding.slip_rate = 1e-9;
+    holding.theta = 1.0;
+    block_def hardening = block_default(0.5, 1.0);
+    hardening.formulation = LAC_FORMULATION_SLIP;
+    double exact = slip_by(hardening, LAC_BDF, 1e-9, 7.0);
+    for (int i = 0; i < 2; i++) {
+        for (int method = LAC_BDF; method <= LAC_ERK; method++) {
+            for (double rtol = 1e-3; rtol > 1e-8; rtol /= 100) {
+                holding.formulation = hardening.formulation = unknown[i];
+                double held = slip_by(holding, (lac_method)method, rtol, 20.5);
+                double off = fabs(held / (1e-9 * expm1(20.5)) - 1);
+                double slid = fabs(slip_by(hardening, (lac_method)method, rtol, 7.0) / exact - 1);
+                print_message("%s, method %d, rtol %g: off by %.1e, %.1e\n",
+                              lac_formulation_name(unknown[i]), method, rtol, off, slid);
+                assert_true(off < 100 * rtol && slid < 20 * rtol);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pore_step_triggers_at_its_threshold),
         cmocka_unit_test(a_pulse_triggers_at_its_threshold),
+        cmocka_unit_test(slip_is_followed_where_its_rate_is_a_straight_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
