@@ -179,8 +179,9 @@ typedef struct lac_trade_verdict {
     size_t closest;     ///< run; what comes closest then
 } lac_trade_verdict;
 
-/// Error of the finest of three values on a ladder, by Richardson's extrapolation; where they do
-/// not converge, what the last rung changed.
+/// Error of the finest of three values on a ladder, by Richardson's extrapolation, and at least a
+/// twentieth of what the rung before the last changed; where they do not converge, what the last
+/// one did.
 /// @param coarse  NaN: only two values
 /// @param ratio   errors fall by at most this factor a rung: a luckier ratio is not believed
 /// @return >= 0; NaN where `middle` or `fine` is

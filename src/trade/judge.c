@@ -9,12 +9,13 @@
 
 double lac_richardson_error(double coarse, double middle, double fine, double ratio)
 {
+    const double least = 0.05; // of the change before: two that agree may do so by chance
     const double last = fabs(middle - fine), before = fabs(coarse - middle);
     if (!(before > 1.5 * last)) {
         return last; // also where coarse is none
     }
     // Errors fall by r a rung: what is left is last/(r - 1).
-    return last / (fmin(before / last, ratio) - 1.0);
+    return fmax(last / (fmin(before / last, ratio) - 1.0), least * before);
 }
 
 void lac_pareto_front(size_t n, const double *cost, const double *error, double floor,

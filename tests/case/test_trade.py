@@ -80,10 +80,10 @@ class Trade(Program):
         self.assertEqual(said["quantity"], "failure")
         self.assertEqual(len(said["runs"]), 6)
         sure = said["reference"]["error_uncertainty"]
-        self.assertLess(abs(said["reference"]["value"] / exact - 1), 3 * sure)
+        self.assertLess(abs(said["reference"]["value"] / exact - 1), sure)
         for run in said["runs"]:
             self.assertEqual(run["end"], "done")
-            self.assertLess(abs(abs(run["value"] / exact - 1) - run["error"]), 3 * sure)
+            self.assertLess(abs(abs(run["value"] / exact - 1) - run["error"]), sure)
             self.assertGreater(run["cpu_time_s"], 0)
             self.assertGreater(run["peak_memory_bytes"], 1 << 20)
             self.assertGreater(run["steps"], 10)
@@ -275,7 +275,7 @@ class Trade(Program):
     def test_broken_runs(self):
         """Settings that do not go together are left out; a run that breaks ends no trade."""
         said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4,method", "--set", "solver.max_order=5",
-                          "--set", "solver.max_steps=180")
+                          "--set", "solver.max_steps=215")
         ends = {(r["settings"]["solver.rtol"], r["settings"]["solver.method"]): r["end"]
                 for r in said["runs"]}
         self.assertIn("broken", ends.values())
