@@ -198,6 +198,35 @@ class Page(unittest.TestCase):
         self.assertLess(after, before)
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts tbody tr")), self.driver.execute_script("return page.data.forecasts.methods.length"))
 
+    def test_nothing_strikes_out_a_label(self):
+        struck = """
+          return [...document.querySelectorAll('.mark-label')].filter((label) => [...label.closest('svg').querySelectorAll('.mark, .line, .dot')].some(
+            (other) => label.compareDocumentPosition(other) & Node.DOCUMENT_POSITION_FOLLOWING)).map((label) => label.textContent);
+        """
+        for name in ("block", "joint", "fitted"):
+            self.show(name)
+            self.assertGreater(len(self.driver.find_elements(By.CSS_SELECTOR, "#motion .mark-label")), 2)
+            self.assertEqual(self.driver.execute_script(struck), [], name)
+
+    def test_maps_open_at_a_time_that_shows_something(self):
+        self.show("joint")
+        opened = lambda slips: self.driver.execute_script("return firstSnapshot({snapshot_time: new Array(9).fill(0), slipping_cells: arguments[0]})", slips)
+        self.assertEqual(opened([0, 1, 2, 3, 5, 9, 9, 9, 9]), 4)   # half of what slips in the end
+        self.assertEqual(opened([0, 0, 9, 9, 9, 9, 9, 9, 9]), 6)   # all at once: three quarters on
+        self.assertEqual(opened([9, 9, 9, 9, 9, 9, 9, 9, 9]), 6)
+        self.assertEqual(opened(None), 6)
+
+    def test_key_of_stick_and_slip(self):
+        """Where a square is one cell nothing is between sticking and slipping."""
+        self.show("joint")
+        colours = lambda block: self.driver.execute_script(
+            f"return rampOf({{block: {block}}}, {{colours: [STICK, SLIP], ends: ['sticks', 'slips']}}).style.background").count("50%")
+        self.assertEqual((colours(1), colours(2)), (2, 0))
+
+    def test_intervals_are_explained(self):
+        self.show("block")
+        self.assertIn("stand beside its own time", self.driver.find_element(By.ID, "forecasts").text)
+
     def test_charts_by_keys(self):
         self.show("joint")
         frame = self.driver.find_element(By.CSS_SELECTOR, "#motion .frame")
@@ -410,6 +439,11 @@ class Page(unittest.TestCase):
             seen.append(self.driver.execute_script(drawn))
         self.assertEqual(seen[0][1], [])
         self.assertEqual(seen[1], seen[0])
+
+    def test_five_maps_print_in_a_row(self):
+        self.show("joint", media="print")
+        columns = "const maps = document.querySelector('.maps'); maps.append(maps.lastElementChild.cloneNode(true)); return getComputedStyle(maps).gridTemplateColumns.split(' ').length"
+        self.assertEqual(self.driver.execute_script(columns), 5)
 
     def test_dark_pages_print_light(self):
         ground = "const s = getComputedStyle(document.body); return [s.backgroundColor, s.color]"

@@ -148,7 +148,8 @@ function forecastSection(data) {
   forecastState.issue = firstIssue(f);
   const control = slider({ name: "Issued", id: "issue", n: f.issue.length, at: forecastState.issue, times: f.issue,
     words: (i) => `${moment(page.clock, f.issue[i])}, ${chosenCount(f, i)}`, change: update });
-  section.append(choice, control, chart, plain);
+  const meant = element("p", { class: "fine" }, "Half and nine tenths of simulated slopes failed within these intervals where the method said the same; where it is late or early on such slopes, they stand beside its own time.");
+  section.append(choice, control, chart, plain, meant);
   page.later.push(() => update(forecastState.issue));
   return section;
 }
