@@ -225,7 +225,7 @@ class Page(unittest.TestCase):
 
     def test_intervals_are_explained(self):
         self.show("block")
-        self.assertIn("stand beside its own time", self.driver.find_element(By.ID, "forecasts").text)
+        self.assertIn("may lie beside its method's time", self.driver.find_element(By.ID, "forecasts").text)
 
     def test_charts_by_keys(self):
         self.show("joint")
