@@ -48,6 +48,9 @@ STYLE = """.rst-content table { display: block; overflow-x: auto; margin-bottom:
 .rst-content thead { background: #f0f2f3; }
 .rst-content code, .rst-content h2 { overflow-wrap: anywhere; }
 .rst-content :not(pre) > code { white-space: normal; }
+.wy-nav-content { max-width: 1500px; }
+.rst-content :is(p, ul, ol, dl, pre, h1, h2, h3, img) { max-width: 800px; }
+.rst-content table.wide td { white-space: nowrap; }
 """
 
 
@@ -195,6 +198,14 @@ def contents(folder):
     return sections
 
 
+def widened(match):
+    """A table of many short cells: better wider than the page than each row many lines high."""
+    cells = re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", match.group(), re.DOTALL)
+    longest = max((len(re.sub(r"<[^>]*>", "", cell)) for cell in cells), default=0)
+    wide = match.group().count("</th>") >= 7 and longest <= 48
+    return match.group().replace("<table>", '<table class="wide">') if wide else match.group()
+
+
 def finish(folder):
     """Leads home to a page, not to a folder, so that the site can be read from a disk as well, and
     mends Debian's theme: its jQuery has another name than its pages ask for, a script is not there."""
@@ -204,6 +215,7 @@ def finish(folder):
         text = re.sub(r'href="(?:\./)?((?:\.\./)*)(\.\.?)"', lambda m: 'href="{}index.html"'.format(
             m.group(1) + ("" if m.group(2) == "." else "../")), read(path))
         text = re.sub(r"jquery-[\d.]+\.min\.js", os.path.basename(jquery), text)
+        text = re.sub(r"<table>.*?</table>", widened, text, flags=re.DOTALL)
         for script in re.findall(r'<script src="[^"]*js/([\w.-]+)"', text):
             if not os.path.exists(os.path.join(scripts, script)):
                 text = re.sub(rf'<script src="[^"]*js/{re.escape(script)}"[^>]*></script>', "", text)

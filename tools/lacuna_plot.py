@@ -16,7 +16,7 @@ import os
 import sys
 
 # first: it says what is missing
-from figures import (BLUE, DAY, INK, LENGTHS, QUIET, RED, ROOT, SLIP, STYLE, WIDTH, YEAR, length, matplotlib, np,
+from figures import (BLUE, DAY, INK, LENGTHS, QUIET, RED, ROOT, SLIP, SPANS, STYLE, WIDTH, YEAR, length, matplotlib, np,
                      open_file, panel, plain_ticks, plt, save, span, stop, unit_of)
 from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.patches import Patch
@@ -76,13 +76,14 @@ def draw_creep(axes, run, page, clock):
     # the slip of the failure itself would flatten the creep
     top = np.nanmax(slip) if not has_failed(run) else np.interp(seconds[-1] - 3e-3 * np.ptp(seconds), seconds, slip)
     time, value, name = readings(page, clock, "displacement")
+    low = min(0, np.nanmin(slip))
     if time is not None:
-        top = max(top, np.nanmax(value))
+        top, low = max(top, np.nanmax(value)), min(low, 1.05 * np.nanmin(value))
     unit, size = unit_of(1.15 * top, LENGTHS)
     if time is not None:
         axes.plot(clock.at(time), value / size, "o", ms=2.5, mfc="none", mec=RED, mew=0.7, label=name)
     line(axes, clock.at(seconds), slip / size, color=INK, label="run")
-    axes.set_ylim(min(0, np.nanmin(slip) / size), 1.15 * top / size if top > 0 else 1)
+    axes.set_ylim(low / size, 1.15 * top / size if top > 0 else 1)
     axes.set_ylabel(f"mean slip ({unit})")
     clock.axis(axes)
     mark_failure(axes, run, clock)
@@ -165,12 +166,61 @@ def choose_snapshots(run, count):
     return sorted(chosen), left
 
 
+def norm_of(rates):
+    """Colours for slip rates, logarithmic."""
+    good = rates[np.isfinite(rates) & (rates > 0)]
+    return LogNorm(good.min(), max(good.max(), 1.001 * good.min())) if good.size else LogNorm(1e-12, 1)
+
+
+def key_of_states(axes, x=0.0):
+    """Above the axes."""
+    axes.legend(handles=[Patch(color="black", label="sticks"), Patch(color=SLIP, label="slips")], loc="lower left", ncol=2,
+                bbox_to_anchor=(x, 1), handlelength=1, borderaxespad=0.2, columnspacing=1)
+
+
+def edges_between(values, scale=np.asarray, back=np.asarray):
+    """Where one value's part ends and the next one's begins, halfway on a scale."""
+    at = scale(np.asarray(values, dtype=float))
+    middle = (at[1:] + at[:-1]) / 2
+    return back(np.concatenate(([at[0]], middle, [at[-1]])))
+
+
+def line_cells(run):
+    """Of a line: place across, time up, of a run that failed the time left, logarithmic; all snapshots."""
+    rates = run["cell_slip_rate"].values
+    left = np.maximum(float(run["time"].values[-1]) - run["snapshot_time"].values, 0.0)
+    failed = has_failed(run) and (left > 0).sum() > 1
+    if failed:  # the failure itself stands a half decade past the last before it
+        upright = edges_between(np.where(left > 0, left, left[left > 0].min() / 3), np.log, np.exp)
+    else:
+        name, size = unit_of(float(run["snapshot_time"].values[-1]), SPANS, 2)
+        upright = edges_between(run["snapshot_time"].values / size)
+    unit, metres = unit_of(run.attrs["grid_nx"] * run.attrs["grid_dx_m"], LENGTHS)
+    across = np.arange(int(run.attrs["grid_nx"]) + 1) * run.attrs["grid_dx_m"] / metres
+    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 2.9), sharex=True, sharey=True, layout="constrained")
+    rows = np.array([raster(run, rate)[0] for rate in rates])
+    states = np.where(np.isfinite(rows), (rows > SLIPS * float(run["slip_rate"].values[0])).astype(float), np.nan)
+    picture = axes[0].pcolormesh(across, upright, rows, norm=norm_of(rates), cmap="viridis", rasterized=True)
+    axes[1].pcolormesh(across, upright, states, cmap=ListedColormap(["black", SLIP]), vmin=0, vmax=1, rasterized=True)
+    if failed:
+        axes[0].set_yscale("log")
+        axes[0].set_ylim(upright[0], upright[-1])
+    axes[0].set_ylabel("time before failure (s)" if failed else f"time ({name})")
+    for ax, letter, text in zip(axes, "ab", ("slip rate", "")):
+        ax.set_xlabel(f"x ({unit})")
+        panel(ax, letter, text)
+    figure.colorbar(picture, ax=axes[0], label="slip rate (m/s)", pad=0.02)
+    key_of_states(axes[1], 0.08)
+    return figure
+
+
 def cells(run, page=None, count=4):
     """Slip rates of the contact domain on the way to the end, and which cells stick and slip."""
+    if run.attrs["grid_ny"] == 1 and run.sizes["snapshot"] > 1:
+        return line_cells(run)
     chosen, left = choose_snapshots(run, count)
     rates = run["cell_slip_rate"].isel(snapshot=chosen).values
-    good = rates[np.isfinite(rates) & (rates > 0)]
-    norm = LogNorm(good.min(), max(good.max(), 1.001 * good.min())) if good.size else LogNorm(1e-12, 1)
+    norm = norm_of(rates)
     width, height = run.attrs["grid_nx"] * run.attrs["grid_dx_m"], run.attrs["grid_ny"] * run.attrs["grid_dy_m"]
     unit, size = unit_of(width, LENGTHS)
     strip = height < width / 8
@@ -193,8 +243,7 @@ def cells(run, page=None, count=4):
     for row in axes:
         row[0].set_ylabel(f"y ({unit})")
     figure.colorbar(picture, ax=axes, label="slip rate (m/s)", aspect=24, pad=0.02)
-    axes[1][0].legend(handles=[Patch(color="black", label="sticks"), Patch(color=SLIP, label="slips")], loc="lower left", ncol=2,
-                      bbox_to_anchor=(0, 1), handlelength=1, borderaxespad=0.2, columnspacing=1)
+    key_of_states(axes[1][0])
     return figure
 
 

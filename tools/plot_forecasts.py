@@ -66,7 +66,7 @@ class Clock:
 
 
 def readings(page, clock, key):
-    """Times and values of the readings within the run, the displacement moved onto its slip as on the page."""
+    """Times, values and name of the readings within the run, the displacement moved onto its slip as on the page."""
     series = (page or {}).get("series")
     if not series:
         return None, None, None
@@ -75,7 +75,7 @@ def readings(page, clock, key):
     if key == "displacement":
         value = value - (series["offset"] or 0.0)
     seen = np.zeros(0, bool) if len(value) != len(time) else np.isfinite(value) & (time >= -0.02 * clock.last) & (time <= 1.03 * clock.last)
-    return (time[seen], value[seen], series["name"]) if seen.any() else (None, None, None)
+    return (time[seen], value[seen], "readings") if seen.any() else (None, None, None)
 
 
 def chosen_issue(forecasts, last):

@@ -241,8 +241,12 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
 }
 
 // What mends a balance that is off.
-static const char *remedy(const run_job *job, bool integrated)
+static const char *remedy(const run_job *job, const cli_outcome *outcome, bool integrated)
 {
+    if (outcome->accuracy != NULL) {
+        return "the accuracy asked for is kept, but single cells are further off: ask for a "
+               "smaller one";
+    }
     if (job->source->run.fidelity == LAC_FIDELITY_EVENTS) {
         return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc needs "
                "solver.fidelity: ode";
@@ -258,7 +262,7 @@ static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_st
     if (!(residual <= 0.01) && !cli_given(job->request, CLI_OPT_QUIET)) {
         bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
         cli_note("warning: the traction balance %s by %.2g of the strength; %s",
-                 integrated ? "drifted" : "is off", residual, remedy(job, integrated));
+                 integrated ? "drifted" : "is off", residual, remedy(job, outcome, integrated));
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_outcome_json(outcome);

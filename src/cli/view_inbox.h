@@ -7,7 +7,7 @@
 #include "lacuna/run.h"
 
 /// What a run has put out and its viewer has not yet looked at. The run's thread only copies into
-/// it: it never waits for the viewer, and where memory runs out the page misses something, and says so.
+/// it: it never waits for the viewer. Where memory runs out the page misses something and says so.
 typedef struct cli_inbox {
     pthread_mutex_t lock;
     lac_progress progress;

@@ -75,7 +75,8 @@ class Plots(unittest.TestCase):
         plt.rcParams.update(STYLE)
         cls.plot, cls.close = lacuna_plot, plt.close
         cls.paths = {}
-        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF)):
+        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF),
+                           ("line", scenes.LINE), ("calm", scenes.LINE.replace("1000 year", "1 year"))):
             cls.paths[name] = os.path.join(FOLDER, name + ".nc")
             scenes.run(PROGRAM, text, cls.paths[name])
 
@@ -160,7 +161,7 @@ class Plots(unittest.TestCase):
             self.assertEqual(axes.xaxis.get_offset_text().get_text(), words, last)
 
     def test_readings(self):
-        path = os.path.join(FOLDER, "series.csv")
+        path = os.path.join(FOLDER, "a series of a name as long as those of monitoring are.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write(SERIES)
         run = self.opened("block")
@@ -168,7 +169,12 @@ class Plots(unittest.TestCase):
         page = self.plot.page_of(PROGRAM, self.paths["block"], *words)
         self.assertEqual(page["series"]["readings"], 60)
         figure = self.plot.motion(run, {"series": page["series"]})
-        seen = next(line for line in figure.axes[0].lines if line.get_label() == "series.csv")
+        self.check(figure, "abc")
+        for ax in figure.axes[:2]:
+            box = ax.get_legend().get_window_extent()
+            self.assertTrue(ax.bbox.x0 - 2 < box.x0 and box.x1 < ax.bbox.x1 + 2, box)
+        seen = next(line for line in figure.axes[0].lines if line.get_label() == "readings")
+        self.assertGreater(seen.get_ydata().min(), figure.axes[0].get_ylim()[0])
         time = numpy.array([100000.0 * k for k in range(60)])
         value = numpy.array([0.002 * 1.08**k for k in range(60)]) - 1e3 * (page["series"]["offset"] or 0)
         kept = time <= 1.03 * self.plot.seconds_of(run)[-1]
@@ -189,6 +195,26 @@ class Plots(unittest.TestCase):
         self.assertEqual((slips == 1).sum(), (run["cell_slip_rate"].values[-1] > 10 * run["slip_rate"].values[0]).sum())
         for count in (1, 6):
             self.check(self.plot.cells(run, count=count), "abcdef"[:count])
+
+    def test_cells_of_a_line(self):
+        """Place and time: each record's cells at the time that they had, and time goes up."""
+        for name, label in (("line", "time before failure (s)"), ("calm", "time (days)")):
+            run = self.opened(name)
+            figure = self.plot.cells(run)
+            self.check(figure, "ab")
+            rates, states = (ax.collections[0].get_array().reshape(run.sizes["snapshot"], -1) for ax in figure.axes[:2])
+            numpy.testing.assert_array_equal(rates, run["cell_slip_rate"].values)
+            numpy.testing.assert_array_equal(states == 1, rates > 10 * run["slip_rate"].values[0])
+            axes = figure.axes[0]
+            self.assertEqual(axes.get_ylabel(), label)
+            upright = axes.collections[0].get_coordinates()[:, 0, 1]
+            at = run["snapshot_time"].values
+            left = run["time"].values[-1] - at
+            for k in range(1, len(at) - 1):
+                value = at[k] / 86400 if name == "calm" else left[k]
+                self.assertTrue(min(upright[k:k + 2]) <= value <= max(upright[k:k + 2]), (name, k))
+            places = axes.transData.transform([(0, upright[0]), (0, upright[-1])])[:, 1]
+            self.assertLess(*places)
 
     def test_scales_and_events(self):
         run = self.opened("joint")

@@ -59,6 +59,18 @@ return [...document.querySelectorAll('input, select, button, [tabindex], canvas,
   !(e.getAttribute('aria-label') || e.labels?.length || e.textContent.trim())).map((e) => e.outerHTML.slice(0, 80));
 """
 
+FAINT = """
+const numbers = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+const light = (c) => c.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)).reduce((s, v, i) => s + v * [0.2126, 0.7152, 0.0722][i], 0.05);
+const ground = (node) => { const c = numbers(getComputedStyle(node).backgroundColor); return c[3] === 0 ? ground(node.parentElement) : c.slice(0, 3); };
+const shown = (node) => (node ? Number(getComputedStyle(node).opacity) * shown(node.parentElement) : 1);
+return [...document.querySelectorAll('h1, h2, h3, p, dt, dd, small, figcaption, summary, th, td, .ends span, nav a, button:enabled, label, legend, svg text')].filter((node) => {
+  const under = ground(node), style = getComputedStyle(node), part = shown(node), ink = numbers(node.closest('svg') ? style.fill : style.color).slice(0, 3).map((v, i) => part * v + (1 - part) * under[i]);
+  const [dark, bright] = [light(ink), light(under)].sort((a, b) => a - b);
+  return node.getClientRects().length > 0 && bright / dark < 4.5;
+}).map((node) => node.outerHTML.slice(0, 90));
+"""
+
 
 def browser():
     options = webdriver.ChromeOptions()
@@ -196,7 +208,30 @@ class Page(unittest.TestCase):
         select.send_keys(Keys.ARROW_DOWN)
         after = len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts circle.dot"))
         self.assertLess(after, before)
+        self.assertIn("may lie beside its method's time", self.driver.find_element(By.ID, "forecasts").text)
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts tbody tr")), self.driver.execute_script("return page.data.forecasts.methods.length"))
+
+    def test_nothing_strikes_out_a_label(self):
+        struck = """
+          return [...document.querySelectorAll('.mark-label')].filter((label) => [...label.closest('svg').querySelectorAll('.mark, .line, .dot')].some(
+            (other) => label.compareDocumentPosition(other) & Node.DOCUMENT_POSITION_FOLLOWING)).map((label) => label.textContent);
+        """
+        for name in ("block", "joint", "fitted"):
+            self.show(name)
+            self.assertGreater(len(self.driver.find_elements(By.CSS_SELECTOR, "#motion .mark-label")), 2)
+            self.assertEqual(self.driver.execute_script(struck), [], name)
+
+    def test_maps_open_at_a_time_that_shows_something(self):
+        self.show("joint")
+        opened = lambda slips: self.driver.execute_script("return firstSnapshot({snapshot_time: new Array(9).fill(0), slipping_cells: arguments[0]})", slips)
+        self.assertEqual(opened([0, 1, 2, 3, 5, 9, 9, 9, 9]), 4)   # half of what slips in the end
+        self.assertEqual(opened([0, 0, 9, 9, 9, 9, 9, 9, 9]), 6)   # all at once: three quarters on
+        self.assertEqual(opened([9, 9, 9, 9, 9, 9, 9, 9, 9]), 6)
+        self.assertEqual(opened(None), 6)
+        # where a square is one cell nothing is between sticking and slipping
+        colours = lambda block: self.driver.execute_script(
+            f"return rampOf({{block: {block}}}, {{colours: [STICK, SLIP], ends: ['sticks', 'slips']}}).style.background").count("50%")
+        self.assertEqual((colours(1), colours(2)), (2, 0))
 
     def test_charts_by_keys(self):
         self.show("joint")
@@ -239,6 +274,12 @@ class Page(unittest.TestCase):
         for name in ("joint", "line", "fitted"):
             self.show(name)
             self.assertEqual(self.driver.execute_script(UNNAMED), [])
+
+    def test_words_can_be_read(self):
+        """Contrast of all words, but of what cannot be used now: 4.5 to 1 (WCAG 2.1, AA)."""
+        for scheme in ("light", "dark"):
+            self.show("joint", scheme=scheme)
+            self.assertEqual(self.driver.execute_script(FAINT), [], scheme)
 
     def test_requests_would_be_seen(self):
         """That none is found means something: one that is made is found."""
@@ -410,6 +451,11 @@ class Page(unittest.TestCase):
             seen.append(self.driver.execute_script(drawn))
         self.assertEqual(seen[0][1], [])
         self.assertEqual(seen[1], seen[0])
+
+    def test_five_maps_print_in_a_row(self):
+        self.show("joint", media="print")
+        columns = "const maps = document.querySelector('.maps'); maps.append(maps.lastElementChild.cloneNode(true)); return getComputedStyle(maps).gridTemplateColumns.split(' ').length"
+        self.assertEqual(self.driver.execute_script(columns), 5)
 
     def test_dark_pages_print_light(self):
         ground = "const s = getComputedStyle(document.body); return [s.backgroundColor, s.color]"

@@ -73,6 +73,13 @@ class Site(unittest.TestCase):
                     broken.append(f"{path}: {link} has no such heading")
         self.assertFalse(broken, "\n".join(broken))
 
+    def test_tables_of_many_columns(self):
+        """Rows of short cells stay one line high; tables with words keep to the page."""
+        wide = {path for path in ("docs/trade.html", "docs/costs.html", "index.html", "docs/case.html") if '<table class="wide">' in self.pages[path].text}
+        self.assertEqual(wide, {"docs/trade.html", "docs/costs.html"})
+        with open(os.path.join(self.folder, "css/lacuna.css"), encoding="utf-8") as file:
+            self.assertIn("table.wide td { white-space: nowrap; }", file.read())
+
     def test_nothing_is_fetched_from_elsewhere(self):
         for path, page in self.pages.items():
             outside = [what for what in page.fetched if re.match(r"(https?:)?//", what)]

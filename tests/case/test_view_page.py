@@ -138,6 +138,9 @@ class Live(unittest.TestCase):
         self.assertEqual(after.text, "")
         driver.execute_script("showState({...live.last, missing: true})")
         self.assertIn("some is missing here", after.text)
+        # So is why it ended, as a sentence.
+        driver.execute_script("showState({...live.last, state: 'interrupted', message: 'interrupted at 1 h; --resume goes on'})")
+        self.assertTrue(after.text.startswith("The run was stopped: interrupted at 1 h; --resume goes on. This page stays as it is;"), after.text)
         driver.get("about:blank")
         driver.get_log("browser")  # that the server is gone is complained of
         driver.get_log("performance")

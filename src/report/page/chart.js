@@ -228,7 +228,8 @@ function markPlace(spec, plot, mark) {
   return plot.px(spec.x.clock && turned(spec) ? page.clock.last - mark.x : mark.x);
 }
 
-function drawMarks(spec, plot, group) {
+// Marks' lines under what is drawn, their labels over it, so that nothing strikes them out.
+function drawMarks(spec, plot, group, labels) {
   const { box } = plot;
   let row = 0; // labels of upright marks stand one below the other
   for (const mark of spec.marks || []) {
@@ -240,7 +241,7 @@ function drawMarks(spec, plot, group) {
     if (!mark.label) continue;
     const near = at > (box.left + box.right) / 2;
     const place = across ? { x: box.left + 6, y: at - 5 } : { x: at + (near ? -6 : 6), y: box.top + 11 + 15 * row++, "text-anchor": near ? "end" : "start" };
-    group.append(svg("text", { class: mark.quiet ? "mark-label quiet" : "mark-label", ...place }, mark.label));
+    labels.append(svg("text", { class: mark.quiet ? "mark-label quiet" : "mark-label", ...place }, mark.label));
   }
 }
 
@@ -280,7 +281,7 @@ function draw(chart) {
   drawAxes(spec, plot, under);
   if (spec.image) over.append(spec.image(plot));
   drawLines(chart, plot, over);
-  drawMarks(spec, plot, spec.image ? over : under);
+  drawMarks(spec, plot, spec.image ? over : under, over);
   drawSpans(spec, plot, over);
   frame.querySelector("svg")?.remove();
   frame.prepend(picture);

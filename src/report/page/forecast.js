@@ -50,6 +50,9 @@ function methodRows(f) {
   return table;
 }
 
+// An interval corrects for what its method makes of slopes of rate-and-state friction.
+const BARS = "Bars: 90 % intervals, of one method, calibrated on simulated failures: one may lie beside its method's time.";
+
 // All forecasts of a method (or of all) over the times of issue, as dots with 90 % bars.
 function issuedDots(f, method, value) {
   const line = { kind: "dots", time: [], before: [], y: [], low: [], high: [], index: [] };
@@ -80,7 +83,7 @@ function lifeSpec(f, method) {
     title: "Time left, as forecast and as it was", x: { clock: true, axis: "before" },
     y: { kind: "spans", label: "Time left", range: [low / 5, high * 30] }, read: 0,
     lines: [dots, { ...truth, name: "what was left", kind: "line", colour: "run" }],
-    caption: "A forecast on the line is right; above it is late. Bars: 90 % intervals, of one method.",
+    caption: `A forecast on the line is right; above it is late. ${BARS}`,
     readout: (i) => readForecast(f, dots, i),
   };
 }
@@ -94,7 +97,7 @@ function windowSpec(f, method) {
     title: "Time of failure, as forecast", x: { clock: true }, marks,
     y: { kind: "clock", label: page.clock.dated ? "Date of failure" : "Time of failure", range: [first, last + 0.75 * (last - first)] },
     lines: [dots, { name: "time of issue", kind: "line", colour: "quiet", dash: true, time: f.issue, before: f.issue.map((t) => Math.max(0, page.clock.last - t)), y: f.issue }],
-    caption: "Each dot a forecast at the time when it could have been issued. Bars: 90 % intervals, of one method.",
+    caption: `Each dot a forecast at the time when it could have been issued. ${BARS}`,
     readout: (i) => readForecast(f, dots, i),
   };
 }

@@ -72,12 +72,11 @@ function strataFigure(data, kind, state) {
       readOff(chart, nearest(chart, where));
     },
   };
-  const whole = figure(spec), low = element("span"), high = element("span"), ramp = element("div", { class: "ramp" });
+  const whole = figure(spec), low = element("span"), high = element("span");
   const { low: least, high: most } = cells[kind.key][0];
   low.textContent = kind.ends ? kind.ends[0] : kind.words(least);
   high.textContent = kind.ends ? kind.ends[1] : kind.words(most);
-  ramp.style.background = gradient(kind.colours);
-  whole.querySelector(".frame").after(element("div", { class: "key" }, ramp, element("div", { class: "ends" }, low, high)));
+  whole.querySelector(".frame").after(element("div", { class: "key" }, rampOf(cells, kind), element("div", { class: "ends" }, low, high)));
   return whole;
 }
 

@@ -25,9 +25,12 @@ function whereWords(event) {
   return `${at}${end} · ${rate(event.rate)} · ${many(event.steps, "step")}`;
 }
 
+// "It stopped." and why: "It stopped: why."
+const withMessage = (words, message) => (message ? `${words.replace(/\.$/, ": ")}${message.replace(/\.$/, "")}.` : words);
+
 function afterWords(event, state) {
   const missing = event.missing ? "Memory was short: of what the run has put out some is missing here; its file holds all." : "";
-  const words = [STATES[state][1], state === "lost" ? "" : event.message, missing].filter((text) => text).join(" ");
+  const words = [withMessage(STATES[state][1], state === "lost" ? "" : event.message), missing].filter((text) => text).join(" ");
   const file = page.data ? page.data.about.file : "";
   return over(state) && file ? [`${words} This page stays as it is; `, element("code", {}, `lacuna report ${file}`), " makes a file of it."] : [words];
 }

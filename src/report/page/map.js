@@ -11,7 +11,15 @@ function mix(colours, place) {
   return colours[k].map((c, i) => Math.round(c + t * (colours[k + 1][i] - c)));
 }
 
-const gradient = (colours) => `linear-gradient(90deg, ${colours.map((c) => `rgb(${c.join(",")})`).join(",")})`;
+const gradient = (colours, turn = "") => `linear-gradient(90deg, ${colours.map((c) => `rgb(${c.join(",")})${turn}`).join(",")})`;
+
+// The key of a map's colours. Of what is one or the other none between, where a square is one cell.
+function rampOf(cells, kind) {
+  const ramp = element("div", { class: "ramp" }), either = kind.ends && cells.block === 1;
+  const [first, last] = [kind.colours[0], kind.colours[kind.colours.length - 1]];
+  ramp.style.background = either ? gradient([first, last], " 50%") : gradient(kind.colours);
+  return ramp;
+}
 
 function bytesOf(text) {
   const raw = atob(text), bytes = new Uint8Array(raw.length);
@@ -90,8 +98,6 @@ function mapFigure(cells, kind) {
   const canvas = element("canvas", { class: "map", width: String(cells.nx), height: String(cells.ny), role: "img" });
   canvas.style.aspectRatio = `${cells.nx * cells.dx} / ${Math.max(cells.ny * cells.dy, (cells.nx * cells.dx) / 12)}`;
   const low = element("span"), high = element("span");
-  const ramp = element("div", { class: "ramp" });
-  ramp.style.background = kind.ends ? gradient(kind.colours) : gradient(RAMP);
   const show = (k) => {
     const map = cells[kind.key][kind.still ? 0 : k];
     paint(canvas, cells, bytesOf(map.map), kind.colours);
@@ -99,7 +105,7 @@ function mapFigure(cells, kind) {
     high.textContent = kind.ends ? kind.ends[1] : kind.words(map.high);
     canvas.setAttribute("aria-label", `${kind.title}, from ${low.textContent} to ${high.textContent}`);
   };
-  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, ramp, element("div", { class: "ends" }, low, high), element("figcaption", {}, kind.caption));
+  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, rampOf(cells, kind), element("div", { class: "ends" }, low, high), element("figcaption", {}, kind.caption));
   return { whole, show };
 }
 
@@ -118,12 +124,12 @@ function squareEnd(map, greatest) {
   return rate(10 ** (map.low + ((byte - 1) / 254) * (map.high - map.low)));
 }
 
-// Where about half of what will ever slip does, or three quarters on: a time that shows something.
+// Where about half of what will ever slip does; three quarters on where all do at once: a time that shows something.
 function firstSnapshot(cells) {
-  const n = cells.snapshot_time.length, slips = cells.slipping_cells;
-  if (!slips || !(Math.max(...slips) > Math.min(...slips))) return Math.floor((n - 1) * 0.75);
-  const half = (Math.max(...slips) + Math.min(...slips)) / 2;
-  return slips.reduce((best, v, k) => (Math.abs(v - half) < Math.abs(slips[best] - half) ? k : best), 0);
+  const n = cells.snapshot_time.length, slips = cells.slipping_cells || [];
+  const most = Math.max(...slips), half = (most + Math.min(...slips)) / 2;
+  const best = slips.reduce((at, v, k) => (Math.abs(v - half) < Math.abs(slips[at] - half) ? k : at), 0);
+  return Math.abs(slips[best] - half) < (most - half) / 2 ? best : Math.floor((n - 1) * 0.75);
 }
 
 function snapshotSlider(cells, at, change) {
