@@ -50,6 +50,16 @@ return [...document.querySelectorAll('figure')].map((figure) => {
   return [title, labels > 4 ? Math.max(dots, ...lines) : 0];
 });
 """
+ENLARGE = """
+const charts = [...document.querySelectorAll('figure')].filter((f) => f.querySelector('[aria-label^="Enlarge"]'));
+for (const chart of charts) chart.querySelector('[aria-label^="Enlarge"]').click();
+return charts.map((f) => f.querySelector('h3').textContent);
+"""
+# Charts without numbers on their upright axis.
+UPRIGHT = """
+return [...document.querySelectorAll('figure')].filter((f) => f.querySelector('.frame svg'))
+  .filter((f) => f.querySelectorAll('.frame text[text-anchor=end]').length < 3).map((f) => f.querySelector('h3').textContent);
+"""
 WIDE = """
 return [...document.querySelectorAll('body *')].filter((e) => !e.closest('.scroll, .plain, pre, nav, .skip, svg'))
   .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map((e) => e.tagName + '.' + e.className);
@@ -331,6 +341,17 @@ class Page(unittest.TestCase):
         self.assertAlmostEqual(high - low, 1 / 8, places=6)
         frame.send_keys("0")
         self.assertEqual(self.ticks(frame), before)
+
+    def test_every_chart_can_be_enlarged(self):
+        """Those with time upright too: of forecasts beside a run that has not failed, of slip along a line."""
+        for name in ("joint", "line", "absurd"):
+            self.show(name)
+            for axis in ("time", "before"):
+                self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
+                titles = self.driver.execute_script(ENLARGE)
+                self.assertGreater(len(titles), 4)
+                self.assertEqual([title for title, much in self.driver.execute_script(DRAWN) if title in titles and not much > 3], [])
+                self.assertEqual(self.driver.execute_script(UPRIGHT), [])
 
     def test_enlarged_ticks_stand_apart(self):
         """However much is enlarged, labels differ and stand in the plot."""
