@@ -105,7 +105,8 @@ class Page(unittest.TestCase):
     def setUpClass(cls):
         cls.driver = browser()
         cls.addClassCleanup(cls.driver.quit)
-        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("line", scenes.LINE)):
+        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("far", scenes.FAR),
+                           ("line", scenes.LINE)):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
             cls.make(name, name)
         cls.make_fitted()
@@ -159,7 +160,7 @@ class Page(unittest.TestCase):
         return matplotlib.image.imread(io.BytesIO(data), format="png")[..., :3]
 
     def test_every_chart_is_drawn(self):
-        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
+        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("far", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
             self.show(name)
             for axis in ("time", "before"):
                 self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
