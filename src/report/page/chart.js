@@ -42,7 +42,8 @@ const shown = (chart) => {
 // Lines that follow the run do not widen the axis, but those ahead of it do, in time.
 const widens = (spec) => (line) => !line.follows || (line.ahead && !turned(spec));
 
-const moments = (range, most) => (page.clock.dated ? calendar(range, most, page.clock.start) : elapsed(range, most));
+// Dates as far as there are any.
+const moments = (range, most) => (page.clock.dated && page.clock.start + range[1] < LAST_DATE ? calendar(range, most, page.clock.start) : elapsed(range, most));
 
 function clockScale(spec, lines, width, ends = null) {
   const lists = [...lines.filter(widens(spec)).map((l) => clockValues(spec, l)), turned(spec) ? [] : spec.x.reach || []];
@@ -103,7 +104,7 @@ function scaleUp(chart, x, height) {
 
 function clockLabel(spec, scale) {
   if (turned(spec)) return `time before ${page.clock.end}`;
-  if (page.clock.dated) {
+  if (page.clock.dated && !scale.unit) {
     const [first, last] = [scale.low, scale.high].map((t) => date(page.clock.start + t, "day"));
     return `date (UTC), ${first === last ? first : `${first} to ${last}`}`;
   }

@@ -13,9 +13,6 @@ function openSection(id, title, lead) {
   return section;
 }
 
-// Beyond the year 9999 no date is written, and soon none is known: there time counts from the start.
-const LAST_DATE = Date.UTC(10000, 0) / 1000;
-
 function makeClock(data) {
   const a = data.about, m = data.motion, last = m.time[m.time.length - 1];
   return { dated: a.dated && a.start + last < LAST_DATE, start: a.start, last, failure: a.failure_time_s ?? null, end: a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
