@@ -136,6 +136,14 @@ class Block(unittest.TestCase):
         self.assertTrue(page["about"]["dated"])
         self.assertIn("lacuna: 1", page["about"]["case"])
 
+    def test_long_history(self):
+        """Of a run that was resumed again and again."""
+        path, history = os.path.join(FOLDER, "history.nc"), "lacuna run --resume\n" * 1000
+        shutil.copy(made("brief", scenes.BRIEF), path)
+        with netCDF4.Dataset(path, "a") as file:
+            file.history = history
+        self.assertEqual(page_of(path)["about"]["history"], history)
+
     def test_without_a_variable(self):
         """What a tool has cut off: its section is left out, the page stands."""
         path = os.path.join(FOLDER, "cut.nc")
