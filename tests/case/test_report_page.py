@@ -110,11 +110,23 @@ class Page(unittest.TestCase):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
             cls.make(name, name)
         cls.make_fitted()
+        cls.make_wild()
 
     @classmethod
     def make(cls, name, run, *words):
         status, _, wrong = scenes.report(PROGRAM, os.path.join(FOLDER, run + ".nc"), "-o", os.path.join(FOLDER, name + ".html"), *words)
         assert status == 0, wrong
+
+    @classmethod
+    def make_wild(cls):
+        """The joint with numbers at the edge of what there is, and of what slips nothing left."""
+        path = os.path.join(FOLDER, "wild.nc")
+        shutil.copy(os.path.join(FOLDER, "joint.nc"), path)
+        with netCDF4.Dataset(path, "a") as file:
+            file["event_potency"][3], file["event_moment"][:] = 1e300, numpy.nan
+            file["step_size"][5], file["balance_residual"][5], file["slip"][2] = 1e308, 1e-320, -1e308
+            file["n_slip"][:] = 0
+        cls.make("wild", "wild")
 
     @classmethod
     def make_fitted(cls):
@@ -167,6 +179,12 @@ class Page(unittest.TestCase):
                 drawn = self.driver.execute_script(DRAWN)
                 self.assertGreaterEqual(len(drawn), least, drawn)
                 self.assertEqual([title for title, much in drawn if not much > 3], [], (name, axis, drawn))
+
+    def test_numbers_at_the_edge(self):
+        self.show("wild")
+        titles = self.driver.execute_script(ENLARGE)
+        self.assertIn("Size distribution", titles)
+        self.assertIn("No cell slips", self.driver.find_element(By.ID, "scales").text)
 
     def test_sections_without_data_are_left_out(self):
         self.show("block")

@@ -54,7 +54,8 @@ function clockScale(spec, lines, width, ends = null) {
 
 // Dots stand clear of the edges.
 function widened([low, high], by) {
-  return low > 0 ? [low / (high / low) ** by, high * (high / low) ** by] : [low, high];
+  const more = (high / low) ** by;
+  return low / more > 0 && Number.isFinite(high * more) ? [low / more, high * more] : [low, high];
 }
 
 function makeScale(given, lists, most) {
