@@ -319,6 +319,10 @@ class Trade(Program):
         self.refused("rtol turns nothing in a cascade", "cases/rg/cons.yaml", "--dials", "rtol")
         self.refused("the case has no time", pressed, "--until", "1 day")
         self.refused("there is no dial to turn", BLOCK, "--quantity", "contact-fraction")
+        pipe = os.path.join(self.folder, "pipe")
+        os.mkfifo(pipe)
+        self.call("trade", BLOCK, "-o", pipe, "--force", status=3)
+        self.assertFalse(os.path.exists(pipe + ".runs"))  # nothing was computed for it
         self.assertIn("no load.history", self.trade(pressed, "--quantity", "work", status=2))
         said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--quantity", "events", status=2)
         self.assertIn("keeps no catalogue", said)
