@@ -99,7 +99,7 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
         }
     }
     lac_trade_dial *added = &plan->dial[plan->dials];
-    *added = (lac_trade_dial){.dial = dial};
+    *added = (lac_trade_dial){.dial = dial, .named = equals != NULL};
     if (equals != NULL) {
         lac_status status = read_values(equals + 1, length - name - 1, c, plan->of, added, err);
         if (status != LAC_OK) {

@@ -20,7 +20,8 @@ function extentPositive(lists) {
 }
 
 const range = (first, last, step) => {
-  const all = [];
+  const all = [], most = Math.max(Math.abs(first), Math.abs(last)) / step;
+  if (!(most < 2 ** 53)) return all; // one step more would be none
   for (let k = Math.ceil(first / step - 1e-9); k * step <= last + 1e-9 * step; k++) all.push(k * step);
   return all;
 };
