@@ -113,7 +113,7 @@ function clockLabel(spec, scale) {
 }
 
 // A path takes no number beyond single precision.
-const drawable = (place) => (Number.isFinite(place) ? Math.min(1e6, Math.max(-1e6, place)) : place);
+const drawable = (place) => Math.min(1e6, Math.max(-1e6, place));
 
 // Room around the plot, by the longest label.
 function layOut(chart, width, height) {
