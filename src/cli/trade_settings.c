@@ -133,6 +133,22 @@ static void find_twin(cli_trade_job *job, size_t run)
     }
 }
 
+// Something must be left to try: of nothing but settings that are refused the first one is said.
+static lac_status check_tried(const cli_trade_job *job, lac_error *err)
+{
+    const char *why = NULL;
+    for (size_t run = 0; run < job->plan.runs; run++) {
+        if ((job->plan.run[run].why & LAC_TRADE_TRIED) == 0) {
+            continue;
+        }
+        if (job->measure[run].end != LAC_TRADE_REFUSED) {
+            return LAC_OK;
+        }
+        why = why == NULL ? job->measure[run].message : why;
+    }
+    return lac_fail(err, LAC_EINPUT, "--dials: nothing can be tried: %s", why != NULL ? why : "");
+}
+
 lac_status cli_trade_resolve(cli_trade_job *job, lac_error *err)
 {
     lac_status status = describe(job, job->source, &job->own, err);
@@ -153,7 +169,7 @@ lac_status cli_trade_resolve(cli_trade_job *job, lac_error *err)
         }
         lac_case_free(c);
     }
-    return status;
+    return status == LAC_OK ? check_tried(job, err) : status;
 }
 
 const char *cli_trade_options(const cli_trade_job *job, size_t run, char *text, size_t size)

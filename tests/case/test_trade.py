@@ -301,6 +301,8 @@ class Trade(Program):
     def test_wrong(self):
         self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
         self.refused("nothing to turn", BLOCK, "--dials", "levels")
+        self.refused('"rk4" must be one of: bdf, adams, erk', BLOCK, "--dials", "method=rk4")
+        self.refused("nothing can be tried: --set: solver.rtol", BLOCK, "--dials", "rtol=1")
         self.refused('--reach: "-1%" must be', BLOCK, "--reach=-1%")
         self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m", "--quantity", "failure")
         self.refused('--reach: "3 Pa" must be', BLOCK, "--reach", "3 Pa")
