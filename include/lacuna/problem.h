@@ -95,7 +95,8 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 
 /// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
 /// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
-/// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip besides.
+/// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
+/// besides.
 /// @param relative   part of the slip; overwritten where true is given back
 /// @param tolerance  [n] absolute [m]; likewise
 /// @return whether slip is integrated beside y
