@@ -93,6 +93,7 @@ typedef struct lac_trade_dial {
     const lac_dial *dial;
     size_t count; ///< positions
     size_t shown; ///< of which the first so many are tried; those after are for the reference only
+    bool named;   ///< they are those that were asked for
     lac_dial_value value[LAC_DIAL_VALUES];
 } lac_trade_dial;
 

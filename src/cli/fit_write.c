@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/write_text.h"
 #include "cli/fit.h"
 #include "cli/json.h"
 #include "cli/libraries.h"
@@ -90,25 +91,16 @@ static lac_status move_case(const char *path, lac_case *c, lac_error *err)
     return lac_case_rebase(c, folder, err);
 }
 
-// Written under another name first: a case is never half there.
 static lac_status write_whole(const char *path, const char *head, const char *text, lac_error *err)
 {
-    char *part = malloc(strlen(path) + sizeof ".part");
-    if (part == NULL) {
+    const size_t size = strlen(head) + strlen(text) + sizeof "\n";
+    char *whole = malloc(size);
+    if (whole == NULL) {
         return lac_fail_memory(err);
     }
-    (void)sprintf(part, "%s.part", path);
-    FILE *file = fopen(part, "w");
-    bool good = file != NULL && fputs(head, file) >= 0 && fputs("\n", file) >= 0;
-    good = good && fputs(text, file) >= 0;
-    good = file != NULL && fclose(file) == 0 && good;
-    good = good && rename(part, path) == 0;
-    lac_status status =
-        good ? LAC_OK : lac_fail(err, LAC_EIO, "%s: cannot be written: %s", path, strerror(errno));
-    if (!good) {
-        (void)remove(part);
-    }
-    free(part);
+    (void)snprintf(whole, size, "%s\n%s", head, text);
+    const lac_status status = lac_write_text(path, whole, true, err); // asked for before the fit
+    free(whole);
     return status;
 }
 

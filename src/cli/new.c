@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "base/write_text.h"
 #include "cli/command.h"
 #include "cli/json.h"
 #include "cli/templates.h"
@@ -41,22 +40,12 @@ static char *file_name(const char *name)
     return path;
 }
 
-static lac_status write_text(const char *path, const char *text, bool force, lac_error *err)
+// A folder's name would make a hidden file in it: "." the file "..yaml".
+static bool names_file(const char *given)
 {
-    FILE *file = fopen(path, force ? "w" : "wx");
-    if (file == NULL && errno == EEXIST) {
-        return lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path);
-    }
-    if (file == NULL) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
-    bool written = fputs(text, file) >= 0;
-    if (fclose(file) != 0 || !written) {
-        lac_status status = lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-        (void)unlink(path);
-        return status;
-    }
-    return LAC_OK;
+    const char *slash = strrchr(given, '/');
+    const char *last = slash != NULL ? slash + 1 : given;
+    return *last != '\0' && strcmp(last, ".") != 0 && strcmp(last, "..") != 0;
 }
 
 lac_status cli_new(const cli_request *request, lac_error *err)
@@ -66,14 +55,15 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     if (chosen == NULL) {
         return LAC_EINPUT;
     }
-    if (request->count > 0 && request->argument[0][0] == '\0') {
-        return lac_fail(err, LAC_EINPUT, "\"\" is no name for a file");
+    const char *given = request->count > 0 ? request->argument[0] : "case";
+    if (!names_file(given)) {
+        return lac_fail(err, LAC_EINPUT, "\"%s\" is no name for a file", given);
     }
-    char *path = file_name(request->count > 0 ? request->argument[0] : "case");
+    char *path = file_name(given);
     if (path == NULL) {
         return lac_fail_memory(err);
     }
-    lac_status status = write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
+    lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         cli_json json = {.out = stdout};
         cli_json_open(&json, NULL, '{');

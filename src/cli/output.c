@@ -31,6 +31,9 @@ static lac_status check_existing(const cli_request *request, const lac_case *c, 
     if (S_ISDIR(file->st_mode)) {
         return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
     }
+    if (!S_ISREG(file->st_mode)) { // said before the work, not after it
+        return lac_fail(err, LAC_EIO, "%s: is not a regular file", path);
+    }
     if (cli_inputs_has(request, c, file)) { // --force must not destroy what the command reads
         return lac_fail(err, LAC_EINPUT, "%s: is read by this %s, must not be the output", path,
                         c != NULL ? "case" : "command");

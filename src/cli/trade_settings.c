@@ -133,20 +133,39 @@ static void find_twin(cli_trade_job *job, size_t run)
     }
 }
 
-// Something must be left to try: of nothing but settings that are refused the first one is said.
-static lac_status check_tried(const cli_trade_job *job, lac_error *err)
+// Why no run may have a position; NULL: one may.
+static const char *refusal(const cli_trade_job *job, size_t dial, size_t position)
 {
     const char *why = NULL;
     for (size_t run = 0; run < job->plan.runs; run++) {
-        if ((job->plan.run[run].why & LAC_TRADE_TRIED) == 0) {
+        if (job->plan.run[run].at[dial] != (short)position) {
             continue;
         }
         if (job->measure[run].end != LAC_TRADE_REFUSED) {
-            return LAC_OK;
+            return NULL;
         }
-        why = why == NULL ? job->measure[run].message : why;
+        why = why != NULL ? why : job->measure[run].message;
     }
-    return lac_fail(err, LAC_EINPUT, "--dials: nothing can be tried: %s", why != NULL ? why : "");
+    return why;
+}
+
+// Settings that do not go together are left out, but not a position that was asked for and goes
+// with nothing: most likely it is misspelt.
+static lac_status check_named(const cli_trade_job *job, lac_error *err)
+{
+    static const char set[] = "--set: ";
+    const lac_trade_plan *plan = &job->plan;
+    for (size_t d = 0; d < plan->dials; d++) {
+        for (size_t p = 0; plan->dial[d].named && p < plan->dial[d].shown; p++) {
+            const char *why = refusal(job, d, p);
+            if (why != NULL) {
+                why += strncmp(why, set, sizeof set - 1) == 0 ? sizeof set - 1 : 0;
+                return lac_fail(err, LAC_EINPUT, "--dials: %s=%s: %s", plan->dial[d].dial->name,
+                                plan->dial[d].value[p].label, why);
+            }
+        }
+    }
+    return LAC_OK;
 }
 
 lac_status cli_trade_resolve(cli_trade_job *job, lac_error *err)
@@ -169,7 +188,7 @@ lac_status cli_trade_resolve(cli_trade_job *job, lac_error *err)
         }
         lac_case_free(c);
     }
-    return status == LAC_OK ? check_tried(job, err) : status;
+    return status == LAC_OK ? check_named(job, err) : status;
 }
 
 const char *cli_trade_options(const cli_trade_job *job, size_t run, char *text, size_t size)

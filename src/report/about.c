@@ -6,16 +6,22 @@
 #include "base/date.h"
 #include "report/run.h"
 
-enum { LONGEST_CASE = 1 << 18, LONGEST_TEXT = 4096 };
+enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resumed often is long too
 
-static void write_texts(const lac_page *page, const char *const *names, size_t count)
+static lac_status write_texts(const lac_page *page, const char *const *names, size_t count,
+                              lac_error *err)
 {
-    char value[LONGEST_TEXT];
+    char *value = malloc(LONGEST_TEXT);
+    if (value == NULL) {
+        return lac_fail_memory(err);
+    }
     for (size_t i = 0; i < count; i++) {
-        if (lac_page_attribute_text(page->run->file, names[i], value, sizeof value)) {
+        if (lac_page_attribute_text(page->run->file, names[i], value, LONGEST_TEXT)) {
             lac_page_string(page->text, names[i], value);
         }
     }
+    free(value);
+    return LAC_OK;
 }
 
 static void write_numbers(const lac_page *page, const char *const *names, size_t count)
@@ -28,25 +34,12 @@ static void write_numbers(const lac_page *page, const char *const *names, size_t
     }
 }
 
-static lac_status write_case(const lac_page *page, lac_error *err)
-{
-    char *text = malloc(LONGEST_CASE);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
-    if (lac_page_attribute_text(page->run->file, "case", text, LONGEST_CASE)) {
-        lac_page_string(page->text, "case", text);
-    }
-    free(text);
-    return LAC_OK;
-}
-
 lac_status lac_page_about(const lac_page *page, lac_error *err)
 {
     static const char *const texts[] = {
         "title",    "institution", "references",   "source",        "history",
         "status",   "libraries",   "date_created", "date_modified", "failure_date",
-        "ended_by", "boundary",    "fidelity",     "resumed"};
+        "ended_by", "boundary",    "fidelity",     "resumed",       "case"};
     static const char *const numbers[] = {"seed",
                                           "grid_nx",
                                           "grid_ny",
@@ -76,9 +69,8 @@ lac_status lac_page_about(const lac_page *page, lac_error *err)
     lac_page_bool(text, "dated", page->run->dated);
     lac_page_number(text, "start", page->run->start, 17);
     lac_page_number(text, "records", (double)page->run->n, 17);
-    write_texts(page, texts, sizeof texts / sizeof *texts);
     write_numbers(page, numbers, sizeof numbers / sizeof *numbers);
-    const lac_status status = write_case(page, err);
+    const lac_status status = write_texts(page, texts, sizeof texts / sizeof *texts, err);
     lac_page_close(text, '}');
     return status;
 }

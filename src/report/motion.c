@@ -13,13 +13,27 @@ typedef struct shown {
     enum lac_page_columns column;
 } shown;
 
-// An object of the columns that the file has, at the records that their charts need.
+static bool has_all(const lac_page_run *run, size_t count, const shown *what)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (lac_page_run_column(run, what[i].column) == NULL) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// An object of columns, at the records that their charts need. It is left out of a file that some
+// tool took one of them from.
 static lac_status write_section(const lac_page *page, const char *key, size_t count,
                                 const shown *what, lac_error *err)
 {
     const lac_page_run *run = page->run;
     lac_page_text *text = page->text;
     const double *column[MOST] = {0};
+    if (!has_all(run, count, what)) {
+        return LAC_OK;
+    }
     uint8_t *keep = malloc(run->n);
     if (keep == NULL) {
         return lac_fail_memory(err);
@@ -33,9 +47,7 @@ static lac_status write_section(const lac_page *page, const char *key, size_t co
     lac_page_column(text, "time", run->n, run->time, keep, 12);
     lac_page_column(text, "before", run->n, run->before, keep, 6);
     for (size_t i = 0; i < count; i++) {
-        if (column[i] != NULL) {
-            lac_page_column(text, what[i].key, run->n, column[i], keep, 6);
-        }
+        lac_page_column(text, what[i].key, run->n, column[i], keep, 6);
     }
     lac_page_close(text, '}');
     free(keep);
@@ -81,8 +93,5 @@ lac_status lac_page_solver(const lac_page *page, lac_error *err)
                                    {"order", LAC_PAGE_ORDER},
                                    {"evaluations", LAC_PAGE_RHS},
                                    {"residual", LAC_PAGE_RESIDUAL}};
-    if (lac_page_run_column(page->run, LAC_PAGE_STEP) == NULL) {
-        return LAC_OK;
-    }
     return write_section(page, "solver", sizeof solver / sizeof *solver, solver, err);
 }

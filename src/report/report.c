@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lacuna/report.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "base/write_text.h"
 #include "report/assets.h"
 #include "report/run.h"
 
@@ -90,63 +88,13 @@ lac_status lac_report_page(const lac_report_def *def, char **html, lac_error *er
     return make(def, write_page, html, err);
 }
 
-static lac_status write_part(const char *part, const char *html, lac_error *err)
-{
-    FILE *file = fopen(part, "w");
-    bool good = file != NULL && fputs(html, file) >= 0;
-    good = file != NULL && fclose(file) == 0 && good;
-    return good ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", part, strerror(errno));
-}
-
-// A link takes the name only where nothing bears it.
-static lac_status take_name(const char *part, const char *path, bool force, lac_error *err)
-{
-    if (force) {
-        return rename(part, path) == 0 ? LAC_OK
-                                       : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
-    const int failed = link(part, path);
-    const int why = errno;
-    (void)unlink(part);
-    if (failed == 0) {
-        return LAC_OK;
-    }
-    return why == EEXIST
-               ? lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path)
-               : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(why));
-}
-
-// Where a page goes: to the file that a symbolic link leads to, as of every file of lacuna. A name
-// that is taken over must be a file's: a device or a pipe would be gone.
-static lac_status find_place(const char *path, char **place, lac_error *err)
-{
-    struct stat about;
-    const bool exists = stat(path, &about) == 0;
-    if (exists && !S_ISREG(about.st_mode)) {
-        return lac_fail(err, LAC_EIO, "%s: is %s", path,
-                        S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
-    }
-    *place = exists ? realpath(path, NULL) : strdup(path);
-    return *place != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force, lac_error *err)
 {
-    char *html = NULL, *place = NULL, *part = NULL;
-    lac_status status;
-    LAC_TRY(find_place(path, &place, err));
-    part = malloc(strlen(place) + sizeof ".part");
-    LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
-    (void)sprintf(part, "%s.part", place);
-    LAC_TRY(lac_report_page(def, &html, err));
-    LAC_TRY(write_part(part, html, err));
-    LAC_TRY(take_name(part, place, force, err));
-out:
-    if (status != LAC_OK && part != NULL && html != NULL) {
-        (void)unlink(part);
+    char *html = NULL;
+    lac_status status = lac_report_page(def, &html, err);
+    if (status == LAC_OK) {
+        status = lac_write_text(path, html, force, err);
     }
     free(html);
-    free(part);
-    free(place);
     return status;
 }

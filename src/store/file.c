@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/part.h"
 #include "store/nc.h"
-#include "store/part.h"
 
 enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
 
@@ -133,22 +133,6 @@ out:
     return status;
 }
 
-// link() refuses a name that is taken, which rename() does not; some file systems lack it.
-static int name_exclusively(const char *part, const char *path)
-{
-    if (link(part, path) == 0) {
-        return unlink(part);
-    }
-    if (errno == EEXIST) {
-        return -1;
-    }
-    if (access(path, F_OK) == 0) {
-        errno = EEXIST;
-        return -1;
-    }
-    return rename(part, path);
-}
-
 lac_status lac_nc_pin_old(lac_nc *file, lac_error *err)
 {
     struct stat info;
@@ -184,9 +168,7 @@ lac_status lac_nc_publish(lac_nc *file, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "%s: was replaced meanwhile by another process",
                         file->path);
     }
-    int failed =
-        file->force ? rename(file->part, file->path) : name_exclusively(file->part, file->path);
-    if (failed != 0) {
+    if (lac_part_publish(file->part, file->path, file->force) != 0) {
         if (errno == EEXIST && !file->force) {
             return lac_fail(err, LAC_EINPUT, "%s: exists", file->path);
         }

@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/part.h"
 #include "lacuna/store_checkpoint.h"
-#include "store/part.h"
 
 enum {
     GIVEN_BACK_MAX = 2 * 2048, // HDF5's two blocks of free space: of structure, of small data

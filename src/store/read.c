@@ -10,10 +10,10 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
+#include "base/part.h"
 #include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
-#include "store/part.h"
 
 // deflate packs at most this many bytes into one.
 enum { DEFLATE_MAX = 1032 };

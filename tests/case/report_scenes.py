@@ -43,6 +43,12 @@ time: {start: "2020-01-01", end: "200 day"}
 BARE = JOINT[:JOINT.index("analysis:")].replace("title:", "references: none\ntitle:")
 BRIEF = BLOCK.replace("200 day", "1 s")
 
+# Its load changes.
+STEP = BLOCK.replace('constant: {value: "0.2 MPa"}', 'step: {value: "0.02 MPa", at: "1 day"}')
+
+# A dated run beyond all dates.
+FAR = BLOCK.replace("1 cm/week", "1e-20 m/s").replace("200 day", "1e6 year")
+
 # A line in slabs whose every record keeps its cells.
 LINE = """lacuna: 1
 title: A line

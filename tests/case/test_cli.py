@@ -644,6 +644,8 @@ class New(Case):
 
     def test_wrong(self):
         self.expect(3, "new", "absent/x")
+        for name in ("", ".", "..", "absent/", "./.."):
+            self.expect_line(2, f'"{name}" is no name for a file', "new", name)
         self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
                          "--kind", "blok")
         self.expect_line(2, '--kind: "dam" is no kind of case; known: block, joint, slope', "new",

@@ -136,6 +136,21 @@ class Block(unittest.TestCase):
         self.assertTrue(page["about"]["dated"])
         self.assertIn("lacuna: 1", page["about"]["case"])
 
+    def test_long_history(self):
+        """Of a run that was resumed again and again."""
+        path, history = os.path.join(FOLDER, "history.nc"), "lacuna run --resume\n" * 1000
+        shutil.copy(made("brief", scenes.BRIEF), path)
+        with netCDF4.Dataset(path, "a") as file:
+            file.history = history
+        self.assertEqual(page_of(path)["about"]["history"], history)
+
+    def test_without_a_variable(self):
+        """What a tool has cut off: its section is left out, the page stands."""
+        path = os.path.join(FOLDER, "cut.nc")
+        for name, section in (("order", "solver"), ("rhs_evaluations", "solver"), ("normal_force", "forces")):
+            Refused.changed(made("step", scenes.STEP), path, name, None, None)
+            self.assertEqual(set(page_of(path)), {"about", "motion", "solver", "forces", "forecasts"} - {section})
+
     def test_cells_without_snapshots(self):
         cells = page_of(made("bare", scenes.BARE))["cells"]
         self.assertEqual(cells["snapshot_time"], [])
@@ -333,13 +348,15 @@ class Refused(unittest.TestCase):
 
     @staticmethod
     def changed(source, path, changed, shape, values):
-        """A copy of a file with another variable in place of one; the dimension `none` is empty."""
+        """A copy of a file with another variable in place of one, or without it; the dimension `none` is empty."""
         with netCDF4.Dataset(source) as old, netCDF4.Dataset(path, "w") as new:
             new.setncatts({k: old.getncattr(k) for k in old.ncattrs()})
             new.createDimension("none", None)
             for name, dimension in old.dimensions.items():
                 new.createDimension(name, len(dimension))
             for name, variable in old.variables.items():
+                if name == changed and shape is None:
+                    continue
                 own = new.createVariable(name, variable.dtype, shape if name == changed else variable.dimensions)
                 own.setncatts({k: variable.getncattr(k) for k in variable.ncattrs() if k != "_FillValue"})
                 if name != changed:

@@ -50,6 +50,16 @@ return [...document.querySelectorAll('figure')].map((figure) => {
   return [title, labels > 4 ? Math.max(dots, ...lines) : 0];
 });
 """
+ENLARGE = """
+const charts = [...document.querySelectorAll('figure')].filter((f) => f.querySelector('[aria-label^="Enlarge"]'));
+for (const chart of charts) chart.querySelector('[aria-label^="Enlarge"]').click();
+return charts.map((f) => f.querySelector('h3').textContent);
+"""
+# Charts without numbers on their upright axis.
+UPRIGHT = """
+return [...document.querySelectorAll('figure')].filter((f) => f.querySelector('.frame svg'))
+  .filter((f) => f.querySelectorAll('.frame text[text-anchor=end]').length < 3).map((f) => f.querySelector('h3').textContent);
+"""
 WIDE = """
 return [...document.querySelectorAll('body *')].filter((e) => !e.closest('.scroll, .plain, pre, nav, .skip, svg'))
   .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map((e) => e.tagName + '.' + e.className);
@@ -95,15 +105,30 @@ class Page(unittest.TestCase):
     def setUpClass(cls):
         cls.driver = browser()
         cls.addClassCleanup(cls.driver.quit)
-        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("line", scenes.LINE)):
+        for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("far", scenes.FAR),
+                           ("line", scenes.LINE)):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
             cls.make(name, name)
         cls.make_fitted()
+        cls.make_wild()
 
     @classmethod
     def make(cls, name, run, *words):
         status, _, wrong = scenes.report(PROGRAM, os.path.join(FOLDER, run + ".nc"), "-o", os.path.join(FOLDER, name + ".html"), *words)
         assert status == 0, wrong
+
+    @classmethod
+    def make_wild(cls):
+        """The joint with numbers at the edge of what there is, and of what slips nothing left."""
+        path = os.path.join(FOLDER, "wild.nc")
+        shutil.copy(os.path.join(FOLDER, "joint.nc"), path)
+        with netCDF4.Dataset(path, "a") as file:
+            file["event_potency"][3], file["event_moment"][:] = 1e300, numpy.nan
+            file["step_size"][5], file["balance_residual"][5], file["slip"][2] = 1e308, 1e-320, -1e308
+            file["n_slip"][:] = 0
+            file["apparent_friction"][:] = numpy.nan
+            file["apparent_friction"][1:3] = 1e308, -1
+        cls.make("wild", "wild")
 
     @classmethod
     def make_fitted(cls):
@@ -149,13 +174,20 @@ class Page(unittest.TestCase):
         return matplotlib.image.imread(io.BytesIO(data), format="png")[..., :3]
 
     def test_every_chart_is_drawn(self):
-        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
+        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("far", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
             self.show(name)
             for axis in ("time", "before"):
                 self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
                 drawn = self.driver.execute_script(DRAWN)
                 self.assertGreaterEqual(len(drawn), least, drawn)
                 self.assertEqual([title for title, much in drawn if not much > 3], [], (name, axis, drawn))
+
+    def test_numbers_at_the_edge(self):
+        self.show("wild")
+        titles = self.driver.execute_script(ENLARGE)
+        self.assertLessEqual({"Size distribution", "Apparent friction"}, set(titles))
+        self.driver.execute_script("for (const tool of document.querySelectorAll('figure .head button')) tool.click()")
+        self.assertIn("No cell slips", self.driver.find_element(By.ID, "scales").text)
 
     def test_sections_without_data_are_left_out(self):
         self.show("block")
@@ -331,6 +363,17 @@ class Page(unittest.TestCase):
         self.assertAlmostEqual(high - low, 1 / 8, places=6)
         frame.send_keys("0")
         self.assertEqual(self.ticks(frame), before)
+
+    def test_every_chart_can_be_enlarged(self):
+        """Those with time upright too: of forecasts beside a run that has not failed, of slip along a line."""
+        for name in ("joint", "line", "absurd"):
+            self.show(name)
+            for axis in ("time", "before"):
+                self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
+                titles = self.driver.execute_script(ENLARGE)
+                self.assertGreater(len(titles), 4)
+                self.assertEqual([title for title, much in self.driver.execute_script(DRAWN) if title in titles and not much > 3], [])
+                self.assertEqual(self.driver.execute_script(UPRIGHT), [])
 
     def test_enlarged_ticks_stand_apart(self):
         """However much is enlarged, labels differ and stand in the plot."""

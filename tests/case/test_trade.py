@@ -301,8 +301,9 @@ class Trade(Program):
     def test_wrong(self):
         self.refused('"speed" is no dial', BLOCK, "--dials", "speed")
         self.refused("nothing to turn", BLOCK, "--dials", "levels")
-        self.refused('"rk4" must be one of: bdf, adams, erk', BLOCK, "--dials", "method=rk4")
-        self.refused("nothing can be tried: --set: solver.rtol", BLOCK, "--dials", "rtol=1")
+        self.refused('--dials: method=bfd: solver.method: "bfd" must be', BLOCK, "--dials", "method=bfd:bdf")
+        self.refused('--dials: rtol=1e-30: solver.rtol: "1e-30" must be', BLOCK, "--dials", "rtol=1e-3:1e-30")
+        self.refused('--dials: precision=half: output.precision: "half" must be', BLOCK, "--dials", "precision=half,rtol")
         self.refused('--reach: "-1%" must be', BLOCK, "--reach=-1%")
         self.refused('--reach: "3 m" must be', BLOCK, "--reach", "3 m", "--quantity", "failure")
         self.refused('--reach: "3 Pa" must be', BLOCK, "--reach", "3 Pa")
@@ -318,6 +319,10 @@ class Trade(Program):
         self.refused("rtol turns nothing in a cascade", "cases/rg/cons.yaml", "--dials", "rtol")
         self.refused("the case has no time", pressed, "--until", "1 day")
         self.refused("there is no dial to turn", BLOCK, "--quantity", "contact-fraction")
+        pipe = os.path.join(self.folder, "pipe")
+        os.mkfifo(pipe)
+        self.call("trade", BLOCK, "-o", pipe, "--force", status=3)
+        self.assertFalse(os.path.exists(pipe + ".runs"))  # nothing was computed for it
         self.assertIn("no load.history", self.trade(pressed, "--quantity", "work", status=2))
         said = self.trade(BLOCK, "--dials", "rtol=1e-3:1e-4", "--quantity", "events", status=2)
         self.assertIn("keeps no catalogue", said)

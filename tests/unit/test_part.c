@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "store/part.h"
+#include "base/part.h"
 #include "support/scratch.h"
 
 enum { PATH = 400 };

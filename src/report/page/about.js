@@ -7,7 +7,7 @@ function verdict(data) {
   const first = m.rate.find((v) => v > 0) ?? null, slip = length(a.mean_slip_m ?? m.slip[n - 1], 3);
   const from = first === null ? "From rest" : `From ${rate(first)}`;
   if (a.failed) {
-    const when = data.about.dated && a.failure_date ? `, on ${a.failure_date.slice(0, 10)} at ${a.failure_date.slice(11, 16)} UTC` : "";
+    const when = page.clock.dated && a.failure_date ? `, on ${a.failure_date.slice(0, 10)} at ${a.failure_date.slice(11, 16)} UTC` : "";
     return `${from} the joint crept, accelerated and failed after ${span(a.failure_time_s, 5)}${when}, having slipped ${slip}.`;
   }
   const reached = span(a.time_reached_s ?? m.time[n - 1], 4);

@@ -42,21 +42,25 @@ const shown = (chart) => {
 // Lines that follow the run do not widen the axis, but those ahead of it do, in time.
 const widens = (spec) => (line) => !line.follows || (line.ahead && !turned(spec));
 
+// Dates as far as there are any.
+const moments = (range, most) => (page.clock.dated && page.clock.start + range[1] < LAST_DATE ? calendar(range, most, page.clock.start) : elapsed(range, most));
+
 function clockScale(spec, lines, width, ends = null) {
   const lists = [...lines.filter(widens(spec)).map((l) => clockValues(spec, l)), turned(spec) ? [] : spec.x.reach || []];
   if (turned(spec)) return remaining(ends || spec.x.before || extentPositive(lists), width / 74);
   const range = ends || spec.x.range || extent(lists);
-  return page.clock.dated ? calendar(range, width / 84, page.clock.start) : elapsed(range, width / 84);
+  return moments(range, width / 84);
 }
 
 // Dots stand clear of the edges.
 function widened([low, high], by) {
-  return low > 0 ? [low / (high / low) ** by, high * (high / low) ** by] : [low, high];
+  const more = (high / low) ** by;
+  return low / more > 0 && Number.isFinite(high * more) ? [low / more, high * more] : [low, high];
 }
 
 function makeScale(given, lists, most) {
   const axis = typeof given.range === "function" ? { ...given, range: given.range() } : given;
-  if (axis.kind === "clock") return page.clock.dated ? calendar(axis.range, most, page.clock.start) : elapsed(axis.range, most);
+  if (axis.kind === "clock") return moments(axis.range || extent(lists), most);
   if (axis.kind === "remaining") return remaining(axis.range, most);
   if (axis.kind === "spans") return spans(axis.range || extentPositive(lists), most);
   if (axis.kind === "log") return logarithmic(axis.range || widened(extentPositive(lists), axis.clear || 0), most, axis.tick);
@@ -82,13 +86,16 @@ function valuesWithin(chart, x) {
   return lists;
 }
 
+const between = ([low, high], lists) => lists.map((list) => list.filter((v) => v >= low && v <= high));
+
 const others = { linear: "log", log: "linear" };
 
 function scaleUp(chart, x, height) {
   const { spec, view } = chart;
-  const lists = view.x && !spec.y.fixed ? valuesWithin(chart, x) : shown(chart).flatMap((l) => (l.low ? [l.y, l.low, l.high] : [l.y]));
+  let lists = view.x && !spec.y.fixed ? valuesWithin(chart, x) : shown(chart).flatMap((l) => (l.low ? [l.y, l.low, l.high] : [l.y]));
   if (!view.x) lists.push((spec.marks || []).filter((m) => m.y !== undefined).map((m) => m.y));
   const axis = { ...spec.y };
+  if (view.x && axis.kind === "clock") lists = between(axis.range, lists); // the far future would press all else together
   if ((view.x && !axis.fixed) || view.kind) delete axis.range;
   if (view.kind) Object.assign(axis, { kind: view.kind, tick: axis.tick === powerTick ? plain(5) : axis.tick });
   const make = (range) => makeScale(range ? { ...axis, range } : axis, lists, height / 46);
@@ -98,12 +105,15 @@ function scaleUp(chart, x, height) {
 
 function clockLabel(spec, scale) {
   if (turned(spec)) return `time before ${page.clock.end}`;
-  if (page.clock.dated) {
+  if (page.clock.dated && !scale.unit) {
     const [first, last] = [scale.low, scale.high].map((t) => date(page.clock.start + t, "day"));
     return `date (UTC), ${first === last ? first : `${first} to ${last}`}`;
   }
   return `time since the start (${scale.unit})`;
 }
+
+// A path takes no number beyond single precision.
+const drawable = (place) => Math.min(1e6, Math.max(-1e6, place));
 
 // Room around the plot, by the longest label.
 function layOut(chart, width, height) {
@@ -114,8 +124,8 @@ function layOut(chart, width, height) {
   const x = scaleAcross(chart, inner);
   return {
     box, x, y,
-    px: (v) => box.left + inner * x.at(v),
-    py: (v) => box.bottom - (box.bottom - box.top) * y.at(v),
+    px: (v) => drawable(box.left + inner * x.at(v)),
+    py: (v) => drawable(box.bottom - (box.bottom - box.top) * y.at(v)),
   };
 }
 

@@ -71,6 +71,9 @@ function quantity(value, unit) {
 
 const plain = (digits) => (value, more = 0) => number(value, digits + more);
 
+// Beyond the year 9999 no date is written, and soon none is known: there time counts from the start.
+const LAST_DATE = Date.UTC(10000, 0) / 1000;
+
 // A time of the run: a date where it has one.
 function date(seconds, detail = "minute") {
   const at = new Date(seconds * 1000);

@@ -132,7 +132,7 @@ function fixedPoints(levels) {
 function levelsSection(data) {
   const levels = data.levels;
   const section = openSection("scales", "From scale to scale", "Which part of the blocks of each size slips, and how that part changes from one size to the next: the renormalization of the static cascade, read off a run in time.");
-  if (!levels.fraction.some((v) => v > 0)) {
+  if (!levels.fraction.some((v) => v > 0) || !levels.slipping[0].some((n) => n > 0)) {
     section.append(element("p", { class: "note" }, "No cell slips in this run by the definition used."));
     return section;
   }

@@ -14,8 +14,8 @@ function openSection(id, title, lead) {
 }
 
 function makeClock(data) {
-  const a = data.about, m = data.motion;
-  return { dated: a.dated, start: a.start, last: m.time[m.time.length - 1], failure: a.failure_time_s ?? null, end: a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
+  const a = data.about, m = data.motion, last = m.time[m.time.length - 1];
+  return { dated: a.dated && a.start + last < LAST_DATE, start: a.start, last, failure: a.failure_time_s ?? null, end: a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
 }
 
 function choice(id, name, options, current, change) {

@@ -20,7 +20,8 @@ function extentPositive(lists) {
 }
 
 const range = (first, last, step) => {
-  const all = [];
+  const all = [], most = Math.max(Math.abs(first), Math.abs(last)) / step;
+  if (!(most < 2 ** 53)) return all; // one step more would be none
   for (let k = Math.ceil(first / step - 1e-9); k * step <= last + 1e-9 * step; k++) all.push(k * step);
   return all;
 };
@@ -47,7 +48,7 @@ function linear([low, high], most, format, scale = 1) {
 // Decades; every second, third ... where they are many, 2 and 5 between where they are few.
 function logarithmic([low, high], most, format) {
   if (!(low > 0)) [low, high] = [1, 10];
-  if (low === high) [low, high] = [low / 2, high * 2];
+  if (low === high) [low, high] = [low / 2 || low, Math.min(high * 2, Number.MAX_VALUE)];
   const from = Math.log10(low), to = Math.log10(high), ticks = [];
   const step = Math.max(1, Math.ceil((to - from) / Math.max(1, most)));
   const between = to - from < 2.2 ? [1, 2, 5] : [1];
@@ -83,7 +84,7 @@ function denseSpans(low, high, most) {
 
 function remaining([low, high], most) {
   if (!(low > 0)) [low, high] = [1e-3, 1];
-  if (low === high) low = high / 10;
+  if (low === high) low = high / 10 || high;
   const from = Math.log10(high), to = Math.log10(low);
   let ticks = KNOWN_SPANS.filter(([v]) => v >= low && v <= high).map(([value, label]) => ({ value, label }));
   if (ticks.length < 3) ticks = denseSpans(low, high, most);

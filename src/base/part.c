@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The names under which files are built, and what a killed process left under one.
-#include "store/part.h"
+#include "base/part.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -87,4 +87,25 @@ void lac_part_sweep(const char *path)
         (void)closedir(folder);
     }
     free(name);
+}
+
+// link() refuses a name that is taken, which rename() does not; some file systems lack it.
+static int name_exclusively(const char *part, const char *path)
+{
+    if (link(part, path) == 0) {
+        return unlink(part);
+    }
+    if (errno == EEXIST) {
+        return -1;
+    }
+    if (access(path, F_OK) == 0) {
+        errno = EEXIST;
+        return -1;
+    }
+    return rename(part, path);
+}
+
+int lac_part_publish(const char *part, const char *path, bool force)
+{
+    return force ? rename(part, path) : name_exclusively(part, path);
 }

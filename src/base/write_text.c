@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/write_text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/part.h"
+
+// The file that a symbolic link leads to. A name that is taken over must be a file's: a device or
+// a pipe would be gone.
+static lac_status find_place(const char *path, char **place, lac_error *err)
+{
+    struct stat about;
+    const bool exists = stat(path, &about) == 0;
+    if (exists && !S_ISREG(about.st_mode)) {
+        return lac_fail(err, LAC_EIO, "%s: is %s", path,
+                        S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
+    }
+    *place = exists ? realpath(path, NULL) : strdup(path);
+    return *place != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+// A lock tells that the part is being written, also to who sees no process of that number.
+static FILE *open_part(const char *part)
+{
+    const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        return NULL;
+    }
+    (void)flock(fd, LOCK_EX | LOCK_NB);
+    FILE *file = fdopen(fd, "w");
+    if (file == NULL) {
+        (void)close(fd);
+    }
+    return file;
+}
+
+static bool write_part(const char *part, const char *text)
+{
+    FILE *file = open_part(part);
+    const bool good = file != NULL && fputs(text, file) >= 0;
+    return file != NULL && fclose(file) == 0 && good;
+}
+
+lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err)
+{
+    char *place = NULL, *part = NULL;
+    lac_status status;
+    LAC_TRY(find_place(path, &place, err));
+    part = lac_part_name(place);
+    LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
+    lac_part_sweep(place);
+    (void)unlink(part); // of a process of this number that is no more
+    if (!write_part(part, text) || lac_part_publish(part, place, force) != 0) {
+        const int why = errno;
+        (void)unlink(part);
+        status = why == EEXIST
+                     ? lac_fail(err, LAC_EINPUT, "%s: exists already; --force replaces it", path)
+                     : lac_fail(err, LAC_EIO, "%s: cannot be written: %s", path, strerror(why));
+    }
+out:
+    free(part);
+    free(place);
+    return status;
+}
