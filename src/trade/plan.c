@@ -49,21 +49,6 @@ static lac_status check_rungs(const lac_trade_dial *dial, lac_error *err)
     return LAC_OK;
 }
 
-// A dial without a ladder has the positions that its key has in this case.
-static lac_status no_position(const lac_dial *dial, const lac_dial_value *own, size_t n,
-                              const char *label, lac_error *err)
-{
-    char known[256] = "";
-    for (size_t i = 0; i < n; i++) {
-        const size_t used = strlen(known);
-        (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", own[i].label);
-    }
-    return n == 0 ? lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
-                             dial->name)
-                  : lac_fail(err, LAC_EINPUT, "--dials: %s: \"%s\" must be one of: %s", dial->name,
-                             label, known);
-}
-
 // "1e-3:1e-5" into positions; the dial's own where a label of them is meant.
 static lac_status read_values(const char *text, size_t length, const lac_case *c, lac_trade_of of,
                               lac_trade_dial *out, lac_error *err)
@@ -85,15 +70,10 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
         memset(value, 0, sizeof *value);
         memcpy(value->label, text + at, size);
         memcpy(value->yaml, text + at, size);
-        bool known = out->dial->ratio > 0.0;
         for (size_t i = 0; i < n; i++) {
             if (strcmp(own[i].label, value->label) == 0) {
                 *value = own[i];
-                known = true;
             }
-        }
-        if (!known) {
-            return no_position(out->dial, own, n, value->label, err);
         }
         at = end + 1;
     }

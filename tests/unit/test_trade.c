@@ -239,8 +239,7 @@ static void wrong_dials(void **state)
         "rtol=",          "rtol=1e-3::1e-4", "",
         "rtol,",          "transfer",        "rtol=1:2:3:4:5:6:7:8:9:10:11:12:13:14:15:16:17",
         "rtol=1e-4:1e-3", "rtol=1e-3:1e-3",  "rtol=0",
-        "rtol=abc",       "levels=6:5",      "shifts=-1:4",
-        "method=rk4",     "fidelity=events", "method=bdf:BDF"};
+        "rtol=abc",       "levels=6:5",      "shifts=-1:4"};
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         lac_trade_plan plan;
