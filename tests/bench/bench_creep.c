@@ -81,7 +81,7 @@ static double doubles_a_step(double q, double rhs, double solves)
     double evaluation = 2 + 5 + 1 + 2 + 2; // y, parameters, v, K v written and read, ydot
     double correct = 2 + 2 + 2 + 2 + 2;    // residual of the iteration: z_1, ydot, sum, y
     double solve = 2 + 5 + 4 + 3 + 4 + 2;  // y, parameters, right-hand side, D, v, K v; tree; back
-    double slip = 1 + 1 + 2;               // v, its difference to the prediction
+    double slip = 1 + 1 + 2 + 8 + 2;       // v, its difference to the prediction; weights, its norm
     return predict + complete + weights + norms + rhs * (evaluation + correct) + solves * solve +
            slip;
 }
