@@ -104,6 +104,15 @@ void fault_free(fault *f)
     lac_slot_clear(&f->load);
 }
 
+// The top of the parabola through the last three records, of which the middle one is the highest.
+static double find_crest(const fault_events *e, double step, double rise)
+{
+    const double before = e->last_rise / e->last_step, after = rise / step;
+    const double curvature = (before - after) / (e->last_step + step);
+    const double slope = (before * step + after * e->last_step) / (e->last_step + step);
+    return 1e-3 * exp(e->last_rate + slope * slope / (4 * curvature));
+}
+
 static lac_status watch(void *context, const lac_record *r, lac_error *err)
 {
     (void)err;
@@ -115,8 +124,15 @@ static lac_status watch(void *context, const lac_record *r, lac_error *err)
     }
     if (e->count > 0) {
         double *peak = &e->peak[e->count - 1];
+        double *crest = &e->crest[e->count - 1];
+        const double step = t - e->last_time, rise = rate - e->last_rate;
         *peak = fmax(*peak, r->seen.max_rate);
+        if (e->last_rise > 0 && rise < 0) {
+            *crest = fmax(*crest, find_crest(e, step, rise));
+        }
     }
+    e->last_step = t - e->last_time;
+    e->last_rise = rate - e->last_rate;
     e->last_time = t;
     e->last_rate = rate;
     return LAC_OK;

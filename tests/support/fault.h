@@ -32,11 +32,13 @@ void fault_free(fault *f);
 
 enum { MOST_EVENTS = 8 };
 
-/// Upward crossings of 1 mm/s by the fastest cell, interpolated in ln v, and the peaks after them.
+/// Upward crossings of 1 mm/s by the fastest cell, interpolated in ln v; the peaks after them, at
+/// the steps' ends as other codes give them, and between these, by a parabola in ln v [m/s].
 typedef struct fault_events {
     size_t count;
-    double time[MOST_EVENTS], peak[MOST_EVENTS];
-    double last_time, last_rate;
+    double time[MOST_EVENTS], peak[MOST_EVENTS], crest[MOST_EVENTS];
+    double last_time, last_rate; ///< [s], ln(v/(1 mm/s)) of the record before
+    double last_step, last_rise; ///< [s] up to that record, and what ln v gained in it
 } fault_events;
 
 /// Runs to `end`; stops the program where it cannot.

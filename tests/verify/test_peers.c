@@ -24,9 +24,11 @@ static double worst_of_two(const fault *f, lac_method method, double rtol)
     fault_events seen;
     (void)fault_run(f, method, 9e9, rtol, &seen);
     assert_int_equal(seen.count, 2);
-    // The fastest of the steps: erk at 1e-4 comes within 4e-3 of the peak between them.
-    assert_true(fabs(seen.peak[0] / 1.4001 - 1) < 5e-3);
-    assert_true(fabs(seen.peak[1] / 1.01025 - 1) < 5e-3);
+    for (size_t k = 0; k < 2; k++) {
+        print_message("peak off by %.1e at the steps' ends, %.1e between them\n",
+                      seen.peak[k] / fault_b1_peaks[k] - 1, seen.crest[k] / fault_b1_peaks[k] - 1);
+        assert_true(fabs(seen.crest[k] / fault_b1_peaks[k] - 1) < 3e-3);
+    }
     double first = fabs(seen.time[0] / fault_b1_events[0] - 1);
     return fmax(first, fabs(seen.time[1] / fault_b1_events[1] - 1));
 }
