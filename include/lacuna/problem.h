@@ -97,11 +97,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 /// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
 /// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
 /// besides.
-/// @param relative   part of the slip; overwritten where true is given back
-/// @param tolerance  [n] absolute [m]; likewise
-/// @return whether slip is integrated beside y
-bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *relative,
-                                double *tolerance);
+/// @param tolerance  [n] absolute [m]; overwritten
+/// @return what counts besides, relative to the slip
+double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
 /// dy/dt.
 /// @param t     time since the start [s]

@@ -29,8 +29,8 @@ typedef struct lac_dial {
     bool scene;             ///< it changes what is computed, not only how well
     unsigned use;           ///< lac_trade_of
     bool falls;             ///< of a ladder: a finer position is a smaller number
-    double ratio;           ///< its positions are a ladder from coarse to fine, and errors fall by
-                            ///< at most this factor from rung to rung; 0: no ladder
+    double ratio;           ///< its positions are a ladder from coarse to fine; that errors fall by
+                            ///< more than this a rung is not believed; 0: no ladder
     /// Its positions on this case, the coarsest and cheapest first.
     /// @param of   what is traded
     /// @param out  [LAC_DIAL_VALUES]
@@ -184,7 +184,7 @@ typedef struct lac_trade_verdict {
 /// twentieth of what the rung before the last changed; where they do not converge, what the last
 /// one did.
 /// @param coarse  NaN: only two values
-/// @param ratio   errors fall by at most this factor a rung: a luckier ratio is not believed
+/// @param ratio   that errors fall by more than this a rung is not believed
 /// @return >= 0; NaN where `middle` or `fine` is
 double lac_richardson_error(double coarse, double middle, double fine, double ratio);
 

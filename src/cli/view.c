@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/date.h"
+#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
@@ -65,14 +66,18 @@ static lac_status read_port(const char *text, unsigned *port, lac_error *err)
                  : lac_fail(err, LAC_EINPUT, "--view: \"%s\" must be a port from 0 to 65535", text);
 }
 
-// A text as it stands in JSON, cut where there is no room.
+// A text as it stands in JSON, cut after a character where there is no room.
 static void escape(const char *text, char *out, size_t size)
 {
     size_t used = 0;
-    for (; *text != '\0' && used + 7 < size; text++) {
-        const unsigned char c = (unsigned char)*text;
-        const bool plain = c >= 0x20 && c != '"' && c != '\\' && c != 0x7f;
-        used += (size_t)snprintf(out + used, size - used, plain ? "%c" : "\\u%04x", c);
+    for (const unsigned char *s = (const unsigned char *)text; *s != '\0' && used + 7 < size;) {
+        const size_t length = cli_utf8_length(s);
+        const bool plain = length > 1 || (*s >= 0x20 && *s != '"' && *s != '\\' && *s != 0x7f);
+        used += (size_t)(length > 0 && plain ? snprintf(out + used, size - used, "%.*s",
+                                                        (int)length, (const char *)s)
+                                             : snprintf(out + used, size - used, "\\u%04x",
+                                                        length > 0 ? (unsigned)*s : 0xfffdU));
+        s += length > 0 ? length : 1;
     }
     out[used] = '\0';
 }
@@ -236,7 +241,7 @@ static bool make_data(cli_view *view, const lac_recording *recording, int issues
     char *json = NULL;
     const bool made = lac_report_data(&def, &json, NULL) == LAC_OK;
     if (made) {
-        (void)cli_feed_data(&view->feed, json);
+        cli_feed_data(&view->feed, json);
     }
     return made;
 }

@@ -48,18 +48,17 @@ void cli_feed_event(cli_feed *feed, const char *json, bool last)
     (void)pthread_mutex_unlock(&feed->lock);
 }
 
-uint64_t cli_feed_data(cli_feed *feed, char *json)
+void cli_feed_data(cli_feed *feed, char *json)
 {
     (void)pthread_mutex_lock(&feed->lock);
     char *old = feed->data;
     feed->data = json;
     feed->taken = 0;
     feed->wanted = false;
-    const uint64_t version = ++feed->version;
+    feed->version++;
     (void)pthread_cond_broadcast(&feed->changed);
     (void)pthread_mutex_unlock(&feed->lock);
     free(old);
-    return version;
 }
 
 bool cli_feed_watched(cli_feed *feed)

@@ -33,8 +33,7 @@ void cli_feed_clear(cli_feed *feed);
 void cli_feed_event(cli_feed *feed, const char *json, bool last);
 
 /// Puts data in the place of the last ones. @param json  taken over
-/// @return their version
-uint64_t cli_feed_data(cli_feed *feed, char *json);
+void cli_feed_data(cli_feed *feed, char *json);
 
 /// Whether anybody looks: a stream is open, or data were asked for.
 bool cli_feed_watched(cli_feed *feed);

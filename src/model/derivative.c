@@ -48,17 +48,12 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
     }
 }
 
-bool lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *relative,
-                                double *tolerance)
+double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance)
 {
-    if (problem->kind->has_slip) {
-        return false;
-    }
-    *relative = problem->kind->solved ? 0.0 : rtol;
     for (size_t i = 0; i < problem->n; i++) {
         tolerance[i] = rtol * lac_cellwise_of(&problem->friction->column[LAC_DC], i);
     }
-    return true;
+    return problem->kind->solved ? 0.0 : rtol;
 }
 
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)

@@ -87,10 +87,10 @@ static int set_slip(const lac_engine *engine, cvode *c)
     if (lac_vector_lacks(c->slip)) {
         flag = CV_MEM_FAIL;
     } else {
-        double relative = 0.0;
         double *absolute = lac_vector_data(tolerance);
+        const double relative =
+            lac_problem_slip_tolerance(engine->problem, engine->def->rtol, absolute);
         double least = INFINITY;
-        (void)lac_problem_slip_tolerance(engine->problem, engine->def->rtol, &relative, absolute);
         for (size_t i = 0; i < engine->n; i++) {
             least = fmin(least, absolute[i]);
         }

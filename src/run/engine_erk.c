@@ -50,8 +50,7 @@ static int weights(N_Vector y, N_Vector w, void *user)
     }
     const double *at = lac_vector_data(y) + 2 * n;
     double *slip = weight + 2 * n;
-    double relative = 0.0;
-    (void)lac_problem_slip_tolerance(engine->problem, engine->def->rtol, &relative, slip);
+    const double relative = lac_problem_slip_tolerance(engine->problem, engine->def->rtol, slip);
     for (size_t i = 0; i < n; i++) {
         slip[i] = 1.0 / (relative * fabs(at[i]) + slip[i]);
     }

@@ -81,7 +81,7 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
     return check_rungs(out, err);
 }
 
-static bool is_of(const lac_dial *dial, lac_trade_of of) { return (dial->use & of) != 0; }
+static bool is_of(const lac_dial *dial, unsigned of) { return (dial->use & of) != 0; }
 
 // One word of --dials.
 static lac_status add_word(const char *word, size_t length, const lac_case *c, lac_trade_plan *plan,
@@ -138,7 +138,7 @@ static lac_status check_turned(const lac_trade_plan *plan, lac_error *err)
     const unsigned of = turned_of(plan);
     for (size_t d = 0; d < plan->dials; d++) {
         const lac_dial *dial = plan->dial[d].dial;
-        if ((dial->use & of) == 0) {
+        if (!is_of(dial, of)) {
             return no_turn(dial, plan->of, err);
         }
         if (plan->dial[d].count == 0) {

@@ -17,25 +17,9 @@
 #include <unistd.h>
 
 #include "base/part.h"
-#include "support/scratch.h"
+#include "support/scratch_group.h"
 
 enum { PATH = 400 };
-
-static scratch folder;
-
-static int open_scratch(void **state)
-{
-    (void)state;
-    scratch_create(&folder);
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    (void)state;
-    scratch_remove(&folder);
-    return 0;
-}
 
 // The number of a process that is no more.
 static long dead_process(void)

@@ -13,24 +13,8 @@
 #include <sys/stat.h>
 
 #include "lacuna/store.h"
-#include "support/scratch.h"
+#include "support/scratch_group.h"
 #include "support/store_records.h"
-
-static scratch folder;
-
-static int open_scratch(void **state)
-{
-    (void)state;
-    scratch_create(&folder);
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    (void)state;
-    scratch_remove(&folder);
-    return 0;
-}
 
 static lac_store *create(const lac_store_def *def)
 {

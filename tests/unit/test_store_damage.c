@@ -18,26 +18,10 @@
 
 #include "base/rng.h"
 #include "lacuna/store.h"
-#include "support/scratch.h"
+#include "support/scratch_group.h"
 #include "support/store_records.h"
 
 enum { KILLS = 25, DAMAGED = 300, PATIENCE = 10 /* seconds */ };
-
-static scratch folder;
-
-static int open_scratch(void **state)
-{
-    (void)state;
-    scratch_create(&folder);
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    (void)state;
-    scratch_remove(&folder);
-    return 0;
-}
 
 // Waits for a child; its exit status, or 1000 + the signal that ended it.
 static int outcome(pid_t child)

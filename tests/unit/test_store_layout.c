@@ -16,28 +16,12 @@
 #include <unistd.h>
 
 #include "lacuna/store.h"
-#include "support/scratch.h"
+#include "support/scratch_group.h"
 #include "support/store_records.h"
 
 #define VALUE 1.2345e6
 
 enum { FEW = 3, MANY = 600 };
-
-static scratch folder;
-
-static int open_scratch(void **state)
-{
-    (void)state;
-    scratch_create(&folder);
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    (void)state;
-    scratch_remove(&folder);
-    return 0;
-}
 
 // A whole file with that many cells, two records and a snapshot.
 static const char *write_file(const char *name, size_t cells)

@@ -9,7 +9,6 @@
 // cmocka needs the headers above first
 #include <cmocka.h>
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -19,11 +18,10 @@
 #include <unistd.h>
 
 #include "base/write_text.h"
-#include "support/scratch.h"
+#include "support/scratch_group.h"
 
 enum { PATH = 400, LONGEST = 255 };
 
-static scratch folder;
 static bool no_links; // as of FAT
 
 // Stands in for that of the C library.
@@ -34,20 +32,6 @@ int link(const char *from, const char *to)
         return -1;
     }
     return linkat(AT_FDCWD, from, AT_FDCWD, to, 0);
-}
-
-static int open_scratch(void **state)
-{
-    (void)state;
-    scratch_create(&folder);
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    (void)state;
-    scratch_remove(&folder);
-    return 0;
 }
 
 static const char *place(const char *name)
@@ -68,18 +52,7 @@ static void assert_holds(const char *name, const char *text)
 }
 
 // Nothing but what should stand there.
-static void assert_files(size_t wanted)
-{
-    size_t found = 0;
-    const struct dirent *entry;
-    DIR *here = opendir(folder.folder);
-    assert_non_null(here);
-    while ((entry = readdir(here)) != NULL) {
-        found += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
-    }
-    (void)closedir(here);
-    assert_int_equal(found, wanted);
-}
+static void assert_files(size_t wanted) { assert_int_equal(scratch_count(&folder), wanted); }
 
 static void take_away(const char *name) { assert_int_equal(unlink(place(name)), 0); }
 
