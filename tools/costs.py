@@ -157,18 +157,19 @@ def print_table(options, case, folder):
           "| instructions (10^6) | before main | units | scene | FFT plans | opening the file "
           "| of an evaluation, a cell |")
     print("|" + " --- |" * 14)
+    begins = []
     for name, text in SCENES:
         write(case, text)
         found, (peak, total, threads) = count_bytes(options, case, folder)
         everything, start, parts, plans = count_instructions(options, case, folder)
         one = parts[3] / found["rhs_evaluations"] / found["n_cells"]
-        time = times_of(options, case, folder)[1][0]
+        begin, time = (column[0] for column in times_of(options, case, folder))
+        begins.append(begin)
         print(f"| {name} | {found['n_cells']} | {time * 1e3:.0f} | {peak / 1e6:.2f} | {total / 1e6:.1f} "
               f"| {threads} | {found['peak_memory_bytes'] / 1e6:.1f} | {million(everything)} "
               f"| {million(start)} | {million(parts[0])} | {million(parts[1])} | {million(plans)} "
               f"| {million(parts[2])} | {one:.0f} |", flush=True)
-    start = times_of(options, case, folder)[0][0]
-    print(f"\nThe program's start alone, `lacuna --version`: {start * 1e3:.1f} ms of CPU.")
+    print(f"\nThe program's start alone, `lacuna --version`: {min(begins) * 1e3:.1f} ms of CPU.")
     return 0
 
 

@@ -46,8 +46,7 @@ LONG = (
     (r".*tools/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
 )
 # What changes the machine, does all that CI does, or serves until it is ended.
-OUTSIDE = (r"git clone ", r"sudo ", r"apt ", r"export PATH=", r"tools/(quickstart|test)$",
-           r"man lacuna", r"/usr/bin/python3 -m http\.server ")
+OUTSIDE = (r"git clone ", r"sudo ", r"apt ", r"/usr/bin/python3 -m http\.server ")
 PATTERN = re.compile(r"(?<![$\w])[A-Z]{3,}\b|\.\.\.|…")
 # Files of the reader's own that examples name.
 OWN = {"slope.yaml": "cases/fit/block.yaml", "joint.yaml": "cases/transfer/patch.yaml"}

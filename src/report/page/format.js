@@ -69,6 +69,13 @@ function quantity(value, unit) {
   return value === null || value === undefined ? "–" : known ? known(value) : `${number(value)}${unit === "1" ? "" : `${THIN}${unit}`}`;
 }
 
+// Where in a list a value stands nearest.
+function nearestOf(values, value) {
+  let best = 0;
+  for (let k = 1; k < values.length; k++) if (Math.abs(values[k] - value) < Math.abs(values[best] - value)) best = k;
+  return best;
+}
+
 const plain = (digits) => (value, more = 0) => number(value, digits + more);
 
 // Beyond the year 9999 no date is written, and soon none is known: there time counts from the start.

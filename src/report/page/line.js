@@ -13,13 +13,6 @@ function columnsOf(cells, maps) {
   });
 }
 
-// The snapshot that stands nearest in time, on the axis as it is shown.
-function snapshotAt(places, p) {
-  let best = 0;
-  for (let k = 1; k < places.length; k++) if (Math.abs(places[k] - p) < Math.abs(places[best] - p)) best = k;
-  return best;
-}
-
 function colourTable(colours) {
   return Array.from({ length: 256 }, (_, b) => (b === 0 ? [0, 0, 0, 0] : [...mix(colours, (b - 1) / 254), 255]));
 }
@@ -35,7 +28,7 @@ function strata(cells, rows, colours, plot) {
   const image = context.createImageData(width, height), table = colourTable(colours), places = snapshotPlaces(cells, y);
   const column = Array.from({ length: width }, (_, i) => Math.floor(x.back((i + 0.5) / width) / cells.dx));
   for (let j = 0; j < height; j++) {
-    const row = rows[snapshotAt(places, 1 - (j + 0.5) / height)];
+    const row = rows[nearestOf(places, 1 - (j + 0.5) / height)];
     for (let i = 0; i < width; i++) image.data.set(table[row[column[i]] ?? 0], 4 * (j * width + i));
   }
   context.putImageData(image, 0, 0);
@@ -68,7 +61,7 @@ function strataFigure(data, kind, state) {
     readout: (i) => `${length(places[i], 4)}, ${moment(page.clock, cells.snapshot_time[state.at])}, ${beforeEnd(page.clock, cells.snapshot_before[state.at])}: ${value(i)}`,
     pick: (where, chart) => {
       const { box, y } = chart.plot;
-      state.choose(snapshotAt(snapshotPlaces(cells, y), (box.bottom - where[1]) / (box.bottom - box.top)));
+      state.choose(nearestOf(snapshotPlaces(cells, y), (box.bottom - where[1]) / (box.bottom - box.top)));
       readOff(chart, nearest(chart, where));
     },
   };

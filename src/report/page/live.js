@@ -57,24 +57,18 @@ function keyOf(node) {
   return `${name}/${node.tagName}${[...home.querySelectorAll(node.tagName)].indexOf(node)}`;
 }
 
-const all = (selector, root = document.getElementById("main")) => [...root.querySelectorAll(selector)];
-const byKey = (selector, root) => new Map(all(selector, root).map((node) => [keyOf(node), node]));
+const all = (selector) => [...document.getElementById("main").querySelectorAll(selector)];
+const byKey = (selector) => new Map(all(selector).map((node) => [keyOf(node), node]));
 
 // Where a reader of a list of times stands: at its end, which goes on, or at a time.
 const placeIn = (times, index) => (index >= times.length - 1 ? Infinity : times[index]);
 
-function placeOf(times, place) {
-  if (place === Infinity) return times.length - 1;
-  let best = 0;
-  times.forEach((t, i) => { if (Math.abs(t - place) < Math.abs(times[best] - place)) best = i; });
-  return best;
-}
+const placeOf = (times, place) => (place === Infinity ? times.length - 1 : nearestOf(times, place));
 
-const readLine = (chart) => chart.spec.lines[chart.spec.read || 0];
-const readTimes = (chart) => readLine(chart).time || readLine(chart).x;
+const readTimes = (chart) => lineRead(chart.spec).time || lineRead(chart.spec).x;
 
 function anchor() {
-  const node = all("section, figure").find((n) => n.getBoundingClientRect().bottom > 80 && n.tagName === "FIGURE") || null;
+  const node = all("figure").find((n) => n.getBoundingClientRect().bottom > 80) || null;
   return window.scrollY > 0 && node ? { key: keyOf(node.querySelector("h3")), top: node.getBoundingClientRect().top } : null;
 }
 
@@ -151,7 +145,6 @@ function showData(data) {
   document.title = data.about.title || data.about.file;
   document.querySelector("#axis input[value=before]").nextSibling.textContent = `Time to ${page.clock.end}`;
   restorePlace(kept);
-  document.documentElement.dataset.version = String(live.shown);
   if (live.last) showState(live.last);
 }
 
