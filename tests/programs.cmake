@@ -72,6 +72,9 @@ lacuna_python_test(test_small_cases)
 # Contact cells from files: what goes in is what comes out.
 lacuna_python_test(test_domain_file)
 
+# Loads that bend at every reading of a long series.
+lacuna_python_test(test_breaks extreme)
+
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
 

@@ -44,7 +44,9 @@ typedef struct lac_observation {
     double normal_force;     ///< P, total [N]
     double effective_force;  ///< P - u L^2 [N]
     double balance_residual; ///< max |q - K slip - p f - eta v - inertia| / (f0 p) [1]
-    size_t fastest;          ///< cell with the largest rate
+    double rate_drift; ///< |sum (q - K slip - p f - eta v - inertia)| / sum (a p + eta |v|): how
+                       ///< far the mean slip rate is off the balance, relative to itself [1]
+    size_t fastest; ///< cell with the largest rate
 } lac_observation;
 
 /// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
@@ -165,6 +167,11 @@ double lac_problem_longest_step(const lac_problem *problem, double t);
 /// A thousandth of the fastest cell's own time scale: that of its state, which counts b/(10 a)
 /// times where b > 10 a (with damping less), or of dc/v [s].
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
+
+/// How fast the fastest of a state changes [1/s]: the inverse of that time scale, or the decay of
+/// what a cell is behind its neighbours, v k/(p df/dln v + eta v) with the stiffest level's k. An
+/// explicit method of fifth order takes steps of at most some three times its inverse.
+double lac_problem_fastest(const lac_problem *problem, double t, const double *y, double *work);
 
 /// What a problem is made of, for those who treat its cells one by one.
 typedef struct lac_problem_parts {

@@ -162,6 +162,7 @@ typedef struct lac_run_result {
     double max_slip_rate;    ///< of any cell at any record [m/s]
     double mean_slip;        ///< at the end [m]
     double balance_residual; ///< worst over the records
+    double rate_drift;       ///< worst over the records
 } lac_run_result;
 
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.

@@ -255,14 +255,26 @@ static const char *remedy(const run_job *job, const cli_outcome *outcome, bool i
                       : "cells at rest are held at the slowest rate that is followed";
 }
 
+// A hundredth of the strength, or of the slip rate: it then shows in what is drawn from the run.
+static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
+{
+    double residual = outcome->result.balance_residual;
+    double drift = outcome->result.rate_drift;
+    bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
+    const char *mend = remedy(job, outcome, integrated);
+    if (!(residual <= 0.01)) {
+        cli_note("warning: the traction balance %s by %.2g of the strength; %s",
+                 integrated ? "drifted" : "is off", residual, mend);
+    } else if (drift > 0.01) {
+        cli_note("warning: the mean slip rate is off the traction balance by %.2g of itself; %s",
+                 drift, mend);
+    }
+}
+
 static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status)
 {
-    // A hundredth of the strength: the drift then shows in what is drawn from the run.
-    double residual = outcome->result.balance_residual;
-    if (!(residual <= 0.01) && !cli_given(job->request, CLI_OPT_QUIET)) {
-        bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
-        cli_note("warning: the traction balance %s by %.2g of the strength; %s",
-                 integrated ? "drifted" : "is off", residual, remedy(job, outcome, integrated));
+    if (!cli_given(job->request, CLI_OPT_QUIET)) {
+        warn_of_balance(job, outcome);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_outcome_json(outcome);

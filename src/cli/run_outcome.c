@@ -171,6 +171,7 @@ static void write_results(cli_json *json, const cli_outcome *outcome)
         cli_json_null(json, "events"); // else the catalogue says how many
     }
     cli_json_number(json, "balance_residual", result->balance_residual);
+    cli_json_number(json, "rate_drift", result->rate_drift);
     cli_json_text(json, "fidelity", fidelity(outcome));
     cli_json_text(json, "formulation", formulation(outcome));
     cli_json_number(json, "initial_apparent_friction",

@@ -56,13 +56,28 @@ double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, doubl
     return problem->kind->solved ? 0.0 : rtol;
 }
 
-double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)
+// Stiffest of what holds a cell back [Pa/m].
+static double stiffest(const lac_problem *problem, const lac_drive *drive)
+{
+    const size_t levels = 64; // more than any grid has
+    const lac_transfer *transfer = &problem->transfer;
+    double most = 0.0;
+    for (size_t l = 0; l < levels; l++) {
+        most = fmax(most, transfer->kind->stiffness(transfer->state, l));
+    }
+    return most + drive->spring_stiffness;
+}
+
+// Fastest e-folding of a cell [1/s], and with a stiffness the fastest decay of what it is behind.
+static double fastest(const lac_problem *problem, double t, const double *y, bool held_back,
+                      double *work)
 {
     lac_workspace ws = lac_problem_split(problem, work);
     lac_drive drive;
     (void)lac_problem_drive(problem, t, &drive);
     lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    double fastest = problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
+    double stiffness = held_back ? stiffest(problem, &drive) : 0.0;
+    double most = problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length =
@@ -70,10 +85,21 @@ double lac_problem_first_step(const lac_problem *problem, double t, const double
         for (size_t i = 0; i < length; i++) {
             double p = problem->pressure[first + i] * drive.share;
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
-            double held = p * s.f_u[i] + problem->damping * s.speed[i];
-            double worth = p * s.f_w[i] / fmax(MOST_WORTH * held, DBL_MIN);
-            fastest = fmax(fastest, fmax(fabs(s.g[i]) * fmin(fmax(worth, 1.0), 1e12), slip));
+            double held = fmax(p * s.f_u[i] + problem->damping * s.speed[i], DBL_MIN);
+            double worth = fmin(fmax(p * s.f_w[i] / (MOST_WORTH * held), 1.0), 1e12);
+            double back = stiffness * s.speed[i] / held;
+            most = fmax(most, fmax(fmax(fabs(s.g[i]) * worth, slip), back));
         }
     }
-    return 1e-3 / fastest;
+    return most;
+}
+
+double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)
+{
+    return 1e-3 / fastest(problem, t, y, false, work);
+}
+
+double lac_problem_fastest(const lac_problem *problem, double t, const double *y, double *work)
+{
+    return fastest(problem, t, y, true, work);
 }

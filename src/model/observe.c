@@ -47,11 +47,15 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 }
 
 // Worst relative error of the balance: |q - K slip - p f - eta v - inertia| / (f0 p).
+// How far the cells are off their balance, each and together.
 // @param traction  q - K slip; overwritten
-static double balance_residual(const lac_problem *problem, const lac_drive *drive,
-                               const lac_motion *motion, const double *w, double *traction)
+static void measure_balance(const lac_problem *problem, const lac_drive *drive,
+                            const lac_motion *motion, const double *w, double *traction,
+                            lac_observation *seen)
 {
     double worst = 0.0;
+    double sum = 0.0;
+    double held = 0.0;
     (void)lac_problem_unbalanced(problem, drive, motion, w, traction, NULL);
     if (problem->mass > 0.0) {
         lac_inertia_unexplained(problem, traction);
@@ -62,8 +66,12 @@ static double balance_residual(const lac_problem *problem, const lac_drive *driv
         double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
         double relative = fabs(traction[i]) / scale;
         worst = relative > worst || isnan(relative) ? relative : worst;
+        sum += traction[i];
+        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
+        held += a * p + problem->damping * fabs(motion->v[i]);
     }
-    return worst;
+    seen->balance_residual = worst;
+    seen->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
@@ -92,7 +100,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     seen->effective_force = seen->normal_force * drive.share;
 
     lac_problem_pull(problem, &drive, slip, ws.kv, ws.scratch);
-    seen->balance_residual = balance_residual(problem, &drive, &motion, y + n, ws.kv);
+    measure_balance(problem, &drive, &motion, y + n, ws.kv, seen);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,

@@ -84,6 +84,7 @@ static void pass_engine(lac_tape *tape, lac_engine *engine)
     PASS(tape, engine->limit);
     PASS(tape, engine->step);
     PASS(tape, engine->order);
+    PASS(tape, engine->beginnings);
     pass_counts(tape, &engine->counts);
     lac_tape_pass(tape, engine->y, engine->unknowns * sizeof *engine->y);
     lac_tape_pass(tape, engine->slip, engine->n * sizeof *engine->slip);
@@ -107,6 +108,7 @@ static void pass_course(lac_tape *tape, lac_course *r)
     PASS(tape, r->result->restarts);
     PASS(tape, r->result->max_slip_rate);
     PASS(tape, r->result->balance_residual);
+    PASS(tape, r->result->rate_drift);
     if (r->sink != NULL && r->sink->keep != NULL) {
         r->sink->keep(r->sink->context, tape);
     }

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
-                             lac_error *err)
+static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,
+                         const lac_run_def *def, lac_engine **out, lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = NULL;
@@ -15,11 +15,10 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
     if (engine == NULL) {
         return lac_fail_memory(err);
     }
-    engine->kind = def->fidelity == LAC_FIDELITY_EVENTS ? &lac_engine_events
-                   : def->method == LAC_ERK             ? &lac_engine_erk
-                                                        : &lac_engine_cvode;
+    engine->kind = kind;
     engine->problem = problem;
     engine->def = def;
+    engine->rtol = def->rtol;
     engine->limit = INFINITY;
     engine->n = lac_problem_cells(problem);
     engine->unknowns = lac_problem_unknowns(problem);
@@ -41,11 +40,21 @@ out:
     return status;
 }
 
+lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
+                             lac_error *err)
+{
+    const lac_engine_kind *kind = def->fidelity == LAC_FIDELITY_EVENTS ? &lac_engine_events
+                                  : def->method == LAC_ERK             ? &lac_engine_erk
+                                                                       : &lac_engine_cvode;
+    return create(kind, problem, def, out, err);
+}
+
 void lac_engine_free(lac_engine *engine)
 {
     if (engine == NULL) {
         return;
     }
+    lac_engine_free(engine->brief);
     engine->kind->free(engine);
     if (engine->sun != NULL) {
         SUNContext_Free(&engine->sun);
@@ -59,10 +68,125 @@ double lac_engine_longest_step(const lac_engine *engine)
     return lac_problem_longest_step(engine->problem, lac_engine_time(engine));
 }
 
+double lac_engine_rtol(double rtol, int64_t beginnings)
+{
+    const double free = 2.0;    // so many may be off by rtol each
+    const double least = 1e-13; // nearer to rounding no step is held
+    double share = fmin(1.0, free / (double)(beginnings + 1));
+    return fmax(rtol * share, fmin(rtol, least));
+}
+
+// Steps of a one-step method that a stretch is worth: as many cost what a method of many steps
+// takes to find its order and length.
+enum { MOST_BRIEF = 8 };
+
+// Whether the stretch up to the next break is one of few steps for an explicit method. What its
+// steps are bounded by: 3.3 times the time in which the stiffest motion decays.
+// @param h  becomes a first step that suits it
+static bool is_brief(const lac_engine *engine, double *h)
+{
+    const double stable = 3.3;
+    bool ends_at_break = engine->limit < engine->def->end;
+    if (engine->kind != &lac_engine_cvode || !ends_at_break) {
+        return false;
+    }
+    double rest = engine->limit - lac_engine_time(engine);
+    double fastest = lac_problem_fastest(engine->problem, lac_engine_clock(engine, engine->t),
+                                         engine->y, engine->work);
+    *h = fmax(*h, fmin(2.0 * rest, 1.0 / fastest)); // beyond it: no sliver is left
+    return rest * fastest <= stable * MOST_BRIEF;
+}
+
+// Hands the state over to the other method.
+static lac_status begin_brief(lac_engine *engine, double h, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    if (engine->brief == NULL) {
+        LAC_TRY(create(&lac_engine_erk, engine->problem, engine->def, &engine->brief, err));
+    }
+    lac_engine *brief = engine->brief;
+    memcpy(brief->y, engine->y, engine->unknowns * sizeof *brief->y);
+    memcpy(brief->slip, engine->slip, engine->n * sizeof *brief->slip);
+    brief->origin = engine->origin;
+    brief->base = engine->base;
+    brief->t = engine->t;
+    brief->limit = engine->limit;
+    brief->before = brief->counts = engine->counts;
+    lac_problem_forget(brief->problem, brief->work);
+    LAC_TRY(brief->kind->restart(brief, h, err));
+out:
+    return status;
+}
+
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
 {
+    lac_engine_count(engine);
+    engine->before = engine->counts;
     lac_problem_forget(engine->problem, engine->work);
+    double brief = h;
+    engine->turn = is_brief(engine, &brief) ? LAC_TURN_BRIEF : LAC_TURN_OWN;
+    if (engine->turn == LAC_TURN_BRIEF) {
+        return begin_brief(engine, brief, err);
+    }
+    if (engine->kind == &lac_engine_cvode) {
+        engine->rtol = lac_engine_rtol(engine->def->rtol, engine->beginnings);
+    }
     return engine->kind->restart(engine, h, err);
+}
+
+// The stretch takes more steps than it was worth: the engine's own method goes on from here.
+static lac_status give_up_brief(lac_engine *engine, lac_error *err)
+{
+    lac_engine_count(engine);
+    engine->before = engine->counts;
+    engine->base += engine->t;
+    engine->t = 0.0;
+    engine->turn = LAC_TURN_OWN;
+    engine->counts.restarts++;
+    engine->rtol = lac_engine_rtol(engine->def->rtol, engine->beginnings);
+    return engine->kind->restart(engine, 0.1 * engine->step, err);
+}
+static lac_status advance_brief(lac_engine *engine, double stop, lac_error *err)
+{
+    lac_engine *brief = engine->brief;
+    lac_status status = brief->kind->advance(brief, stop, err);
+    memcpy(engine->y, brief->y, engine->unknowns * sizeof *brief->y);
+    memcpy(engine->slip, brief->slip, engine->n * sizeof *brief->slip);
+    engine->base = brief->base;
+    engine->t = brief->t;
+    engine->step = brief->step;
+    return status;
+}
+
+lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err)
+{
+    if (engine->turn != LAC_TURN_BRIEF) {
+        return engine->kind->advance(engine, stop, err);
+    }
+    lac_engine_count(engine);
+    if (engine->counts.steps - engine->before.steps < MOST_BRIEF) {
+        return advance_brief(engine, stop, err);
+    }
+    stop -= engine->t;
+    lac_status status = give_up_brief(engine, err);
+    return status == LAC_OK ? engine->kind->advance(engine, stop, err) : status;
+}
+
+bool lac_engine_at(lac_engine *engine, double t, double *seen)
+{
+    lac_engine *turn = engine->turn == LAC_TURN_BRIEF ? engine->brief : engine;
+    return turn->kind->at(turn, t, seen);
+}
+
+void lac_engine_count(lac_engine *engine)
+{
+    if (engine->turn != LAC_TURN_BRIEF) {
+        engine->kind->count(engine);
+        return;
+    }
+    engine->brief->kind->count(engine->brief);
+    engine->counts = engine->brief->counts;
+    engine->order = engine->brief->order;
 }
 
 const char *lac_engine_unknown(const lac_engine *engine, size_t component)

@@ -5,6 +5,9 @@
 #include "lacuna/run.h"
 #include "run/vector.h"
 
+// Which of an engine's two methods has the stretch since the last restart.
+typedef enum lac_engine_turn { LAC_TURN_NONE = 0, LAC_TURN_OWN, LAC_TURN_BRIEF } lac_engine_turn;
+
 // What one integrator needs and gives, whichever the method. Time is origin + base + t, t the
 // integrator's own: near a failure a double in total time resolves the steps no more, so t begins
 // anew and what it had reached moves into base and origin.
@@ -27,13 +30,17 @@ typedef struct lac_engine {
     void *inner;          // the kind's own
     const lac_sink *sink; // told of every step by kinds that do so themselves; or NULL
     double peak;          // largest slip rate within the last step, where the kind knows it [m/s]
+    double rtol;          // what a step is held to: lac_engine_rtol
+    int64_t beginnings;   // anew of a method of many steps so far, where loads break
+    lac_engine_turn turn;
+    struct lac_engine *brief; // one-step method for short stretches between breaks; NULL: not yet
 } lac_engine;
 
 // A method of integration.
 typedef struct lac_engine_kind {
     lac_status (*create)(lac_engine *engine, lac_error *err);
     void (*free)(lac_engine *engine);
-    // Begins anew from engine->y and slip at t = 0 with first step h.
+    // Begins anew from engine->y and slip at t = 0 with first step h; counts are in `before`.
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
     // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
@@ -61,8 +68,19 @@ void lac_engine_free(lac_engine *engine);
 /// The longest step that the loads allow from where the engine stands [s]; INFINITY if any.
 double lac_engine_longest_step(const lac_engine *engine);
 
-// Begins anew as the kind does, from y and slip alone: nothing of the way there carries over.
+// Begins anew from y and slip alone, at t = 0 with first step h: nothing of the way there carries
+// over. Chooses the method: docs/theory/creep.md, "Breaks of the loads".
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err);
+
+// The kind's functions of the same names, by the method whose turn it is.
+lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err);
+bool lac_engine_at(lac_engine *engine, double t, double *seen);
+void lac_engine_count(lac_engine *engine);
+
+// What a step is held to after a method of many steps has begun anew so often. It begins with short
+// steps of low order, whose errors, about rtol together, have one sign and are not forgotten. Shares
+// that fall as 1/k let their sum grow as log k, not as k.
+double lac_engine_rtol(double rtol, int64_t beginnings);
 
 // The loads' time at an integrator's time: within a segment they are seen from below its end.
 static inline double lac_engine_clock(const lac_engine *engine, double t)

@@ -14,6 +14,7 @@ typedef struct cvode {
     N_Vector seen_y, seen_slip;             // over what is asked for
     SUNNonlinearSolver newton, fixed_point; // one of them
     int64_t evaluations;                    // of dy/dt by newton since the last restart
+    double held_to;                         // rtol of the slip's tolerance
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -36,7 +37,7 @@ static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
-    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, lac_vector_data(w));
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->rtol, lac_vector_data(w));
     return 0;
 }
 
@@ -78,28 +79,33 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
     return good ? LAC_OK : lac_fail_memory(err);
 }
 
-// Slip beside y, whose errors count; to one tolerance, the least, where the slip itself counts
-// besides, so that no cell keeps its own.
-static int set_slip(const lac_engine *engine, cvode *c)
+// Errors of slip count to one tolerance, the least, where the slip itself counts besides, so that
+// no cell keeps its own.
+static int set_slip_tolerance(const lac_engine *engine, cvode *c)
 {
-    int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
+    int flag = CV_MEM_FAIL;
     N_Vector tolerance = N_VClone(c->slip);
-    if (lac_vector_lacks(c->slip)) {
-        flag = CV_MEM_FAIL;
-    } else {
+    if (!lac_vector_lacks(c->slip)) {
         double *absolute = lac_vector_data(tolerance);
-        const double relative =
-            lac_problem_slip_tolerance(engine->problem, engine->def->rtol, absolute);
+        const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, absolute);
         double least = INFINITY;
         for (size_t i = 0; i < engine->n; i++) {
             least = fmin(least, absolute[i]);
         }
-        flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
-        flag |= relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
-                               : CVodeQuadSVtolerances(c->mem, 0.0, tolerance);
+        flag = relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
+                              : CVodeQuadSVtolerances(c->mem, 0.0, tolerance);
     }
     N_VDestroy(tolerance);
+    c->held_to = engine->rtol;
     return flag;
+}
+
+// Slip beside y, whose errors count.
+static int set_slip(const lac_engine *engine, cvode *c)
+{
+    int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
+    flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
+    return flag == CV_SUCCESS ? set_slip_tolerance(engine, c) : flag;
 }
 
 static int set_options(lac_engine *engine, cvode *c)
@@ -205,10 +211,10 @@ static void cvode_count(lac_engine *engine)
 static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
-    cvode_count(engine);
-    engine->before = engine->counts;
     c->evaluations = 0;
-    bool good = CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
+    bool held = c->slip == NULL || engine->rtol == c->held_to ||
+                set_slip_tolerance(engine, c) == CV_SUCCESS;
+    bool good = held && CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
                 (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
                 CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
                 CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) == CV_SUCCESS;

@@ -44,13 +44,13 @@ static int weights(N_Vector y, N_Vector w, void *user)
     }
     double *weight = lac_vector_data(w);
     size_t n = engine->n;
-    lac_problem_weights(engine->problem, lac_vector_data(y), engine->def->rtol, weight);
+    lac_problem_weights(engine->problem, lac_vector_data(y), engine->rtol, weight);
     if (lac_problem_has_slip(engine->problem)) {
         return 0;
     }
     const double *at = lac_vector_data(y) + 2 * n;
     double *slip = weight + 2 * n;
-    const double relative = lac_problem_slip_tolerance(engine->problem, engine->def->rtol, slip);
+    const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, slip);
     for (size_t i = 0; i < n; i++) {
         slip[i] = 1.0 / (relative * fabs(at[i]) + slip[i]);
     }
@@ -98,12 +98,19 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
     return LAC_OK;
 }
 
+// Order that the case asks this method for; 0: none. Where it only helps another, it has its own.
+static int chosen_order(const lac_engine *engine)
+{
+    return engine->def->method == LAC_ERK ? (int)engine->def->max_order : 0;
+}
+
 static int set_options(lac_engine *engine, erk *c)
 {
     int flag = ERKStepSetUserData(c->mem, engine);
     flag |= ERKStepWFtolerances(c->mem, weights);
-    flag |= engine->def->max_order > 0 ? ERKStepSetOrder(c->mem, (int)engine->def->max_order)
-                                       : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
+    int order = chosen_order(engine);
+    flag |= order > 0 ? ERKStepSetOrder(c->mem, order)
+                      : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
     flag |= ERKStepSetMaxNumSteps(c->mem, -1);
     flag |= ERKStepSetMaxErrTestFails(c->mem, 30);
     flag |= ERKStepSetMaxHnilWarns(c->mem, -1);
@@ -144,14 +151,12 @@ static void erk_count(lac_engine *engine)
     engine->counts.steps = engine->before.steps + now[0];
     engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
     engine->counts.error_test_fails = engine->before.error_test_fails + now[2];
-    engine->order = engine->def->max_order > 0 ? engine->def->max_order : 5;
+    engine->order = chosen_order(engine) > 0 ? chosen_order(engine) : 5;
 }
 
 static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
 {
     erk *c = engine->inner;
-    erk_count(engine);
-    engine->before = engine->counts;
     lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
@@ -211,6 +216,8 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
         stop -= engine->t;
         engine->base += engine->t;
         engine->t = 0.0;
+        erk_count(engine);
+        engine->before = engine->counts;
         lac_status status = erk_restart(engine, h, err);
         if (status != LAC_OK) {
             return status;

@@ -29,7 +29,7 @@ typedef struct probe {
 
 static bool look(probe *p, double t, double *value)
 {
-    if (!p->engine->kind->at(p->engine, t, p->seen)) {
+    if (!lac_engine_at(p->engine, t, p->seen)) {
         return false;
     }
     *value = past(p->engine, p->def, p->kind, t, p->seen, p->seen + 2 * p->engine->n);

@@ -37,7 +37,7 @@ static int weights(N_Vector y, N_Vector w, void *user)
     const lac_follower *f = user;
     const double *at = lac_vector_data(y);
     double *weight = lac_vector_data(w);
-    double rtol = f->def->rtol;
+    double rtol = f->rtol;
     lac_problem_weights(f->def->problem, at, rtol, weight);
     weight[f->m - 1] = 1.0 / (rtol * (fabs(at[f->m - 1]) + f->slip_scale));
     return 0;
@@ -347,6 +347,7 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     }
     f->origin = at;
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
+    f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
     if (!lac_problem_pressed(problem, at) || !lac_follower_jump(f, at)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
     }
@@ -417,7 +418,7 @@ out:
 
 lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err)
 {
-    lac_follower f = {.def = def, .out = out, .limit = INFINITY};
+    lac_follower f = {.def = def, .out = out, .limit = INFINITY, .rtol = def->rtol};
     lac_status status = LAC_OK;
     out->reached = 0;
     out->failed = false;

@@ -3,7 +3,7 @@
 #define LACUNA_RUN_FOLLOW_H
 
 #include "lacuna/sensitivity.h"
-#include "run/vector.h"
+#include "run/engine.h"
 
 // A problem on its way with its sensitivities. The state is y and, behind it, the mean slip; time
 // is origin + t, t the integrator's own, which begins anew where the loads break.
@@ -21,7 +21,9 @@ typedef struct lac_follower {
     double *scale;        // [m] what each component is worth an e-fold of rate or state
     double slip_scale;    // slip that counts as an e-fold does [m]
     double origin, limit;
-    double before; // ln of the mean rate before the step
+    double before;      // ln of the mean rate before the step
+    double rtol;        // what a step is held to: lac_engine_rtol
+    int64_t beginnings; // breaks crossed
 } lac_follower;
 
 // The loads' time at an integrator's time: within a segment they are seen from below its end.

@@ -48,7 +48,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
         return LAC_OK;
     }
     project(r, t, &y, &slip);
-    engine->kind->count(engine);
+    lac_engine_count(engine);
     lac_record line = {.time_origin = engine->origin,
                        .time_local = local,
                        .step_size = engine->step > 0.0 ? engine->step : NAN,
@@ -60,6 +60,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
     if (!(line.seen.balance_residual <= r->result->balance_residual)) {
         r->result->balance_residual = line.seen.balance_residual; // a NaN stays
     }
+    r->result->rate_drift = fmax(r->result->rate_drift, line.seen.rate_drift);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
     }
@@ -134,7 +135,7 @@ static lac_status output_between(run *r, lac_error *err)
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         double *slip = r->between + 2 * engine->n;
-        if (!engine->kind->at(engine, t, r->between)) {
+        if (!lac_engine_at(engine, t, r->between)) {
             return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
         }
         bool stops = interrupted(r);
@@ -269,7 +270,7 @@ static lac_status step(run *r, lac_error *err)
     lac_status status = LAC_OK;
     double stop = fmin(fmin(r->def->end, r->next_break), lac_course_sweep_end(r));
     double mean_before = r->mean_rate;
-    LAC_TRY(engine->kind->advance(engine, lac_engine_inner(engine, stop), err));
+    LAC_TRY(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
     r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
@@ -300,6 +301,7 @@ static lac_status begin_anew(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     double own = own_step(engine);
     if (r->broken) {
+        engine->beginnings += engine->turn == LAC_TURN_OWN ? 1 : 0;
         r->broken = false;
         return restart(r, own, err);
     }
@@ -437,7 +439,7 @@ static void finish(run *r)
 {
     lac_run_result *result = r->result;
     lac_engine *engine = r->engine;
-    engine->kind->count(engine);
+    lac_engine_count(engine);
     lac_run_result counts = engine->counts;
     result->steps = counts.steps;
     result->rhs_evaluations = counts.rhs_evaluations;

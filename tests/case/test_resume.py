@@ -72,11 +72,11 @@ TABLE = {
     "rain, compared": ("load/rain.yaml", ["output.checkpoint={time: 10 day}",
                                           "output.every=1 hour"]),
     "lagged reservoir": ("load/reservoir.yaml", ["solver.method=adams", "solver.formulation=slip",
-                                                 "output.checkpoint={steps: 60}"]),
+                                                 "output.checkpoint={steps: 25}"]),
     "diffused reservoir": ("load/reservoir.yaml",
                            ["load.pore_pressure.0={reservoir: {file: ../data/lake.csv, time: date, "
                             "level: 'level_m:m', elevation: '640 m', share: 0.12, distance: '30 m', "
-                            "diffusivity: '1e-4 m2/s'}}", "output.checkpoint={steps: 60}"]),
+                            "diffusivity: '1e-4 m2/s'}}", "output.checkpoint={steps: 25}"]),
     "record": ("load/record.yaml", ["solver.method=erk", "output.every={steps: 7}",
                                     "output.checkpoint={steps: 100}"]),
     "record, netCDF": ("load/record.yaml",

@@ -251,6 +251,41 @@ static void small_tree(void **state)
     tree_clear(&high);
 }
 
+// A stress that goes up and down all the time: every turn begins the integrator anew, which must
+// not add up. Against a run by a method of one step.
+static void many_breaks(void **state)
+{
+    enum { TURNS = 600 };
+    const double time[TIMES] = {0.0, 0.1, 0.2, 0.3, 0.4, 0.5};
+    lac_slot ramp[TURNS];
+    (void)state;
+    for (size_t i = 0; i < TURNS; i++) {
+        ramp[i] = test_slot_shear("ramp");
+        test_slot_set(&ramp[i], "start", 0.5 * (double)i / TURNS);
+        test_slot_set(&ramp[i], "end", 0.5 * (double)(i + 1) / TURNS);
+        test_slot_set(&ramp[i], "rate", i % 2 == 0 ? 2e6 : -2e6);
+    }
+    block_def def = block_default(1.35, 0.5);
+    def.shear = ramp;
+    def.shear_count = TURNS;
+    block b;
+    block_create(&def, &b);
+    lac_run_def run = lac_run_default();
+    run.method = LAC_ERK;
+    run.rtol = 1e-10;
+    run.end = 0.5;
+    run.failure_rate = 1e6;
+    lac_run_result result;
+    lac_error err = {""};
+    assert_int_equal(lac_run(b.problem, &run, NULL, &result, &err), LAC_OK);
+    seen got = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
+    assert_near(got.slip[TIMES - 1] / result.mean_slip, 1.0, 1e-4, "slip", TIMES - 1);
+    block_clear(&b);
+    for (size_t i = 0; i < TURNS; i++) {
+        lac_slot_clear(&ramp[i]);
+    }
+}
+
 // The same bits again, and a state that is steady stays.
 static void same_bits(void **state)
 {
@@ -268,9 +303,8 @@ static void same_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_forms),
-        FOR_EACH_FORMULATION(central_differences),
-        cmocka_unit_test(small_tree),
+        cmocka_unit_test(closed_forms), FOR_EACH_FORMULATION(central_differences),
+        cmocka_unit_test(small_tree),   cmocka_unit_test(many_breaks),
         cmocka_unit_test(same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
