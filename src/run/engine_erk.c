@@ -64,7 +64,7 @@ static void erk_free(lac_engine *engine)
         return;
     }
     if (c->mem != NULL) {
-        ERKStepFree(&c->mem);
+        LAC_SUN_ERK(Free)(&c->mem);
     }
     LAC_SUN_ERK_CONTROL_FREE(c->control);
     if (c->y != NULL) {
@@ -100,14 +100,14 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 
 static int set_options(lac_engine *engine, erk *c)
 {
-    int flag = ERKStepSetUserData(c->mem, engine);
-    flag |= ERKStepWFtolerances(c->mem, weights);
-    flag |= engine->def->max_order > 0 ? ERKStepSetOrder(c->mem, (int)engine->def->max_order)
+    int flag = LAC_SUN_ERK(SetUserData)(c->mem, engine);
+    flag |= LAC_SUN_ERK(WFtolerances)(c->mem, weights);
+    flag |= engine->def->max_order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, (int)engine->def->max_order)
                                        : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
-    flag |= ERKStepSetMaxNumSteps(c->mem, -1);
-    flag |= ERKStepSetMaxErrTestFails(c->mem, 30);
-    flag |= ERKStepSetMaxHnilWarns(c->mem, -1);
-    flag |= ERKStepSetInterpolantDegree(c->mem, 5);
+    flag |= LAC_SUN_ERK(SetMaxNumSteps)(c->mem, -1);
+    flag |= LAC_SUN_ERK(SetMaxErrTestFails)(c->mem, 30);
+    flag |= LAC_SUN_ERK(SetMaxHnilWarns)(c->mem, -1);
+    flag |= LAC_SUN_ERK(SetInterpolantDegree)(c->mem, 5);
     flag |= LAC_SUN_ERK_CONTROL(c->mem, engine->sun, &c->control);
     return flag;
 }
@@ -138,9 +138,9 @@ static void erk_count(lac_engine *engine)
 {
     erk *c = engine->inner;
     long now[3] = {0};
-    (void)ERKStepGetNumSteps(c->mem, &now[0]);
-    (void)ERKStepGetNumRhsEvals(c->mem, &now[1]);
-    (void)ERKStepGetNumErrTestFails(c->mem, &now[2]);
+    (void)LAC_SUN_ERK(GetNumSteps)(c->mem, &now[0]);
+    (void)LAC_SUN_ERK_EVALUATIONS(c->mem, &now[1]);
+    (void)LAC_SUN_ERK(GetNumErrTestFails)(c->mem, &now[2]);
     engine->counts.steps = engine->before.steps + now[0];
     engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
     engine->counts.error_test_fails = engine->before.error_test_fails + now[2];
@@ -155,8 +155,8 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
-        ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS ||
-        ERKStepSetMaxStep(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
+        LAC_SUN_ERK(SetInitStep)(c->mem, h) != ARK_SUCCESS ||
+        LAC_SUN_ERK(SetMaxStep)(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }
@@ -170,8 +170,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (lac_vector_lacks(c->y)) {
         return lac_fail_memory(err);
     }
-    (void)ERKStepGetCurrentStep(c->mem, &h);
-    char *name = ERKStepGetReturnFlagName(flag);
+    (void)LAC_SUN_ERK(GetCurrentStep)(c->mem, &h);
+    char *name = LAC_SUN_ERK(GetReturnFlagName)(flag);
     lac_status status = lac_fail(
         err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
         name != NULL ? name : "?", lac_engine_time(engine), h, (long long)engine->order);
@@ -196,8 +196,8 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 
     for (int tries = 0;; tries++) {
         sunrealtype t = engine->t;
-        (void)ERKStepSetStopTime(c->mem, stop);
-        int flag = ERKStepEvolve(c->mem, stop, c->y, &t, ARK_ONE_STEP);
+        (void)LAC_SUN_ERK(SetStopTime)(c->mem, stop);
+        int flag = LAC_SUN_ERK(Evolve)(c->mem, stop, c->y, &t, ARK_ONE_STEP);
         if (flag >= 0) {
             engine->t = flag == ARK_TSTOP_RETURN ? stop : t;
             break;
@@ -219,7 +219,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     }
     c->first = 0.0;
     sunrealtype last;
-    (void)ERKStepGetLastStep(c->mem, &last);
+    (void)LAC_SUN_ERK(GetLastStep)(c->mem, &last);
     engine->step = last;
     return LAC_OK;
 }
@@ -232,7 +232,7 @@ static bool erk_at(lac_engine *engine, double t, double *seen)
     // behind.
     double *work = engine->work;
     engine->work = c->aside;
-    int flag = ERKStepGetDky(c->mem, t, 0, c->scratch);
+    int flag = LAC_SUN_ERK(GetDky)(c->mem, t, 0, c->scratch);
     engine->work = work;
     if (flag != ARK_SUCCESS) {
         return false;
