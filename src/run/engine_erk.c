@@ -15,6 +15,7 @@ typedef struct erk {
     size_t size;   // of y, with slip where it is no unknown
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
+    bool looking;  // is the step's inside looked at?
     double first;  // step that a restart begins with [s]
     void *control; // of the step; freed by LAC_SUN_ERK_CONTROL_FREE
 } erk;
@@ -28,10 +29,14 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     double *at = lac_vector_data(y);
     double *dot = lac_vector_data(ydot);
     size_t n = engine->n;
-    bool good =
-        lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, engine->work);
+    // Inside the step in scratch of its own, so that looking leaves nothing behind. At its end
+    // SUNDIALS 7 takes the rates where they are first asked for, here or by the next step, which
+    // begins with them: in the run's own scratch either way.
+    const erk *c = engine->inner;
+    double *work = c->looking && t < engine->t ? c->aside : engine->work;
+    bool good = lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, work);
     if (!lac_problem_has_slip(engine->problem)) {
-        memcpy(dot + 2 * n, engine->work, n * sizeof *dot);
+        memcpy(dot + 2 * n, work, n * sizeof *dot);
     }
     return good ? 0 : 1;
 }
@@ -228,12 +233,9 @@ static bool erk_at(lac_engine *engine, double t, double *seen)
 {
     size_t n = engine->n;
     erk *c = engine->inner;
-    // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
-    // behind.
-    double *work = engine->work;
-    engine->work = c->aside;
+    c->looking = true; // the interpolant evaluates rates
     int flag = LAC_SUN_ERK(GetDky)(c->mem, t, 0, c->scratch);
-    engine->work = work;
+    c->looking = false;
     if (flag != ARK_SUCCESS) {
         return false;
     }
