@@ -16,3 +16,30 @@ target_link_libraries(lacuna_dependencies INTERFACE
   PkgConfig::LACUNA_LIBS ${UDUNITS2_LIBRARY} OpenMP::OpenMP_C)
 target_include_directories(lacuna_dependencies SYSTEM INTERFACE
   ${UDUNITS2_INCLUDE} ${RANDOM123_INCLUDE})
+
+# The same as words for a linker that knows nothing of CMake, for whoever links liblacuna.a. netCDF's
+# own list for static linking is not asked: on Debian 13 it names CMake's targets.
+set(needed)
+foreach(name core cvodes arkode nvecserial) # core: from SUNDIALS 7 on
+  foreach(target SUNDIALS::${name}_shared SUNDIALS::${name}_static)
+    if(TARGET ${target})
+      get_target_property(path ${target} LOCATION)
+      list(APPEND needed ${path})
+      break()
+    endif()
+  endforeach()
+endforeach()
+if(SUNDIALS_VERSION VERSION_GREATER_EQUAL 7 AND MPI_C_LIBRARIES)
+  list(APPEND needed ${MPI_C_LIBRARIES}) # whose "none" a context is made with
+endif()
+list(APPEND needed ${LACUNA_LIBS_LINK_LIBRARIES} ${UDUNITS2_LIBRARY} ${OpenMP_C_LIBRARIES})
+set(LACUNA_LINK_FLAGS)
+foreach(path ${needed})
+  get_filename_component(folder ${path} DIRECTORY)
+  if(folder AND NOT folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
+    list(APPEND LACUNA_LINK_FLAGS -L${folder})
+  endif()
+  string(REGEX REPLACE "^.*/lib([^/]*)\\.(so|a)[.0-9]*$" "-l\\1" word ${path})
+  list(APPEND LACUNA_LINK_FLAGS ${word})
+endforeach()
+list(REMOVE_DUPLICATES LACUNA_LINK_FLAGS)

@@ -21,6 +21,7 @@ install(PROGRAMS ${drawing} DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna/tools)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 
 # cc program.c $(pkg-config --cflags --libs lacuna); with --static the static library and all it needs.
+list(JOIN LACUNA_LINK_FLAGS " " LACUNA_NEEDS)
 file(RELATIVE_PATH LACUNA_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 string(REGEX REPLACE "/$" "" LACUNA_PC_PREFIX ${LACUNA_PC_PREFIX})
 configure_file(${CMAKE_SOURCE_DIR}/cmake/lacuna.pc.in ${CMAKE_BINARY_DIR}/lacuna.pc @ONLY)
