@@ -1,27 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What the sources must look like; label `lint`. Each check is shown to fail by lint.selftest.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
-set(lint ${CMAKE_SOURCE_DIR}/tools/lint)
+set(lint ${PROJECT_SOURCE_DIR}/tools/lint)
 
 function(lacuna_lint name)
-  add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(lint.${name} PROPERTIES LABELS lint ENVIRONMENT PYTHONDONTWRITEBYTECODE=1)
 endfunction()
 
-lacuna_lint(selftest ${Python3_EXECUTABLE} ${lint}/selftest.py ${CMAKE_C_COMPILER})
-lacuna_lint(layers ${Python3_EXECUTABLE} ${lint}/layers.py)
-lacuna_lint(sizes ${Python3_EXECUTABLE} ${lint}/sizes.py)
-lacuna_lint(docs ${Python3_EXECUTABLE} ${lint}/docs.py)
-lacuna_lint(spdx ${Python3_EXECUTABLE} ${lint}/spdx.py)
+lacuna_lint(selftest ${LACUNA_PYTHON} ${lint}/selftest.py ${CMAKE_C_COMPILER})
+lacuna_lint(layers ${LACUNA_PYTHON} ${lint}/layers.py)
+lacuna_lint(sizes ${LACUNA_PYTHON} ${lint}/sizes.py)
+lacuna_lint(docs ${LACUNA_PYTHON} ${lint}/docs.py)
+lacuna_lint(spdx ${LACUNA_PYTHON} ${lint}/spdx.py)
 
 # Sanitizers, fuzzers and coverage add symbols of their own.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ AND NOT CMAKE_C_FLAGS MATCHES "--coverage")
-  lacuna_lint(symbols ${Python3_EXECUTABLE} ${lint}/symbols.py $<TARGET_FILE:lacuna>)
+  lacuna_lint(symbols ${LACUNA_PYTHON} ${lint}/symbols.py $<TARGET_FILE:lacuna>)
 endif()
 
 file(GLOB_RECURSE lint_sources CONFIGURE_DEPENDS
-     ${CMAKE_SOURCE_DIR}/include/*.h ${CMAKE_SOURCE_DIR}/src/*.[ch]
-     ${CMAKE_SOURCE_DIR}/tests/*.[ch] ${CMAKE_SOURCE_DIR}/tools/*.[ch])
+     ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.[ch]
+     ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tools/*.[ch])
 
 # lacuna_lint_by_clang(NAME PROGRAM COMMAND ...): another version of clang's programs breaks lines and warns
 # elsewhere than the one that the sources are written for; the test is then skipped, and says so.
@@ -54,9 +53,9 @@ endif()
 find_program(CLANG_TIDY NAMES clang-tidy-${clang_tools} clang-tidy)
 find_program(RUN_CLANG_TIDY NAMES run-clang-tidy-${clang_tools} run-clang-tidy)
 if(CLANG_TIDY AND RUN_CLANG_TIDY)
-  set(tidy ${RUN_CLANG_TIDY} -clang-tidy-binary ${CLANG_TIDY} -quiet -p ${CMAKE_BINARY_DIR}
-      -extra-arg=-Wno-unknown-warning-option ${CMAKE_SOURCE_DIR}/src/.*)
-  add_custom_target(tidy COMMAND ${tidy} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} VERBATIM)
+  set(tidy ${RUN_CLANG_TIDY} -clang-tidy-binary ${CLANG_TIDY} -quiet -p ${PROJECT_BINARY_DIR}
+      -extra-arg=-Wno-unknown-warning-option ${PROJECT_SOURCE_DIR}/src/.*)
+  add_custom_target(tidy COMMAND ${tidy} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} VERBATIM)
   lacuna_lint_by_clang(tidy ${CLANG_TIDY} ${tidy})
   set_tests_properties(lint.tidy PROPERTIES TIMEOUT 900 COST 1000)
 endif()
