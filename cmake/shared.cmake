@@ -2,18 +2,18 @@
 # The shared library. Every function that a public header declares is exported, nothing else.
 
 # The list for the linker, made anew when a header changes.
-file(GLOB public_headers CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/include/lacuna/*.h)
-set(exports ${CMAKE_BINARY_DIR}/lacuna.map)
+file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/lacuna/*.h)
+set(exports ${PROJECT_BINARY_DIR}/lacuna.map)
 add_custom_command(OUTPUT ${exports}
   COMMAND ${CMAKE_COMMAND} -DOUTPUT=${exports} -DVERSION=${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-          "-DHEADERS=${public_headers}" -P ${CMAKE_SOURCE_DIR}/cmake/exports.cmake
-  DEPENDS ${public_headers} ${CMAKE_SOURCE_DIR}/cmake/exports.cmake VERBATIM)
+          "-DHEADERS=${public_headers}" -P ${PROJECT_SOURCE_DIR}/cmake/exports.cmake
+  DEPENDS ${public_headers} ${PROJECT_SOURCE_DIR}/cmake/exports.cmake VERBATIM)
 add_custom_target(lacuna_exports DEPENDS ${exports})
 
 add_library(lacuna_shared SHARED $<TARGET_OBJECTS:lacuna_objects>)
 add_dependencies(lacuna_shared lacuna_exports)
 target_include_directories(lacuna_shared INTERFACE
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_link_libraries(lacuna_shared PRIVATE lacuna_dependencies m)
 target_link_options(lacuna_shared PRIVATE
   -Wl,--version-script=${exports} -Wl,-Bsymbolic -Wl,--no-undefined -Wl,--as-needed)

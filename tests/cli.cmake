@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The program itself, called as its users call it.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
 foreach(program test_cli test_interface)
   add_test(NAME case.${program}
-           COMMAND Python3::Interpreter ${CMAKE_CURRENT_SOURCE_DIR}/case/${program}.py
-                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/${program}.py
+                   $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
   set_tests_properties(case.${program} PROPERTIES LABELS case TIMEOUT 300 ENVIRONMENT
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
 endforeach()

@@ -1,50 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What the sources must look like; label `lint`. Each check is shown to fail by lint.selftest.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
-set(lint ${CMAKE_SOURCE_DIR}/tools/lint)
+set(lint ${PROJECT_SOURCE_DIR}/tools/lint)
 
 function(lacuna_lint name)
-  add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(lint.${name} PROPERTIES LABELS lint ENVIRONMENT PYTHONDONTWRITEBYTECODE=1)
 endfunction()
 
-lacuna_lint(selftest ${Python3_EXECUTABLE} ${lint}/selftest.py ${CMAKE_C_COMPILER})
-lacuna_lint(layers ${Python3_EXECUTABLE} ${lint}/layers.py)
-lacuna_lint(sizes ${Python3_EXECUTABLE} ${lint}/sizes.py)
-lacuna_lint(docs ${Python3_EXECUTABLE} ${lint}/docs.py)
-lacuna_lint(spdx ${Python3_EXECUTABLE} ${lint}/spdx.py)
+lacuna_lint(selftest ${LACUNA_PYTHON} ${lint}/selftest.py ${CMAKE_C_COMPILER})
+lacuna_lint(layers ${LACUNA_PYTHON} ${lint}/layers.py)
+lacuna_lint(sizes ${LACUNA_PYTHON} ${lint}/sizes.py)
+lacuna_lint(docs ${LACUNA_PYTHON} ${lint}/docs.py)
+lacuna_lint(spdx ${LACUNA_PYTHON} ${lint}/spdx.py)
 
 # Sanitizers, fuzzers and coverage add symbols of their own.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ AND NOT CMAKE_C_FLAGS MATCHES "--coverage")
-  lacuna_lint(symbols ${Python3_EXECUTABLE} ${lint}/symbols.py $<TARGET_FILE:lacuna>)
+  lacuna_lint(symbols ${LACUNA_PYTHON} ${lint}/symbols.py $<TARGET_FILE:lacuna>)
 endif()
 
 file(GLOB_RECURSE lint_sources CONFIGURE_DEPENDS
-     ${CMAKE_SOURCE_DIR}/include/*.h ${CMAKE_SOURCE_DIR}/src/*.[ch]
-     ${CMAKE_SOURCE_DIR}/tests/*.[ch] ${CMAKE_SOURCE_DIR}/tools/*.[ch])
+     ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.[ch]
+     ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tools/*.[ch])
 
-# Another version of clang-format breaks lines elsewhere.
-find_program(CLANG_FORMAT NAMES clang-format-14 clang-format)
-if(CLANG_FORMAT)
-  execute_process(COMMAND ${CLANG_FORMAT} --version OUTPUT_VARIABLE clang_format_version)
-  if(clang_format_version MATCHES "version 14\\.")
-    lacuna_lint(format ${CLANG_FORMAT} --dry-run -Werror ${lint_sources})
+# lacuna_lint_by_clang(NAME PROGRAM COMMAND ...): another version of clang's programs breaks lines and warns
+# elsewhere than the one that the sources are written for; the test is then skipped, and says so.
+set(clang_tools 14)
+function(lacuna_lint_by_clang name program)
+  execute_process(COMMAND ${program} --version OUTPUT_VARIABLE said)
+  string(REGEX MATCH "version ([0-9]+)" said "${said}")
+  if(CMAKE_MATCH_1 EQUAL clang_tools)
+    lacuna_lint(${name} ${ARGN})
+  else()
+    lacuna_lint(${name} ${CMAKE_COMMAND} -E echo
+                "skipped: ${program} is ${said}, the sources are for version ${clang_tools}")
+    set_tests_properties(lint.${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
   endif()
+endfunction()
+
+find_program(CLANG_FORMAT NAMES clang-format-${clang_tools} clang-format)
+if(CLANG_FORMAT)
+  lacuna_lint_by_clang(format ${CLANG_FORMAT} ${CLANG_FORMAT} --dry-run -Werror ${lint_sources})
   add_custom_target(format COMMAND ${CLANG_FORMAT} -i ${lint_sources} VERBATIM)
 endif()
 
 find_program(SHELLCHECK NAMES shellcheck)
 if(SHELLCHECK)
   lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
-              tools/memcheck tools/bench tools/instruction-counts .ci/run cmake/prerm)
+              tools/memcheck tools/bench tools/instruction-counts tools/dev/on-debian .ci/run cmake/prerm)
 endif()
 
 # Every unit of the compilation database; the options that gcc alone knows are dropped.
-find_program(RUN_CLANG_TIDY NAMES run-clang-tidy-14)
-if(RUN_CLANG_TIDY)
-  set(tidy ${RUN_CLANG_TIDY} -quiet -p ${CMAKE_BINARY_DIR}
-      -extra-arg=-Wno-unknown-warning-option ${CMAKE_SOURCE_DIR}/src/.*)
-  add_custom_target(tidy COMMAND ${tidy} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} VERBATIM)
-  lacuna_lint(tidy ${tidy})
+find_program(CLANG_TIDY NAMES clang-tidy-${clang_tools} clang-tidy)
+find_program(RUN_CLANG_TIDY NAMES run-clang-tidy-${clang_tools} run-clang-tidy)
+if(CLANG_TIDY AND RUN_CLANG_TIDY)
+  set(tidy ${RUN_CLANG_TIDY} -clang-tidy-binary ${CLANG_TIDY} -quiet -p ${PROJECT_BINARY_DIR}
+      -extra-arg=-Wno-unknown-warning-option ${PROJECT_SOURCE_DIR}/src/.*)
+  add_custom_target(tidy COMMAND ${tidy} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} VERBATIM)
+  lacuna_lint_by_clang(tidy ${CLANG_TIDY} ${tidy})
   set_tests_properties(lint.tidy PROPERTIES TIMEOUT 900 COST 1000)
 endif()

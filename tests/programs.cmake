@@ -11,7 +11,7 @@ set(case_environment
 # COMMAND is run.
 function(lacuna_cases group command)
   string(REPLACE "cases" "" folder "/${group}")
-  file(GLOB bundled_cases CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/cases${folder}/*.yaml)
+  file(GLOB bundled_cases CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cases${folder}/*.yaml)
   set(outputs)
   foreach(bundled ${bundled_cases})
     get_filename_component(name ${bundled} NAME_WE)
@@ -36,7 +36,7 @@ function(lacuna_cases group command)
     set_tests_properties(${test}.run PROPERTIES FIXTURES_SETUP outputs_${group})
   endforeach()
   add_test(NAME case.${group}.cf
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
                    --status complete ${outputs})
   set_tests_properties(case.${group}.cf PROPERTIES LABELS case ENVIRONMENT ${case_environment}
                        FIXTURES_REQUIRED outputs_${group})
@@ -52,15 +52,15 @@ list(TRANSFORM groups PREPEND outputs_ OUTPUT_VARIABLE case_outputs)
 list(APPEND case_outputs outputs_contact outputs_rg)
 
 # The tables of docs/case.md are the program's.
-add_test(NAME case.tables COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/case_tables.py --check
-         --program $<TARGET_FILE:lacuna_program> --page ${CMAKE_SOURCE_DIR}/docs/case.md)
+add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/case_tables.py --check
+         --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/case.md)
 set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
 
 # lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
 function(lacuna_python_test name)
   add_test(NAME case.${name}
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
-                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR} ${${name}_files})
+           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
+                   $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${${name}_files})
   set(labels case ${ARGN})
   set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600
                        ENVIRONMENT "${case_environment}")
@@ -80,14 +80,14 @@ lacuna_python_test(test_loads)
 
 # Elastic rock: what slip takes off the cells and how loads reach them.
 add_test(NAME case.test_elastic
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+         COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
+                 $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
 set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
 add_test(NAME case.test_elastic_limits
-         COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
-                 $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR})
+         COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
+                 $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
 set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 300
                      ENVIRONMENT ${case_environment})
 
@@ -96,34 +96,34 @@ lacuna_python_test(test_extremes extreme)
 
 # Runs that are stopped and go on. The library that stops them is loaded into them.
 add_library(stop_at_checkpoint MODULE stop/stop_at_checkpoint.c)
-target_compile_options(stop_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(stop_at_checkpoint PRIVATE ${warnings})
 set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
 lacuna_python_test(test_resume)
 
 # Trades, stopped and killed ones among them, and runs that keep an accuracy.
 add_library(stop_at_kept_run MODULE stop/stop_at_kept_run.c)
-target_compile_options(stop_at_kept_run PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(stop_at_kept_run PRIVATE ${warnings})
 set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
 lacuna_python_test(test_trade)
 
 # How many of its runs go side by side.
-target_sources(unit_test_free_memory PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/memory.c)
+target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/memory.c)
 
 # What a page of a run that goes on is made from.
-target_sources(unit_test_view_inbox PRIVATE ${CMAKE_SOURCE_DIR}/src/cli/view_inbox.c)
+target_sources(unit_test_view_inbox PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/view_inbox.c)
 
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)
   add_library(count_bytes MODULE memory/count_bytes.c)
-  target_compile_options(count_bytes PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+  target_compile_options(count_bytes PRIVATE ${warnings})
   target_link_libraries(count_bytes PRIVATE ${CMAKE_DL_LIBS})
-  add_test(NAME case.costs COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --check
+  add_test(NAME case.costs COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/costs.py --check
            --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
   set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # Under 20 ms of CPU from start to end, where the machine is quiet.
-    add_test(NAME speed.block COMMAND /usr/bin/python3 ${CMAKE_SOURCE_DIR}/tools/costs.py --quick
+    add_test(NAME speed.block COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/costs.py --quick
              --lacuna $<TARGET_FILE:lacuna_program>)
     set_tests_properties(speed.block PROPERTIES LABELS speed RUN_SERIAL TRUE
                          SKIP_RETURN_CODE 77 ENVIRONMENT ${case_environment})
@@ -132,7 +132,7 @@ endif()
 
 # Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/docs/*.md)
+file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*.md)
 list(FILTER documented EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
 if(NOT TARGET lacuna_shared)
   list(FILTER documented EXCLUDE REGEX "howto-embed")
@@ -140,7 +140,7 @@ endif()
 if(LACUNA_SANITIZE)
   list(FILTER documented EXCLUDE REGEX "/theory/|/format.md") # their commands are others' too
 endif()
-set(pages ${CMAKE_SOURCE_DIR}/README.md)
+set(pages ${PROJECT_SOURCE_DIR}/README.md)
 foreach(page ${documented})
   file(STRINGS ${page} shown REGEX "^```sh")
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
@@ -151,15 +151,15 @@ endforeach()
 foreach(page ${pages})
   get_filename_component(name ${page} NAME_WE)
   add_test(NAME case.${name}
-           COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
-                   $<TARGET_FILE:lacuna_program> ${CMAKE_SOURCE_DIR} ${page})
+           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
+                   $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${page})
   set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
                        ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
 
 # All other commands that the documentation shows.
 if(NOT LACUNA_SANITIZE)
-  set(test_commands_files ${CMAKE_BINARY_DIR})
+  set(test_commands_files ${PROJECT_BINARY_DIR})
   lacuna_python_test(test_commands)
 
   # Names that pages state: of options, keys, variables and attributes, those of the bundled cases' files too.
@@ -206,7 +206,7 @@ lacuna_python_test(test_report_page)
 
 # The same page while a run goes on, which is held where the tests look at it.
 add_library(hold_at_checkpoint MODULE stop/hold_at_checkpoint.c)
-target_compile_options(hold_at_checkpoint PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(hold_at_checkpoint PRIVATE ${warnings})
 set(test_view_files $<TARGET_FILE:hold_at_checkpoint>)
 set(test_view_page_files $<TARGET_FILE:hold_at_checkpoint>)
 lacuna_python_test(test_view)
@@ -219,14 +219,14 @@ lacuna_python_test(test_pictures)
 lacuna_python_test(test_fit)
 foreach(bundled block century century-undriven)
   add_test(NAME case.fit.${bundled}.check
-           COMMAND lacuna_program check -q ${CMAKE_SOURCE_DIR}/cases/fit/${bundled}.yaml)
+           COMMAND lacuna_program check -q ${PROJECT_SOURCE_DIR}/cases/fit/${bundled}.yaml)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case
                        ENVIRONMENT ${case_environment})
 endforeach()
 
 # A friction law made as docs/howto-friction-law.md says, and what its conformance kit says of it.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
-  set(test_howto_law_files ${CMAKE_BINARY_DIR} $<TARGET_FILE:lacuna>)
+  set(test_howto_law_files ${PROJECT_BINARY_DIR} $<TARGET_FILE:lacuna>)
   lacuna_python_test(test_howto_law)
 endif()
 
@@ -236,9 +236,14 @@ lacuna_python_test(test_site)
 # What shells complete.
 lacuna_python_test(test_completion)
 
+# Built otherwise than by the presets.
+if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
+  lacuna_python_test(test_build)
+endif()
+
 # What is installed, its .deb, and the Python module, which are of the shared library.
 if(TARGET lacuna_shared)
-  set(test_install_files ${CMAKE_BINARY_DIR})
+  set(test_install_files ${PROJECT_BINARY_DIR})
   lacuna_python_test(test_install)
   set(test_python_files $<TARGET_FILE:lacuna_shared>)
   lacuna_python_test(test_python)

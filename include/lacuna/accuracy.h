@@ -2,7 +2,10 @@
 #ifndef LACUNA_ACCURACY_H
 #define LACUNA_ACCURACY_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/trade.h"
+
+LAC_BEGIN_C
 
 /// What an accuracy is held to.
 typedef enum lac_accuracy_of {
@@ -35,5 +38,7 @@ const char *lac_accuracy_of_name(lac_accuracy_of of);
 /// @cost   some four times the run picked
 lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def *how,
                                lac_accuracy_pick *out, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -2,8 +2,11 @@
 #ifndef LACUNA_ANALYSIS_H
 #define LACUNA_ANALYSIS_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/rg_study.h"
 #include "lacuna/run.h"
+
+LAC_BEGIN_C
 
 enum { LAC_ANALYSIS_TEXT = 320 };
 
@@ -132,5 +135,7 @@ lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *res
 
 /// The index-th indicator, NULL past the end or where `analysis` is NULL.
 const lac_indicator *lac_analysis_at(const lac_analysis *analysis, size_t index);
+
+LAC_END_C
 
 #endif

@@ -3,8 +3,11 @@
 #define LACUNA_CASE_H
 
 #include "lacuna/analysis.h"
+#include "lacuna/linkage.h"
 #include "lacuna/run.h"
 #include "lacuna/spread.h"
+
+LAC_BEGIN_C
 
 /// One thing that is wrong with a case.
 typedef struct lac_case_issue {
@@ -299,5 +302,7 @@ typedef struct lac_section {
 
 /// The index-th section, NULL past the end.
 const lac_section *lac_section_at(size_t index);
+
+LAC_END_C
 
 #endif

@@ -5,7 +5,10 @@
 #include <stdint.h>
 
 #include "lacuna/grid.h"
+#include "lacuna/linkage.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 /// What is given: the load or how near the bodies are.
 typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_contact_control;
@@ -107,5 +110,7 @@ const lac_domain_source *lac_domain_source_at(size_t index);
 /// @return LAC_OK; LAC_EINPUT (empty domain, a source that is a file); LAC_ENOMEM
 lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
                                   lac_domain **domain, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -2,6 +2,10 @@
 #ifndef LACUNA_ERROR_H
 #define LACUNA_ERROR_H
 
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
+
 /// What every fallible function returns.
 typedef enum lac_status {
     LAC_OK = 0,
@@ -41,5 +45,7 @@ lac_status lac_fail_memory(lac_error *err);
             goto out;           \
         }                       \
     } while (0)
+
+LAC_END_C
 
 #endif

@@ -2,9 +2,12 @@
 #ifndef LACUNA_FIT_H
 #define LACUNA_FIT_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/sampler.h"
 #include "lacuna/scene.h"
 #include "lacuna/series.h"
+
+LAC_BEGIN_C
 
 enum {
     LAC_FIT_UNKNOWNS = LAC_MOST_FITTED + 3, ///< parameters, two errors and a correlation time
@@ -125,5 +128,7 @@ void lac_fit_apply(const lac_fit_result *result, lac_case *c);
 /// @param x  [unknowns] in the order of the result
 /// @return -INFINITY where a run fails before the last reading, or cannot be computed
 double lac_fit_log_posterior(lac_fit *fit, int thread, const double *x);
+
+LAC_END_C
 
 #endif

@@ -2,8 +2,11 @@
 #ifndef LACUNA_FORECAST_H
 #define LACUNA_FORECAST_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/motion.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 enum {
     LAC_FORECAST_TEXT = 200,
@@ -143,5 +146,7 @@ lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *r
 
 /// Frees an outlook; NULL is fine.
 void lac_outlook_free(lac_outlook *outlook);
+
+LAC_END_C
 
 #endif

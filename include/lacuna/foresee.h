@@ -4,6 +4,9 @@
 
 #include "lacuna/fit.h"
 #include "lacuna/forecast.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// A case that forecasts: the method lac_forecast_case, the slope's own model of one cell or many.
 typedef struct lac_foresight {
@@ -22,5 +25,7 @@ typedef struct lac_foresight {
 /// with LAC_EINTERRUPT, LAC_ENOMEM.
 /// @param how  outlives the model
 lac_forecast_model lac_foresee(lac_foresight *how);
+
+LAC_END_C
 
 #endif

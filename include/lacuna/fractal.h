@@ -3,6 +3,9 @@
 #define LACUNA_FRACTAL_H
 
 #include "lacuna/contact.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 enum { LAC_BOX_SIZES = 32 };
 
@@ -207,5 +210,7 @@ typedef struct lac_size_exponent {
 
 /// The index-th published exponent, NULL past the end; cases/data/size_effect.csv.
 const lac_size_exponent *lac_size_exponent_at(size_t index);
+
+LAC_END_C
 
 #endif

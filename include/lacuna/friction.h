@@ -2,7 +2,10 @@
 #ifndef LACUNA_FRICTION_H
 #define LACUNA_FRICTION_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 /// Kernels work on blocks of at most this many cells, so that scratch stays in the L1 cache.
 enum { LAC_FRICTION_BLOCK = 256 };
@@ -196,5 +199,7 @@ typedef struct lac_friction_balance {
 /// @cost  two evaluations of the strength from a close start; allocates nothing
 void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *balance,
                         double *u, double *v);
+
+LAC_END_C
 
 #endif

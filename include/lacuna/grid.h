@@ -5,6 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
+
 /// A regular grid of cells: cell (ix, iy) has index iy * nx + ix and its centre at
 /// ((ix + 1/2) dx, (iy + 1/2) dy). Slip is along x. A line is a grid with ny = 1.
 typedef struct lac_grid {
@@ -33,5 +37,7 @@ static inline double lac_grid_extent(const lac_grid *grid, double columns, doubl
     const double across = grid->ny > 1 ? rows * grid->dy : 0.0;
     return along > across ? along : across;
 }
+
+LAC_END_C
 
 #endif

@@ -3,6 +3,9 @@
 #define LACUNA_HIERARCHY_H
 
 #include "lacuna/contact.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// The blocks over the contact cells, scale by scale: a level-l block is a 2^l x 2^l square of
 /// the grid (2^l cells of a line) and exists only if it holds a contact cell. Immutable.
@@ -61,5 +64,7 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
 /// y = P_level x: every cell gets the mean over the contact cells of its block.
 /// @param x, y  [n]; may be the same array
 void lac_hierarchy_project(const lac_hierarchy *h, size_t level, const double *x, double *y);
+
+LAC_END_C
 
 #endif

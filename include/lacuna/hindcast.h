@@ -3,6 +3,9 @@
 #define LACUNA_HINDCAST_H
 
 #include "lacuna/forecast.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 enum { LAC_LEADS = 4 };
 
@@ -58,5 +61,7 @@ typedef struct lac_skill {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_rolling_measure(const lac_rolling *rolling, double failed_at, double horizon,
                                lac_skill *skill, lac_error *err);
+
+LAC_END_C
 
 #endif

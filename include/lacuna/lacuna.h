@@ -15,6 +15,7 @@
 #include "lacuna/grid.h"
 #include "lacuna/hierarchy.h"
 #include "lacuna/hindcast.h"
+#include "lacuna/linkage.h"
 #include "lacuna/load.h"
 #include "lacuna/motion.h"
 #include "lacuna/param.h"

@@ -2,7 +2,10 @@
 #ifndef LACUNA_LOAD_H
 #define LACUNA_LOAD_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 
@@ -141,5 +144,7 @@ double lac_load_next_break(const lac_load_set *set, double t);
 
 /// The longest step from t to the next break that misses no swing of a load [s]; INFINITY if none.
 double lac_load_longest_step(const lac_load_set *set, double t);
+
+LAC_END_C
 
 #endif

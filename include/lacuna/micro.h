@@ -4,6 +4,9 @@
 
 #include "lacuna/friction.h"
 #include "lacuna/hierarchy.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// Creep of cells coupled by a hierarchy, each cell with steps of its own, so that what stands
 /// still costs nothing while its neighbour slips: docs/theory/fidelity-events.md.
@@ -106,5 +109,7 @@ lac_micro_counts lac_micro_count(const lac_micro *micro);
 /// Adds the blocks' share of the traction of every cell at the time reached, from the lazy sums:
 /// -K slip, slip as the cells have told it. For tests. @param traction, slip  [n]; overwritten
 void lac_micro_told(const lac_micro *micro, double *traction, double *slip);
+
+LAC_END_C
 
 #endif

@@ -6,6 +6,9 @@
 #include <stddef.h>
 
 #include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// How velocities come from displacements. None looks ahead.
 typedef enum lac_smoothing {
@@ -62,5 +65,7 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
 
 /// Frees a motion; NULL is fine.
 void lac_motion_free(lac_motion *motion);
+
+LAC_END_C
 
 #endif

@@ -7,6 +7,9 @@
 #include <stdint.h>
 
 #include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// How a parameter is held in its struct.
 typedef enum lac_param_type {
@@ -77,5 +80,7 @@ lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_erro
 
 /// Frees what a slot owns; an empty slot is fine. The slot is empty afterwards.
 void lac_slot_clear(lac_slot *slot);
+
+LAC_END_C
 
 #endif

@@ -5,6 +5,9 @@
 #include <stdint.h>
 
 #include "lacuna/forecast.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// Catalogue of events of a run.
 typedef struct lac_event_list {
@@ -158,5 +161,7 @@ typedef struct lac_slowing {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -3,8 +3,11 @@
 #define LACUNA_PROBLEM_H
 
 #include "lacuna/friction.h"
+#include "lacuna/linkage.h"
 #include "lacuna/load.h"
 #include "lacuna/transfer.h"
+
+LAC_BEGIN_C
 
 /// The first unknown x of every cell; the second is ln theta. docs/theory/creep.md.
 typedef enum lac_formulation {
@@ -238,5 +241,7 @@ typedef struct lac_initial_def {
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
                              const lac_friction *friction, const lac_load_set *loads,
                              double damping, double *log_rate, double *log_state, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -3,7 +3,10 @@
 #define LACUNA_RECORDING_H
 
 #include "lacuna/hierarchy.h"
+#include "lacuna/linkage.h"
 #include "lacuna/store_checkpoint.h"
+
+LAC_BEGIN_C
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -71,5 +74,7 @@ bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded
 /// The variable of a name.
 /// @return false where there is none
 bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
+
+LAC_END_C
 
 #endif

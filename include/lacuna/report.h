@@ -4,8 +4,11 @@
 
 #include <stdbool.h>
 
+#include "lacuna/linkage.h"
 #include "lacuna/recording.h"
 #include "lacuna/series.h"
+
+LAC_BEGIN_C
 
 /// What a page shows. Texts are borrowed.
 typedef struct lac_report_def {
@@ -55,5 +58,7 @@ lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err);
 /// few records, and after every snapshot.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_report_thin(lac_recording *recording, lac_error *err);
+
+LAC_END_C
 
 #endif

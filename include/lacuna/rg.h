@@ -3,6 +3,9 @@
 #define LACUNA_RG_H
 
 #include "lacuna/hierarchy.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// What a block that slips does to its siblings; docs/theory/rg.md.
 typedef enum lac_rg_rule {
@@ -190,5 +193,7 @@ typedef struct lac_rg_sizes {
 /// @cost   128 passes
 lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
                               bool line, lac_rg_sizes *sizes, double *work, lac_error *err);
+
+LAC_END_C
 
 #endif

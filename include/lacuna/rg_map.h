@@ -5,6 +5,9 @@
 #include <stddef.h>
 
 #include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
 /// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.
@@ -50,5 +53,7 @@ lac_status lac_rg_closure_weibull(size_t n, double m, lac_rg_closure *closure, l
 /// @source Daniels (1945), Proc. R. Soc. A 183, 405; as a recursion, g_n = sum_{j < n}
 ///         (-1)^(n - j + 1) C(n, j) bound_j^(n - j) g_j
 double lac_rg_all_below(size_t n, const double *bound);
+
+LAC_END_C
 
 #endif

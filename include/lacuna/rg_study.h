@@ -2,8 +2,11 @@
 #ifndef LACUNA_RG_STUDY_H
 #define LACUNA_RG_STUDY_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/rg.h"
 #include "lacuna/rg_map.h"
+
+LAC_BEGIN_C
 
 /// A joint as the cascade needs it.
 typedef struct lac_rg_joint {
@@ -112,5 +115,7 @@ lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result
 
 /// Frees a study and its result; NULL is fine.
 void lac_rg_study_free(lac_rg_study *study);
+
+LAC_END_C
 
 #endif

@@ -2,8 +2,11 @@
 #ifndef LACUNA_RUN_H
 #define LACUNA_RUN_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/problem.h"
 #include "lacuna/tape.h"
+
+LAC_BEGIN_C
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 
@@ -204,5 +207,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 ///         problem, or beyond the end
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -7,6 +7,9 @@
 #include <stdint.h>
 
 #include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// What is sampled, and how.
 typedef struct lac_sampler_def {
@@ -66,5 +69,7 @@ typedef struct lac_convergence {
 /// @return LAC_OK; LAC_EINPUT (fewer than 8 steps); LAC_ENOMEM
 lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_convergence *out,
                                lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -4,8 +4,11 @@
 
 #include "lacuna/case.h"
 #include "lacuna/fractal.h"
+#include "lacuna/linkage.h"
 #include "lacuna/store.h"
 #include "lacuna/tangential.h"
+
+LAC_BEGIN_C
 
 enum { LAC_SCENE_SIZES = 32 };
 
@@ -137,5 +140,7 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
 
 /// Frees a scene; NULL is fine.
 void lac_scene_free(lac_scene *scene);
+
+LAC_END_C
 
 #endif

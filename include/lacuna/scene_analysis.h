@@ -3,7 +3,10 @@
 #define LACUNA_SCENE_ANALYSIS_H
 
 #include "lacuna/analysis.h"
+#include "lacuna/linkage.h"
 #include "lacuna/scene_rg.h"
+
+LAC_BEGIN_C
 
 /// The indicators that a case names, for the run of its scene, which must outlive them.
 /// @param watch  of the static cascade that `rg` starts from; NULL: not watched
@@ -12,5 +15,7 @@
 /// @cost   that of the cascade where `rg` has no critical_fraction given; else O(n)
 lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch *watch,
                                      lac_analysis **out, lac_error *err);
+
+LAC_END_C
 
 #endif

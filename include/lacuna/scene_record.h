@@ -2,8 +2,11 @@
 #ifndef LACUNA_SCENE_RECORD_H
 #define LACUNA_SCENE_RECORD_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/recording.h"
 #include "lacuna/scene.h"
+
+LAC_BEGIN_C
 
 /// Who may stop a run.
 typedef struct lac_interruption {
@@ -34,5 +37,7 @@ lac_status lac_record_case(const char *path, size_t count, const char *const *se
 lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
                                 const char *const *sets, const lac_interruption *stop,
                                 lac_recording **out, lac_error *err);
+
+LAC_END_C
 
 #endif

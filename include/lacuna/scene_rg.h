@@ -2,8 +2,11 @@
 #ifndef LACUNA_SCENE_RG_H
 #define LACUNA_SCENE_RG_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/rg_study.h"
 #include "lacuna/scene.h"
+
+LAC_BEGIN_C
 
 /// A joint as it is, before the further load of lac_scene_rg_cells.
 typedef struct lac_scene_rg_now {
@@ -61,5 +64,7 @@ lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_
 
 /// Frees what it holds.
 void lac_scene_rg_clear(lac_scene_rg *rg);
+
+LAC_END_C
 
 #endif

@@ -2,7 +2,10 @@
 #ifndef LACUNA_SENSITIVITY_H
 #define LACUNA_SENSITIVITY_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/problem.h"
+
+LAC_BEGIN_C
 
 /// A parameter that a run is differentiated by: the same problem made with a little less and a
 /// little more of it. The three problems have the same cells and formulation, and their loads break
@@ -48,5 +51,7 @@ typedef struct lac_follow {
 ///         integrator gave up, too many steps); LAC_ENOMEM
 /// @cost   O(cells) a step, 1 + 4 nudges times
 lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err);
+
+LAC_END_C
 
 #endif

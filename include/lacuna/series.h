@@ -6,6 +6,9 @@
 #include <stddef.h>
 
 #include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 struct lac_units;
 
@@ -79,5 +82,7 @@ bool lac_history_at(const lac_history *history, double t, double *slip, double *
 
 /// Misfit of a history to a series.
 void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit);
+
+LAC_END_C
 
 #endif

@@ -2,7 +2,10 @@
 #ifndef LACUNA_SPREAD_H
 #define LACUNA_SPREAD_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 /// A way in which a parameter varies from cell to cell: value = nominal * factor of the cell.
 /// docs/theory/friction.md, "From cell to cell".
@@ -70,5 +73,7 @@ bool lac_spread_is_value(const lac_spread *spread);
 
 /// Whether a list has a spread of a parameter.
 bool lac_spread_has(const lac_spread_list *list, const char *key);
+
+LAC_END_C
 
 #endif

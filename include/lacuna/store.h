@@ -3,9 +3,12 @@
 #define LACUNA_STORE_H
 
 #include "lacuna/fractal.h"
+#include "lacuna/linkage.h"
 #include "lacuna/store_checkpoint.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"
+
+LAC_BEGIN_C
 
 /// Per-cell fields that a run may keep.
 enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
@@ -164,5 +167,7 @@ lac_status lac_store_read(const char *path, const char *variable, double **value
 /// @return LAC_OK; LAC_EIO
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err);
+
+LAC_END_C
 
 #endif

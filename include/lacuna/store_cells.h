@@ -2,7 +2,10 @@
 #ifndef LACUNA_STORE_CELLS_H
 #define LACUNA_STORE_CELLS_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// Which of a file's snapshots.
 typedef struct lac_snapshot_choice {
@@ -49,5 +52,7 @@ bool lac_stored_is_netcdf(const char *path);
 
 /// Frees what it holds.
 void lac_stored_cells_clear(lac_stored_cells *cells);
+
+LAC_END_C
 
 #endif

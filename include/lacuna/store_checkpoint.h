@@ -2,7 +2,10 @@
 #ifndef LACUNA_STORE_CHECKPOINT_H
 #define LACUNA_STORE_CHECKPOINT_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/run.h"
+
+LAC_BEGIN_C
 
 /// A checkpoint as it is kept beside the file of its run, in FILE.checkpoint; docs/format.md.
 typedef struct lac_kept_checkpoint {
@@ -29,5 +32,7 @@ void lac_kept_checkpoint_clear(lac_kept_checkpoint *checkpoint);
 
 /// What this program calls itself in a checkpoint: its name and version.
 const char *lac_kept_checkpoint_program(void);
+
+LAC_END_C
 
 #endif

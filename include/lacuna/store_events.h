@@ -2,7 +2,10 @@
 #ifndef LACUNA_STORE_EVENTS_H
 #define LACUNA_STORE_EVENTS_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// Numbers of a variable, missing ones NaN.
 typedef struct lac_stored_values {
@@ -20,5 +23,7 @@ lac_status lac_store_read_values(const char *path, const char *variable, lac_sto
 
 /// Frees the values; nothing read is fine.
 void lac_stored_values_clear(lac_stored_values *values);
+
+LAC_END_C
 
 #endif

@@ -2,8 +2,11 @@
 #ifndef LACUNA_STORE_FILE_H
 #define LACUNA_STORE_FILE_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/recording.h"
 #include "lacuna/store_events.h"
+
+LAC_BEGIN_C
 
 /// A file of Lacuna that is read piece by piece: looked through and opened once.
 typedef struct lac_stored_file lac_stored_file;
@@ -56,5 +59,7 @@ bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *n
 /// @return LAC_OK; LAC_EIO
 lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
                                      size_t size, lac_error *err);
+
+LAC_END_C
 
 #endif

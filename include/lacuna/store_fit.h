@@ -2,7 +2,10 @@
 #ifndef LACUNA_STORE_FIT_H
 #define LACUNA_STORE_FIT_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// One unknown of a fit, as it is written.
 typedef struct lac_fit_column {
@@ -41,5 +44,7 @@ typedef struct lac_fit_view {
 /// @return as lac_store_create
 lac_status lac_store_fit(const char *path, bool force, const lac_provenance *provenance,
                          const lac_fit_view *view, lac_error *err);
+
+LAC_END_C
 
 #endif

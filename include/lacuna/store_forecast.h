@@ -3,8 +3,11 @@
 #define LACUNA_STORE_FORECAST_H
 
 #include "lacuna/hindcast.h"
+#include "lacuna/linkage.h"
 #include "lacuna/precursor.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// Forecasts, as they are written. Texts are borrowed and may be NULL.
 typedef struct lac_forecast_file {
@@ -23,5 +26,7 @@ typedef struct lac_forecast_file {
 /// @return as lac_store_create
 lac_status lac_store_forecast(const char *path, bool force, const lac_provenance *provenance,
                               const lac_forecast_file *content, lac_error *err);
+
+LAC_END_C
 
 #endif

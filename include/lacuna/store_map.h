@@ -3,6 +3,9 @@
 #define LACUNA_STORE_MAP_H
 
 #include "lacuna/contact.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// A field over the cells of an interface, in a netCDF file.
 typedef struct lac_map_def {
@@ -21,5 +24,7 @@ typedef struct lac_map_def {
 ///         dimension, a contact cell without a value); LAC_ENOMEM
 lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double *values,
                         lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -2,8 +2,11 @@
 #ifndef LACUNA_STORE_RG_H
 #define LACUNA_STORE_RG_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/rg_study.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// The file whose cells were followed, and what the joint was like in it.
 typedef struct lac_rg_origin {
@@ -33,5 +36,7 @@ typedef struct lac_rg_view {
 /// @return as lac_store_create
 lac_status lac_store_rg(const char *path, bool force, const lac_provenance *provenance,
                         const lac_rg_view *view, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -2,7 +2,10 @@
 #ifndef LACUNA_STORE_TRADE_H
 #define LACUNA_STORE_TRADE_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/store.h"
+
+LAC_BEGIN_C
 
 /// One run of a trade, as it is written. NaN: missing.
 typedef struct lac_trade_row {
@@ -29,5 +32,7 @@ typedef struct lac_trade_view {
 /// @return as lac_store_create
 lac_status lac_store_trade(const char *path, bool force, const lac_provenance *provenance,
                            const lac_trade_view *view, lac_error *err);
+
+LAC_END_C
 
 #endif

@@ -3,7 +3,10 @@
 #define LACUNA_SURFACE_H
 
 #include "lacuna/grid.h"
+#include "lacuna/linkage.h"
 #include "lacuna/param.h"
+
+LAC_BEGIN_C
 
 /// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
 /// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.
@@ -180,5 +183,7 @@ lac_status lac_height_map_read(const char *path, lac_height_map **map, lac_error
 
 /// Frees a map; NULL is fine.
 void lac_height_map_free(lac_height_map *map);
+
+LAC_END_C
 
 #endif

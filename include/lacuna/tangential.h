@@ -5,6 +5,9 @@
 #include <stdint.h>
 
 #include "lacuna/contact.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// How a step is solved.
 typedef enum lac_shear_method {
@@ -131,5 +134,7 @@ typedef struct lac_first_slip {
 lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
                                      const double direction[2], double *traction,
                                      lac_first_slip *result, lac_error *err);
+
+LAC_END_C
 
 #endif

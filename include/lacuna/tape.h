@@ -5,6 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
+
 /// A state written to memory or read back: one function that passes every piece of it, in one
 /// order, serves both ways.
 typedef struct lac_tape {
@@ -26,5 +30,7 @@ static inline bool lac_tape_good(const lac_tape *tape)
 {
     return !tape->no_memory && !tape->short_of && tape->refused == NULL;
 }
+
+LAC_END_C
 
 #endif

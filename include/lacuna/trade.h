@@ -2,7 +2,10 @@
 #ifndef LACUNA_TRADE_H
 #define LACUNA_TRADE_H
 
+#include "lacuna/linkage.h"
 #include "lacuna/scene_analysis.h"
+
+LAC_BEGIN_C
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.
 
@@ -199,5 +202,7 @@ void lac_pareto_front(size_t n, const double *cost, const double *error, double 
 lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
                            const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
 void lac_trade_verdict_clear(lac_trade_verdict *verdict);
+
+LAC_END_C
 
 #endif

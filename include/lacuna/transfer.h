@@ -3,6 +3,9 @@
 #define LACUNA_TRANSFER_H
 
 #include "lacuna/hierarchy.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
 
 /// What a stress transfer is made from. The domain and hierarchy must outlive the transfer.
 typedef struct lac_transfer_scene {
@@ -82,5 +85,7 @@ lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *sce
 
 /// Frees what a transfer owns.
 void lac_transfer_clear(lac_transfer *transfer);
+
+LAC_END_C
 
 #endif

@@ -11,7 +11,8 @@ typedef struct cli_http cli_http;
 /// Loads libmicrohttpd, which nothing else needs, and serves from threads of its own.
 /// @param port  0: one that is free
 /// @param feed  outlives the server
-/// @return LAC_OK; LAC_EINPUT (the port is taken); LAC_EIO (no library, no socket); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (the port is taken); LAC_EIO (no library, built without it, no
+/// socket); LAC_ENOMEM
 lac_status cli_http_start(unsigned port, cli_feed *feed, cli_http **out, lac_error *err);
 
 /// The port that it is at.

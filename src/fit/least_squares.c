@@ -411,8 +411,6 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     if (status != LAC_OK) {
         return status;
     }
-    // GSL would end the program at an error; its functions' results tell as well.
-    gsl_error_handler_t *handler = gsl_set_error_handler_off();
     size_t kept = find_starts(&s, start, &result->alive);
     result->tried = (size_t)fit->def->starts;
     lac_fit_model_tighten(&fit->model[0], true);
@@ -439,7 +437,6 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
         status = find_covariance(&s, err);
     }
     lac_fit_model_tighten(&fit->model[0], false);
-    (void)gsl_set_error_handler(handler);
     free(s.room);
     return status;
 }

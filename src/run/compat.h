@@ -2,16 +2,35 @@
 #ifndef LACUNA_RUN_COMPAT_H
 #define LACUNA_RUN_COMPAT_H
 
-// SUNDIALS 6.4 (Debian 12) and 7.x from one source: contexts, error handlers, status types and the
-// control of explicit steps are all that differ. LAC_SUN_ERK_CONTROL: Gustafsson's, of the larger
-// caution of its explicit and its implicit form.
+// SUNDIALS 6.4 (Debian 12) and 7.x (Debian 13 has 7.1) from one source: contexts, error handlers,
+// types and values of status, names of ARKODE's functions and the control of explicit steps are all
+// that differ. LAC_SUN_ERK_CONTROL: Gustafsson's, of the larger caution of its explicit and its
+// implicit form.
 #include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_nvector.h>
 #include <sundials/sundials_types.h>
 
-#if SUNDIALS_VERSION_MAJOR >= 7
+#define LAC_SUN_SINCE(major, minor)      \
+    (SUNDIALS_VERSION_MAJOR > (major) || \
+     (SUNDIALS_VERSION_MAJOR == (major) && SUNDIALS_VERSION_MINOR >= (minor)))
+
+// ARKODE's functions lost the name of their stepper in 7.1, but for those that make one.
+#if LAC_SUN_SINCE(7, 1)
+#define LAC_SUN_ERK(name) ARKode##name
+#else
+#define LAC_SUN_ERK(name) ERKStep##name
+#endif
+#if LAC_SUN_SINCE(7, 2)
+#define LAC_SUN_ERK_EVALUATIONS(mem, count) ARKodeGetNumRhsEvals((mem), 0, (count))
+#else
+#define LAC_SUN_ERK_EVALUATIONS(mem, count) ERKStepGetNumRhsEvals((mem), (count))
+#endif
+
+#if LAC_SUN_SINCE(7, 0)
+// What solvers return to CVODE where no smaller step would help.
+enum { LAC_SUN_BROKEN = SUN_ERR_ARG_CORRUPT };
 #define LAC_SUN_CONTEXT_CREATE(out) SUNContext_Create(SUN_COMM_NULL, (out))
 static inline void lac_sun_silent(int line, const char *function, const char *file,
                                   const char *message, SUNErrCode code, void *data, SUNContext sun)
@@ -27,9 +46,10 @@ typedef SUNErrCode lac_sun_status;
 #include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
 #define LAC_SUN_ERK_CONTROL(mem, sun, keep)     \
     (*(keep) = SUNAdaptController_ImExGus(sun), \
-     *(keep) == NULL ? -1 : ERKStepSetAdaptController((mem), *(keep)))
+     *(keep) == NULL ? -1 : LAC_SUN_ERK(SetAdaptController)((mem), *(keep)))
 #define LAC_SUN_ERK_CONTROL_FREE(control) ((void)SUNAdaptController_Destroy(control))
 #else
+enum { LAC_SUN_BROKEN = SUNLS_MEM_NULL };
 #define LAC_SUN_CONTEXT_CREATE(out) SUNContext_Create(NULL, (out))
 #define LAC_SUN_SILENCE_CONTEXT(sun) ((void)(sun))
 #define LAC_SUN_SILENCE_CVODE(mem) ((void)CVodeSetErrFile((mem), NULL))

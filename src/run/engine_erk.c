@@ -15,6 +15,7 @@ typedef struct erk {
     size_t size;   // of y, with slip where it is no unknown
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
+    bool looking;  // is the step's inside looked at?
     double first;  // step that a restart begins with [s]
     void *control; // of the step; freed by LAC_SUN_ERK_CONTROL_FREE
 } erk;
@@ -28,10 +29,14 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     double *at = lac_vector_data(y);
     double *dot = lac_vector_data(ydot);
     size_t n = engine->n;
-    bool good =
-        lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, engine->work);
+    // Inside the step in scratch of its own, so that looking leaves nothing behind. At its end
+    // SUNDIALS 7 takes the rates where they are first asked for, here or by the next step, which
+    // begins with them: in the run's own scratch either way.
+    const erk *c = engine->inner;
+    double *work = c->looking && t < engine->t ? c->aside : engine->work;
+    bool good = lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, work);
     if (!lac_problem_has_slip(engine->problem)) {
-        memcpy(dot + 2 * n, engine->work, n * sizeof *dot);
+        memcpy(dot + 2 * n, work, n * sizeof *dot);
     }
     return good ? 0 : 1;
 }
@@ -64,7 +69,7 @@ static void erk_free(lac_engine *engine)
         return;
     }
     if (c->mem != NULL) {
-        ERKStepFree(&c->mem);
+        LAC_SUN_ERK(Free)(&c->mem);
     }
     LAC_SUN_ERK_CONTROL_FREE(c->control);
     if (c->y != NULL) {
@@ -106,15 +111,15 @@ static int chosen_order(const lac_engine *engine)
 
 static int set_options(lac_engine *engine, erk *c)
 {
-    int flag = ERKStepSetUserData(c->mem, engine);
-    flag |= ERKStepWFtolerances(c->mem, weights);
+    int flag = LAC_SUN_ERK(SetUserData)(c->mem, engine);
+    flag |= LAC_SUN_ERK(WFtolerances)(c->mem, weights);
     int order = chosen_order(engine);
-    flag |= order > 0 ? ERKStepSetOrder(c->mem, order)
+    flag |= order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, order)
                       : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
-    flag |= ERKStepSetMaxNumSteps(c->mem, -1);
-    flag |= ERKStepSetMaxErrTestFails(c->mem, 30);
-    flag |= ERKStepSetMaxHnilWarns(c->mem, -1);
-    flag |= ERKStepSetInterpolantDegree(c->mem, 5);
+    flag |= LAC_SUN_ERK(SetMaxNumSteps)(c->mem, -1);
+    flag |= LAC_SUN_ERK(SetMaxErrTestFails)(c->mem, 30);
+    flag |= LAC_SUN_ERK(SetMaxHnilWarns)(c->mem, -1);
+    flag |= LAC_SUN_ERK(SetInterpolantDegree)(c->mem, 5);
     flag |= LAC_SUN_ERK_CONTROL(c->mem, engine->sun, &c->control);
     return flag;
 }
@@ -145,9 +150,9 @@ static void erk_count(lac_engine *engine)
 {
     erk *c = engine->inner;
     long now[3] = {0};
-    (void)ERKStepGetNumSteps(c->mem, &now[0]);
-    (void)ERKStepGetNumRhsEvals(c->mem, &now[1]);
-    (void)ERKStepGetNumErrTestFails(c->mem, &now[2]);
+    (void)LAC_SUN_ERK(GetNumSteps)(c->mem, &now[0]);
+    (void)LAC_SUN_ERK_EVALUATIONS(c->mem, &now[1]);
+    (void)LAC_SUN_ERK(GetNumErrTestFails)(c->mem, &now[2]);
     engine->counts.steps = engine->before.steps + now[0];
     engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1];
     engine->counts.error_test_fails = engine->before.error_test_fails + now[2];
@@ -160,8 +165,8 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     lac_problem_forget(engine->problem, c->aside);
     c->first = h;
     if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
-        ERKStepSetInitStep(c->mem, h) != ARK_SUCCESS ||
-        ERKStepSetMaxStep(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
+        LAC_SUN_ERK(SetInitStep)(c->mem, h) != ARK_SUCCESS ||
+        LAC_SUN_ERK(SetMaxStep)(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
                         lac_engine_time(engine));
     }
@@ -175,8 +180,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     if (lac_vector_lacks(c->y)) {
         return lac_fail_memory(err);
     }
-    (void)ERKStepGetCurrentStep(c->mem, &h);
-    char *name = ERKStepGetReturnFlagName(flag);
+    (void)LAC_SUN_ERK(GetCurrentStep)(c->mem, &h);
+    char *name = LAC_SUN_ERK(GetReturnFlagName)(flag);
     lac_status status = lac_fail(
         err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
         name != NULL ? name : "?", lac_engine_time(engine), h, (long long)engine->order);
@@ -201,8 +206,8 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
 
     for (int tries = 0;; tries++) {
         sunrealtype t = engine->t;
-        (void)ERKStepSetStopTime(c->mem, stop);
-        int flag = ERKStepEvolve(c->mem, stop, c->y, &t, ARK_ONE_STEP);
+        (void)LAC_SUN_ERK(SetStopTime)(c->mem, stop);
+        int flag = LAC_SUN_ERK(Evolve)(c->mem, stop, c->y, &t, ARK_ONE_STEP);
         if (flag >= 0) {
             engine->t = flag == ARK_TSTOP_RETURN ? stop : t;
             break;
@@ -226,7 +231,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     }
     c->first = 0.0;
     sunrealtype last;
-    (void)ERKStepGetLastStep(c->mem, &last);
+    (void)LAC_SUN_ERK(GetLastStep)(c->mem, &last);
     engine->step = last;
     return LAC_OK;
 }
@@ -235,12 +240,9 @@ static bool erk_at(lac_engine *engine, double t, double *seen)
 {
     size_t n = engine->n;
     erk *c = engine->inner;
-    // The interpolant evaluates rates: in scratch of its own, so that looking leaves nothing
-    // behind.
-    double *work = engine->work;
-    engine->work = c->aside;
-    int flag = ERKStepGetDky(c->mem, t, 0, c->scratch);
-    engine->work = work;
+    c->looking = true; // the interpolant evaluates rates
+    int flag = LAC_SUN_ERK(GetDky)(c->mem, t, 0, c->scratch);
+    c->looking = false;
     if (flag != ARK_SUCCESS) {
         return false;
     }

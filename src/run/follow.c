@@ -59,7 +59,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
     (void)none, (void)tol;
     if (CVodeGetNonlinearSystemData(f->mem, &t, &predicted, &y, &rate, &gamma, &rl1, &zn1, &user) !=
         CV_SUCCESS) {
-        return SUNLS_MEM_NULL;
+        return LAC_SUN_BROKEN;
     }
     N_VScale(1.0, b, x);
     const double *at = lac_vector_data(y);

@@ -99,7 +99,7 @@ static int take_rates(newton *self, const step *s, N_Vector correction)
     self->evaluations++;
     sunrealtype c[] = {-s->rl1, -1.0, s->gamma};
     N_Vector x[] = {s->z1, correction, s->f};
-    return N_VLinearCombination(3, c, x, s->f) == 0 ? 0 : SUN_NLS_VECTOROP_ERR;
+    return N_VLinearCombination(3, c, x, s->f) == 0 ? 0 : LAC_SUN_BROKEN;
 }
 
 // d in place of -r.
@@ -147,7 +147,7 @@ static int solve(SUNNonlinearSolver solver, N_Vector predicted, N_Vector correct
     self->iterations = 0;
     if (CVodeGetNonlinearSystemData(mem, &s.t, &s.z0, &s.y, &s.f, &s.gamma, &s.rl1, &s.z1, &user) !=
         CV_SUCCESS) {
-        return SUN_NLS_MEM_NULL;
+        return LAC_SUN_BROKEN;
     }
     int status = iterate(solver, &s, correction, weight, tolerance);
     self->failed = status != 0;

@@ -191,7 +191,7 @@ def wrong_tool(words):
         return f"no {tool}"
     if "argparse" not in doc_commands.read(os.path.join(SOURCE, tool)):
         return wrong_file([tool, *rest])
-    done = call(["/usr/bin/python3", "-c", BEGIN, tool, *rest])
+    done = call([sys.executable, "-c", BEGIN, tool, *rest])
     return None if done.stdout.endswith("begins\n") else done.stderr or done.stdout
 
 
@@ -258,7 +258,7 @@ class Folder:
             return ["zsh", "-f", "-c", f"autoload -U compinit; compinit -D; {text}"]
         if "completion fish" in text:
             return ["fish", "--no-config", "-c", text]
-        return ["bash", "-eu", "-o", "pipefail", "-c", text]
+        return ["bash", "-eu", "-o", "pipefail", "-c", doc_commands.with_this_python(text)]
 
     def put_own(self, text):
         """The reader's own case, where the command names one that it does not make."""
@@ -282,7 +282,7 @@ class Folder:
         if not shutil.which("jq"):
             shell[-1] = re.sub(r"\| jq \S+", "", shell[-1])
         before = set(os.listdir(self.path))
-        path = os.pathsep.join([os.path.dirname(PROGRAM), "/usr/bin", os.environ["PATH"]])
+        path = os.pathsep.join([os.path.dirname(PROGRAM), os.path.dirname(sys.executable), os.environ["PATH"]])
         done = call(shell, cwd=self.path, env=dict(os.environ, PATH=path, MPLBACKEND="Agg"))
         if done.returncode != 0:
             return f"exit {done.returncode}: {done.stderr[-600:]}"

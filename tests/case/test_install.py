@@ -88,7 +88,7 @@ class Prefix:
         module = os.path.join(self.prefix, "lib", "python3", "dist-packages")
         environment = {k: v for k, v in os.environ.items() if k != "LACUNA_LIBRARY"}
         environment["PYTHONPATH"] = module
-        printed = call("/usr/bin/python3", "-c",
+        printed = call(sys.executable, "-c",
                        f"import lacuna; print(lacuna._library._name, lacuna.run({BLOCK!r}).failed)",
                        env=environment)
         self.assertEqual(printed.split()[1], "1.0")
@@ -170,7 +170,7 @@ class Installed(Prefix, unittest.TestCase):
     def test_tools_draw_from_where_they_are(self):
         run, picture = (os.path.join(self.folder, name) for name in ("drawn.nc", "drawn.png"))
         call(os.path.join(self.prefix, "bin", "lacuna"), "run", BLOCK, "-o", run, "--force")
-        call("/usr/bin/python3", os.path.join(self.prefix, "share", "lacuna", "tools", "plot_run.py"),
+        call(sys.executable, os.path.join(self.prefix, "share", "lacuna", "tools", "plot_run.py"),
              run, "-o", picture, env=dict(os.environ, MPLBACKEND="Agg"))
         self.assertGreater(os.path.getsize(picture), 10000)
 
@@ -186,6 +186,21 @@ class Installed(Prefix, unittest.TestCase):
              os.path.join(self.prefix, "include"), os.path.join(self.folder, "all.c"))
         self.assertEqual(sorted(names),
                          sorted(os.listdir(os.path.join(SOURCE, "include", "lacuna"))))
+
+
+    @unittest.skipUnless(shutil.which("c++") or shutil.which("clang++"), "needs a C++ compiler")
+    def test_headers_serve_from_cpp(self):
+        """All functions and rows of the headers, by the names that they have in C."""
+        source, made = os.path.join(self.folder, "all.cpp"), os.path.join(self.folder, "all.o")
+        headers = sorted(os.listdir(os.path.join(self.prefix, "include", "lacuna")))
+        with open(source, "w", encoding="utf-8") as file:
+            file.writelines(f"#include <lacuna/{name}>\n" for name in headers)
+            file.write("const void *all[] = {%s};\n" % ", ".join(
+                f"(const void *)&{name}" for name in sorted(declared())))
+        call(shutil.which("c++") or "clang++", "-std=c++11", "-Wall", "-Wextra", "-Werror", "-c", "-I",
+             os.path.join(self.prefix, "include"), source, "-o", made)
+        wanted = {line.split()[-1] for line in call("nm", "-u", made).splitlines()}
+        self.assertEqual({name for name in wanted if "lac_" in name}, declared())
 
 
 @unittest.skipUnless(shutil.which("dpkg-shlibdeps") and shutil.which("file"),
@@ -205,6 +220,8 @@ class Package(Prefix, unittest.TestCase):
         names = {name.strip() for name in needs.split(",")}
         libraries = ("libc6", "libgomp", "libgsl", "libnetcdf", "libyaml", "libudunits2", "libfftw3",
                      "libsundials", "libmicrohttpd")
+        if any(name.startswith("libsundials-core") for name in names):
+            libraries += ("libopenmpi",)  # from SUNDIALS 7 on its contexts are made with MPI's "none"
         for library in libraries:
             self.assertTrue([name for name in names if name.startswith(library)], names)
         self.assertFalse([name for name in names if not name.startswith(libraries)], names)
@@ -220,6 +237,18 @@ class Package(Prefix, unittest.TestCase):
         script = script.replace("/usr/lib/python3/dist-packages", modules)
         call("sh", "-c", script.replace("/usr/share", modules))
         self.assertEqual(os.listdir(os.path.join(modules, "__pycache__")), ["other.cpython-311.pyc"])
+
+    @unittest.skipUnless(shutil.which("dpkg-buildflags"), "needs dpkg-dev")
+    def test_it_is_hardened(self):
+        """As hardening-check of devscripts sees it."""
+        for name in ("bin/lacuna", "lib/liblacuna.so"):
+            binary = os.path.realpath(os.path.join(self.prefix, name))
+            listing = call("readelf", "-W", "-d", "-l", "--dyn-syms", binary)
+            self.assertRegex(listing, "BIND_NOW|FLAGS_1.*NOW", name)
+            self.assertIn("GNU_RELRO", listing, name)
+            self.assertIn("__stack_chk_fail", listing, name)
+            self.assertRegex(listing, r"__\w+_chk\b(?<!__stack_chk)", name)
+            self.assertIn("DYN", call("readelf", "-h", binary), name)  # may be put anywhere
 
     def test_what_is_in_it(self):
         self.checks_of_library()

@@ -255,7 +255,7 @@ class Precursors(unittest.TestCase):
                     self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
                                      f["tc_s"])
             self.check_indicators(data, answer)
-        done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tests/support/check_cf.py"),
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tests/support/check_cf.py"),
                                "--status", "complete", path], text=True, capture_output=True,
                               check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
@@ -395,7 +395,7 @@ class Precursors(unittest.TestCase):
 
     def hindcasts(self):
         data = os.path.join(SOURCE, "..", "shared", "data", "monitoring")
-        done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tools/hindcasts.py"),
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/hindcasts.py"),
                                "--program", PROGRAM, "--data", data], text=True,
                               capture_output=True, check=True)
         return [[cell.strip() for cell in line.split("|")] for line in done.stdout.splitlines()]

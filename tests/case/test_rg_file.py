@@ -229,7 +229,7 @@ class Files(unittest.TestCase):
                 self.assertTrue(len(blocks) <= expected)
         self.call("rg", "run.nc", "-v", "--force")
         check = os.path.join(SOURCE, "tests/support/check_cf.py")
-        done = subprocess.run(["/usr/bin/python3", check, "--status", "complete",
+        done = subprocess.run([sys.executable, check, "--status", "complete",
                                self.path("out.nc")], text=True, capture_output=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 

@@ -50,7 +50,7 @@ class Site(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-site-test-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
-        done = subprocess.run(["/usr/bin/python3", os.path.join(SOURCE, "tools", "docs_site.py"),
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", "docs_site.py"),
                                "--output", cls.folder], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise AssertionError(done.stdout + done.stderr)

@@ -9,7 +9,9 @@ text quotes (`text`).
 import glob
 import os
 import re
+import shlex
 import subprocess
+import sys
 from collections import namedtuple
 
 Command = namedtuple("Command", "page line kind text")
@@ -20,6 +22,11 @@ FIRST = (r"lacuna|ncdump|/usr/bin/python3|source|tools/[\w-]+(?:\.py)?|tests/sup
 BLOCK = re.compile(rf"^(?: {{4}}|\t)((?:{FIRST})(?: .*)?)$")
 QUOTED = re.compile(rf"`((?:{FIRST}) [^`\n]+)`")
 STRANGER = re.compile(r"^(?: {4}|\t)(\S+ .*\.(?:nc|yaml|csv)\b.*)$")
+
+
+def with_this_python(text):
+    """A command of the documentation, run by the Python of the tests; the pages name Debian's own."""
+    return text.replace("/usr/bin/python3", shlex.quote(sys.executable))
 
 
 def read(path):

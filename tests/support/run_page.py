@@ -22,6 +22,8 @@ import subprocess
 import sys
 import tempfile
 
+import doc_commands
+
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMANDS = ("lacuna ", "ncdump ", "/usr/bin/python3 ")
@@ -56,7 +58,7 @@ def compare(wanted, got):
 
 def run_block(text, folder, program):
     environment = dict(os.environ, PATH=os.path.dirname(program) + os.pathsep + os.environ["PATH"])
-    return subprocess.run(["sh", "-eu", "-c", text], cwd=folder, env=environment, text=True,
+    return subprocess.run(["sh", "-eu", "-c", doc_commands.with_this_python(text)], cwd=folder, env=environment, text=True,
                           capture_output=True, timeout=250, check=False, stdin=subprocess.DEVNULL)
 
 
@@ -85,7 +87,7 @@ def check_page(text, program, folder):
                 return "prints\n    {1}\nwhere the page has\n    {0}".format(*wrong)
             printed = None
     if python:
-        done = subprocess.run(["/usr/bin/python3", "-c", python], cwd=folder, text=True,
+        done = subprocess.run([sys.executable, "-c", python], cwd=folder, text=True,
                               capture_output=True, timeout=250, check=False)
         if done.returncode != 0:
             return f"its Python fails:\n{done.stderr}"

@@ -93,7 +93,8 @@ static void npy_written_by_numpy(void **state)
         char path[160];
         (void)snprintf(path, sizeof path, "%s", scratch_path(&files, "numpy.npy"));
         (void)snprintf(command, sizeof command,
-                       "/usr/bin/python3 -c \"import numpy as n; a = n.add.outer(7 * n.arange(5), "
+                       LACUNA_PYTHON
+                       " -c \"import numpy as n; a = n.add.outer(7 * n.arange(5), "
                        "n.arange(4)).astype('%s'); n.save('%s', a.copy('%s'))\" 2>/dev/null",
                        types[t % 8], path, t < 8 ? "C" : "F");
         if (system(command) != 0) {

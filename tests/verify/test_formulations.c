@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <sundials/sundials_config.h>
 
 #include "support/block.h"
 #include "support/slider.h"
@@ -65,7 +66,8 @@ static void spring_slider(void **state)
 {
     lac_formulation formulation = chosen(state);
     const double coarse[] = {1e-7, 1e-7, 1e-6};
-    const int64_t most[] = {12500, 12500, 10500}; // rounding alone moves the first two by 4 %
+    // Rounding alone moves the first two by 4 %; SUNDIALS 7 controls explicit steps with 4 % more.
+    const int64_t most[] = {12500, 12500, SUNDIALS_VERSION_MAJOR < 7 ? 10500 : 11000};
     for (size_t m = 0; m < 3; m++) {
         int64_t few;
         int64_t many;

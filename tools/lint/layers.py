@@ -42,6 +42,7 @@ USES = {
 # The module of a public header, where the names differ; lacuna.h is everyone's.
 HEADERS = {
     "error": "base",
+    "linkage": "base",
     "param": "base",
     "grid": "base",
     "version": "base",

@@ -4,7 +4,8 @@
     symbols.py LIBRARY
 
 Every global symbol begins with lac_; nothing writable outlives a call; nothing prints to the
-terminal, ends the process, or reads the environment or the clock.
+terminal, ends the process, reads the environment or the clock, or switches GSL's error handler, which is
+one for all threads.
 """
 
 import re
@@ -18,7 +19,8 @@ FORBIDDEN = set(
     exit _exit _Exit quick_exit abort atexit raise signal sigaction
     getenv secure_getenv setenv putenv environ system popen
     time clock clock_gettime gettimeofday timespec_get localtime localtime_r gmtime ctime asctime
-    rand srand random srandom drand48 strtok setlocale""".split()
+    rand srand random srandom drand48 strtok setlocale
+    gsl_set_error_handler gsl_set_error_handler_off""".split()
 )
 
 CONSTANT = re.compile(r"\.(rodata|data\.rel\.ro|text|eh_frame)")
