@@ -302,6 +302,19 @@ static void check_initial(lac_reader *reader, const lac_case *c)
              "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
 }
 
+// What lac_run leaves to its caller.
+static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
+{
+    static const char *const written[] = {"output.file", "output.fields", "output.checkpoint",
+                                          "output.compression", "output.precision"};
+    unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
+                      (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
+    for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
+        beyond |= lac_present(reader, written[i]) ? (unsigned)LAC_BEYOND_OUTPUT : 0U;
+    }
+    return beyond;
+}
+
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
     bool material_read = lac_clean(reader, "material");
@@ -324,4 +337,5 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);
+    c->run.beyond = beyond_run(reader, c);
 }

@@ -66,6 +66,7 @@ static lac_status integrate(const cli_trade_job *job, run_state *s, const char *
 {
     lac_run_result result = {0};
     lac_status status = LAC_OK;
+    s->source->run.beyond = 0; // done here, or refused
     LAC_TRY(lac_scene_create(s->source, &s->scene, err));
     LAC_TRY(lac_scene_analysis_create(s->scene, NULL, &s->analysis, err));
     LAC_TRY(open_store(job, s, file, err));

@@ -119,6 +119,7 @@ static lac_status run(const lac_scene *scene, lac_analysis *analysis, const lac_
     lac_sink sink = lac_recording_sink(recording);
     lac_run_def def = scene->source->run;
     lac_run_result result;
+    def.beyond = 0;
     if (analysis != NULL) {
         sink = lac_analysis_sink(analysis, &sink);
     }
