@@ -77,11 +77,6 @@ lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, la
     lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);
     if (status != LAC_OK) {
         (void)first_issue(&report, status, err);
-    } else if (of == LAC_OF_RUN && !isnan((*c)->accuracy)) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: solver.accuracy is picked for by lacuna run; lacuna trade varies "
-                          "solver.rtol: leave it out",
-                          (*c)->path);
     } else {
         status = of == LAC_OF_RUN ? shorten(request, *c, err) : LAC_OK;
     }
