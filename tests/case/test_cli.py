@@ -201,6 +201,24 @@ class Cases(Case):
         self.assertEqual(done["estimate"]["contact_cells"], 1)
         self.assertEqual(done["estimate"]["unknowns"], 2)
 
+    def test_json_numbers(self):
+        """Whole numbers are written as such, others so that they read back with the fewest digits."""
+        shutil.copy(os.path.join(SOURCE, "cases", "contact", "self-affine.yaml"), self.path("s.yaml"))
+        small = ["--set", "interface.levels=6", "--set", "solver.contact_tolerance=1e-4"]
+        seen = set()
+        for words in [["check", "block.yaml"], ["run", "block.yaml", "-o", "out.nc"], ["describe", "solver"],
+                      ["contact", "s.yaml", "-o", "c.nc", *small], ["describe", "friction", "aging"]]:
+            out = self.expect(0, *words, "--json").stdout
+            for text in re.findall(r'[\[:,]\s+(-?\d[\d.e+-]*)', out):
+                value = float(text)
+                seen.add(text)
+                if value.is_integer() and abs(value) < 2**53:
+                    self.assertRegex(text, r"^-?\d+$", words)
+                else:
+                    digits = lambda number: len(re.sub(r"e.*|\D", "", number).strip("0"))
+                    self.assertEqual(digits(text), digits(repr(value)), text)
+        self.assertTrue({"3000000", "64"} <= seen, seen)  # Pa, cells a side
+
     def test_check_json_lists_errors(self):
         self.write("bad.yaml", BLOCK.replace("0.1 mm", "-1 um").replace("title", "titel"))
         out = self.expect(2, "check", "bad.yaml", "--json")
