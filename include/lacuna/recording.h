@@ -2,8 +2,8 @@
 #ifndef LACUNA_RECORDING_H
 #define LACUNA_RECORDING_H
 
-#include "lacuna/hierarchy.h"
 #include "lacuna/store_checkpoint.h"
+#include "lacuna/transfer.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -11,6 +11,7 @@ typedef struct lac_recording lac_recording;
 typedef struct lac_recording_def {
     const lac_domain *domain;       ///< NULL: nothing of the cells
     const lac_hierarchy *hierarchy; ///< NULL: no levels
+    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
     unsigned fields;                ///< LAC_FIELD_* of store.h, of snapshots
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond

@@ -37,6 +37,7 @@ static lac_status open_store(const cli_trade_job *job, run_state *s, const char 
                          .start_date = c->start_date,
                          .domain = s->scene->contact.domain,
                          .hierarchy = s->scene->hierarchy,
+                         .transfer = &s->scene->transfer,
                          .fields = c->fields,
                          .compression = c->compression,
                          .single = c->single != 0,

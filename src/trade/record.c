@@ -82,6 +82,7 @@ static lac_status create(const lac_scene *scene, const lac_analysis *analysis, l
 {
     lac_recording_def def = {.domain = scene->contact.domain,
                              .hierarchy = scene->hierarchy,
+                             .transfer = &scene->transfer,
                              .fields = scene->source->fields,
                              .events = lac_analysis_has_events(analysis)};
     const double *once;
