@@ -320,6 +320,26 @@ static void check_initial(lac_reader *reader, const lac_case *c)
              "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
 }
 
+// Outputs closer in time than numbers near the end of the run are would all be at one time.
+static void check_cadences(lac_reader *reader, const lac_case *c)
+{
+    const struct {
+        const char *key;
+        double time;
+    } cadences[] = {{"output.every", c->run.record.time},
+                    {"output.fields_every", c->run.snapshot.time},
+                    {"output.checkpoint", c->run.checkpoint.time}};
+    const double least = c->run.end * 0x1p-52;
+    char text[64];
+    for (size_t i = 0; i < sizeof cadences / sizeof cadences[0] && lac_clean(reader, "time"); i++) {
+        if (cadences[i].time < least && lac_clean(reader, "output")) {
+            lac_blame_key(reader, cadences[i].key,
+                          "is finer than times are told apart by time.end: must be >= %s",
+                          lac_units_format(least, "s", text, sizeof text));
+        }
+    }
+}
+
 // What lac_run leaves to its caller.
 static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
 {
@@ -355,5 +375,6 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);
+    check_cadences(reader, c);
     c->run.beyond = beyond_run(reader, c);
 }
