@@ -200,6 +200,28 @@ class Cases(Case):
         self.assertEqual(done["estimate"]["contact_cells"], 1)
         self.assertEqual(done["estimate"]["unknowns"], 2)
 
+    def test_no_control_characters(self):
+        """A title, a column or a file's name is no command to the terminal; other characters stay."""
+        self.write("s.csv", "t,d\x1b[2J\x9bx\n0,1\n1,2\n2,3\n")
+        shutil.copy(os.path.join(SOURCE, "cases", "contact", "self-affine.yaml"), self.path("s.yaml"))
+        title = ["--set", 'title="a\\e[31mb\\x9bc\\a\\x7f \u00e9\u4e2d\U0001f642"']
+        small = ["--set", "interface.levels=6", "--set", "solver.contact_tolerance=1e-4"]
+        named = "x\x1b[2J\x9b.nc"
+        for status, words in [(0, ["run", "block.yaml", "-o", named, *title]), (0, ["check", "block.yaml", *title]),
+                              (0, ["contact", "s.yaml", "-o", "c.nc", *small, *title]),
+                              (0, ["rg", "s.yaml", "-o", "r.nc", "--force", *small, *title]),
+                              (0, ["trade", "block.yaml", "--dials", "rtol=1e-3:1e-4", "-o", "t.nc", *title]),
+                              (0, ["report", named, "-o", "x\x1b.html"]),
+                              (2, ["run", "block.yaml", "-o", named]), (2, ["precursors", "s.csv", "--displacement", "e:m"])]:
+            done = self.expect(status, *words)
+            for text in (done.stdout, done.stderr):
+                self.assertNotRegex(text, "[\x00-\x08\x0b-\x1f\x7f-\x9f]", words)
+            if words[0] == "run" and status == 0:
+                self.assertTrue(done.stdout.startswith("a?[31mb?c?? \u00e9\u4e2d\U0001f642\n"), done.stdout)
+        whole = "\u00e9\x9b\u00c2" * 10000  # over many blocks of output
+        done = self.expect(0, "run", "block.yaml", "-o", "y.nc", "--set", f'title="{whole}"'.replace("\x9b", "\\x9b"))
+        self.assertEqual(done.stdout.splitlines()[0], whole.replace("\x9b", "?"))
+
     def test_check_counts_the_output(self):
         """Records and fields at stated times stand in the estimate as in the file; too fine ones are refused."""
         for key in ("every", "fields_every", "checkpoint"):
