@@ -267,8 +267,8 @@ class Cases(Case):
         error = done["errors"][1]
         self.assertEqual((error["file"], error["line"], error["key"], error["value"]),
                          ("bad.yaml", 5, "friction.aging.dc", "-1 um"))
-        self.assertIn("> 0", error["message"])
-        self.assertIn('lacuna: bad.yaml:5: friction.aging.dc: "-1 um" must be > 0', out.stderr)
+        self.assertIn(">= 1e-18 m", error["message"])
+        self.assertIn('lacuna: bad.yaml:5: friction.aging.dc: "-1 um" must be >= 1e-18 m', out.stderr)
 
     def test_set(self):
         out = self.expect(0, "check", "block.yaml", "--set", "friction.aging.dc=7 mm", "--set",

@@ -391,7 +391,7 @@ static void wrong_overrides_are_blamed(void **state)
         lac_override override;
         const char *line;
     } wrong[] = {
-        {{"friction.aging.dc", "-1 um"}, "--set: friction.aging.dc: \"-1 um\" must be > 0 m"},
+        {{"friction.aging.dc", "-1 um"}, "--set: friction.aging.dc: \"-1 um\" must be >= 1e-18 m"},
         {{"friction.aging.dcc", "1"},
          "--set: friction.aging.dcc: is no key here; did you mean \"dc\"?"},
         {{"load.pore_pressure.2.constant.value", "1"},

@@ -130,14 +130,14 @@ static void healing(void **state)
 static void slip_to_renew(void **state)
 {
     double worst = 0.0;
-    for (int k = -9; k <= 0; k++) {
+    for (int k = -18; k <= 0; k++) { // from the smallest that a law takes
         block_def def = block_default(1.35, 0.5);
         def.dc = pow(10.0, k);
         def.slip_rate = 1e-9;
         def.v0 = 1e-6;
         worst = fmax(worst, all_methods(&def, state, 1.0, 1e-6));
     }
-    report(state, "dc 1e-9 ... 1 m", worst);
+    report(state, "dc 1e-18 ... 1 m", worst);
 }
 
 // a falls, b stays: the weaker the direct effect, the more sudden the failure.

@@ -60,7 +60,7 @@ static void expect_refused(const char *path, const char *set, lac_status status,
 static void test_refused(void **state)
 {
     (void)state;
-    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be > 0");
+    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be >= 1e-18 m");
     expect_refused(BLOCK, "friction.aging.dx=1", LAC_EINPUT, "did you mean \"dc\"?");
     expect_refused(BLOCK, "=1", LAC_EINPUT, "key.path=value");
     expect_refused(BLOCK, "title", LAC_EINPUT, "key.path=value");
