@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cvodes/cvodes.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,7 @@ typedef struct cvode {
     N_Vector seen_y, seen_slip;             // over what is asked for
     SUNNonlinearSolver newton, fixed_point; // one of them
     int64_t evaluations;                    // of dy/dt by newton since the last restart
+    bool coarse;                            // slip is held to what a double resolves of it
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -80,9 +82,10 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
 
 // Slip beside y, whose errors count; to one tolerance, the least, where the slip itself counts
 // besides, so that no cell keeps its own.
-static int set_slip(const lac_engine *engine, cvode *c)
+// @param resolved  what counts besides where the slip itself does not, relative to the slip
+static int set_slip_tolerance(const lac_engine *engine, const cvode *c, double resolved)
 {
-    int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
+    int flag = CV_SUCCESS;
     N_Vector tolerance = N_VClone(c->slip);
     if (lac_vector_lacks(c->slip)) {
         flag = CV_MEM_FAIL;
@@ -94,12 +97,18 @@ static int set_slip(const lac_engine *engine, cvode *c)
         for (size_t i = 0; i < engine->n; i++) {
             least = fmin(least, absolute[i]);
         }
-        flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
-        flag |= relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
-                               : CVodeQuadSVtolerances(c->mem, 0.0, tolerance);
+        flag = relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
+                              : CVodeQuadSVtolerances(c->mem, resolved, tolerance);
     }
     N_VDestroy(tolerance);
     return flag;
+}
+
+static int set_slip(const lac_engine *engine, cvode *c)
+{
+    int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
+    flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
+    return flag | set_slip_tolerance(engine, c, 0.0);
 }
 
 static int set_options(lac_engine *engine, cvode *c)
@@ -208,6 +217,10 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
     cvode_count(engine);
     engine->before = engine->counts;
     c->evaluations = 0;
+    if (c->coarse) { // a run that goes on from here begins like this too
+        c->coarse = false;
+        (void)set_slip_tolerance(engine, c, 0.0);
+    }
     bool good = CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
                 (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
                 CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
@@ -269,6 +282,11 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     }
     sunrealtype at;
     int flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    if (flag == CV_TOO_MUCH_ACC && c->slip != NULL && !c->coarse) {
+        // A slip so far beyond dc that rtol dc is lost in its last digit.
+        c->coarse = set_slip_tolerance(engine, c, 8.0 * DBL_EPSILON) == CV_SUCCESS;
+        flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    }
     bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
     settle(c);
     if (flag < 0) {
