@@ -26,7 +26,10 @@ int main(int argc, char **argv)
     double next = 0;
     lac_sink sink = {.context = &next, .record = print_decade};
     lac_status status = lac_case_read(argc > 1 ? argv[1] : "case.yaml", NULL, &c, &report, &err);
-    status = status == LAC_OK ? lac_scene_create(c, &scene, &err) : status;
+    if (status == LAC_OK) {
+        c->run.beyond &= ~(unsigned)LAC_BEYOND_OUTPUT; // the sink takes the place of a file
+        status = lac_scene_create(c, &scene, &err);
+    }
     status = status == LAC_OK ? lac_run(scene->problem, &c->run, &sink, &result, &err) : status;
     if (status != LAC_OK) {
         fprintf(stderr, "creep: %s\n", err.message);

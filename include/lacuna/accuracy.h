@@ -32,7 +32,7 @@ const char *lac_accuracy_of_name(lac_accuracy_of of);
 /// tightest is; of all that are close enough to that one the one with the least work is picked.
 /// Work is counted, not timed, so that the same case has the same pick. docs/trade.md.
 /// @param scene  made from `c`; renewed with the settings picked
-/// @param c      gets the settings; its accuracy is then NaN
+/// @param c      gets the settings; its accuracy is then NaN and LAC_BEYOND_ACCURACY cleared
 /// @param how    interrupted, progress and context are passed to the runs; NULL: none
 /// @return LAC_OK; LAC_ENUMERIC where no tolerance does; LAC_EINTERRUPT; as lac_scene_renew
 /// @cost   some four times the run picked

@@ -2,9 +2,9 @@
 #ifndef LACUNA_RECORDING_H
 #define LACUNA_RECORDING_H
 
-#include "lacuna/hierarchy.h"
 #include "lacuna/linkage.h"
 #include "lacuna/store_checkpoint.h"
+#include "lacuna/transfer.h"
 
 LAC_BEGIN_C
 
@@ -14,6 +14,7 @@ typedef struct lac_recording lac_recording;
 typedef struct lac_recording_def {
     const lac_domain *domain;       ///< NULL: nothing of the cells
     const lac_hierarchy *hierarchy; ///< NULL: no levels
+    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
     unsigned fields;                ///< LAC_FIELD_* of store.h, of snapshots
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond

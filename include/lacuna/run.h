@@ -128,6 +128,13 @@ typedef struct lac_progress {
     int64_t steps;
 } lac_progress;
 
+/// What a case can ask of its run that lac_run does not do: bits of lac_run_def.beyond.
+enum {
+    LAC_BEYOND_ACCURACY = 1, ///< solver.accuracy: lac_accuracy_choose does it, and clears the bit
+    LAC_BEYOND_ANALYSIS = 2, ///< analysis: a sink by lac_analysis_sink
+    LAC_BEYOND_OUTPUT = 4,   ///< keys of output but `every`: what a sink does with what it gets
+};
+
 typedef struct lac_run_def {
     lac_fidelity fidelity;
     lac_method method;   ///< of fidelity ODE
@@ -150,6 +157,8 @@ typedef struct lac_run_def {
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;
+    unsigned beyond; ///< LAC_BEYOND_*, set where a case is read; lac_run refuses what is set, so a
+                     ///< caller that does it clears the bit
 } lac_run_def;
 
 /// Why a run ended.
@@ -204,7 +213,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 /// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
 ///         step, order and worst cell, or where a slip rate leaves the numbers; what the sink
 ///         returns; LAC_ENOMEM; LAC_EINPUT where the checkpoint to go on from is of another
-///         problem, or beyond the end
+///         problem, or beyond the end, and where def->beyond is not 0
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
 

@@ -34,6 +34,7 @@ typedef struct lac_store_def {
     double start_date; ///< seconds since 1970 of t = 0
     const lac_domain *domain;
     const lac_hierarchy *hierarchy;
+    const lac_transfer *transfer; ///< of the run, for the stiffness of its levels; NULL: not said
     unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
     bool single;         ///< records and fields but times are written as floats
     int64_t compression; ///< deflate level of the snapshots, 0 to 9

@@ -129,7 +129,8 @@ typedef struct lac_trade_plan {
 /// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
 ///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
 /// @param crossed   every position with every other; else each with those of the first ladder only
-/// @return LAC_OK; LAC_EINPUT (no such dial, nothing to turn ...); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (no such dial, nothing to turn, a case with solver.accuracy ...);
+///         LAC_ENOMEM
 lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
                                  bool crossed, lac_trade_plan *out, lac_error *err);
 void lac_trade_plan_clear(lac_trade_plan *plan);

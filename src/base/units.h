@@ -46,6 +46,10 @@ lac_status lac_units_time(const lac_units *units, const char *text, double *scal
 /// @return text, which also stands in `text`
 const char *lac_units_format(double value, const char *unit, char *text, size_t size);
 
+/// Writes a number with as many digits as read back to the same, `fewest` at least.
+/// @return text, which also stands in `text`
+const char *lac_number_exact(double value, int fewest, char *text, size_t size);
+
 /// Writes a value in its SI unit with as many digits as read back to the same number
 /// ("0.0001 m"; the number alone where the unit is "1").
 const char *lac_units_exact(double value, const char *unit, char *text, size_t size);

@@ -112,17 +112,22 @@ static const char *join(const char *number, const char *unit, char *text, size_t
     return text;
 }
 
-const char *lac_units_exact(double value, const char *unit, char *text, size_t size)
+const char *lac_number_exact(double value, int fewest, char *text, size_t size)
 {
-    char number[32];
-    for (int digits = 6; digits <= 17; digits++) {
-        (void)snprintf(number, sizeof number, "%.*g", digits, value);
-        if (strtod(number, NULL) == value) {
+    for (int digits = fewest; digits <= 17; digits++) {
+        (void)snprintf(text, size, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) {
             break;
         }
     }
-    point_decimals(number);
-    return join(number, unit, text, size);
+    point_decimals(text);
+    return text;
+}
+
+const char *lac_units_exact(double value, const char *unit, char *text, size_t size)
+{
+    char number[32];
+    return join(lac_number_exact(value, 6, number, sizeof number), unit, text, size);
 }
 
 const char *lac_units_format(double value, const char *unit, char *text, size_t size)

@@ -267,6 +267,28 @@ static bool loads_stay(const lac_case *c)
     return stay;
 }
 
+// Whether the state at the start is the same for any ratio to the steady one, as the law has it.
+static void check_ratio(lac_reader *reader, const lac_case *c)
+{
+    static const double others[] = {0.1, 0.5, 2.0, 10.0};
+    const double u = log(c->initial.slip_rate);
+    lac_friction *friction = NULL;
+    char text[64];
+    if (lac_friction_create(&c->friction, 1, &friction, NULL) != LAC_OK) {
+        return; // said where the scene is made
+    }
+    const double w = lac_friction_state_at_ratio(friction, 0, u, c->initial.state_value);
+    bool idle = c->friction_spread.count == 0 && isfinite(w);
+    for (size_t i = 0; idle && i < sizeof others / sizeof others[0]; i++) {
+        idle = fabs(lac_friction_state_at_ratio(friction, 0, u, others[i]) - w) <= 1e-9;
+    }
+    if (idle) {
+        lac_warn(reader, "initial.state", "has no effect where b = a: theta is %s for any ratio",
+                 lac_units_format(exp(w), "s", text, sizeof text));
+    }
+    lac_friction_free(friction);
+}
+
 static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
@@ -282,12 +304,8 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     if (c->friction.about == NULL || !lac_clean(reader, "initial")) {
         return;
     }
-    const lac_friction_params *law = c->friction.params;
-    bool renewal = strcmp(c->friction.about->name, "composite") != 0 && isnan(law->v1) &&
-                   isnan(law->v2); // steady at dc/v, whatever the rate
-    if (law->b == law->a && initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate) &&
-        renewal) {
-        lac_warn(reader, "initial.state", "has no effect where b = a: theta is dc/v for any ratio");
+    if (initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate)) {
+        check_ratio(reader, c);
     }
     if (!starts_unstable(c)) {
         return;
@@ -300,6 +318,39 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     }
     lac_warn(reader, lac_present(reader, "initial.state") ? "initial.state" : "friction",
              "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
+}
+
+// Outputs closer in time than numbers near the end of the run are would all be at one time.
+static void check_cadences(lac_reader *reader, const lac_case *c)
+{
+    const struct {
+        const char *key;
+        double time;
+    } cadences[] = {{"output.every", c->run.record.time},
+                    {"output.fields_every", c->run.snapshot.time},
+                    {"output.checkpoint", c->run.checkpoint.time}};
+    const double least = c->run.end * 0x1p-52;
+    char text[64];
+    for (size_t i = 0; i < sizeof cadences / sizeof cadences[0] && lac_clean(reader, "time"); i++) {
+        if (cadences[i].time < least && lac_clean(reader, "output")) {
+            lac_blame_key(reader, cadences[i].key,
+                          "is finer than times are told apart by time.end: must be >= %s",
+                          lac_units_format(least, "s", text, sizeof text));
+        }
+    }
+}
+
+// What lac_run leaves to its caller.
+static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
+{
+    static const char *const written[] = {"output.file", "output.fields", "output.checkpoint",
+                                          "output.compression", "output.precision"};
+    unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
+                      (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
+    for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
+        beyond |= lac_present(reader, written[i]) ? (unsigned)LAC_BEYOND_OUTPUT : 0U;
+    }
+    return beyond;
 }
 
 void lac_check_case(lac_reader *reader, lac_case *c)
@@ -324,4 +375,6 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);
+    check_cadences(reader, c);
+    c->run.beyond = beyond_run(reader, c);
 }

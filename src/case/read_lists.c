@@ -5,7 +5,7 @@
 
 #include "case/sections.h"
 
-static const lac_param ratio_row = {
+const lac_param lac_ratio_row = {
     .key = "ratio_to_steady",
     .unit = "1",
     .fallback = NAN,
@@ -16,7 +16,7 @@ static const lac_param ratio_row = {
     .doc = "theta over theta_ss at the load that follows",
 };
 
-static const lac_param age_row = {
+const lac_param lac_state_row = {
     .key = "state",
     .unit = "s",
     .fallback = NAN,
@@ -28,7 +28,7 @@ static const lac_param age_row = {
 
 static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def *initial)
 {
-    const lac_table table = {.params = &ratio_row, .count = 1};
+    const lac_table table = {.params = &lac_ratio_row, .count = 1};
     double seconds;
     if (node->kind == LAC_NODE_MAP) {
         initial->state = LAC_STATE_RATIO;
@@ -38,7 +38,7 @@ static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def
     } else if (node->kind == LAC_NODE_SCALAR &&
                lac_units_parse(reader->units, node->text, "s", &seconds, NULL) == LAC_OK) {
         initial->state = LAC_STATE_TIME;
-        (void)lac_read_param(reader, node, &age_row, initial);
+        (void)lac_read_param(reader, node, &lac_state_row, initial);
     } else {
         lac_blame(reader, node,
                   "must be steady, a time such as \"2 year\", or {ratio_to_steady: 0.9}");

@@ -45,6 +45,9 @@ const lac_descriptor *lac_rule_at(size_t index);
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
 
+/// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
+extern const lac_param lac_state_row, lac_ratio_row;
+
 /// Reads `initial`.
 void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c);
 

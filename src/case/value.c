@@ -7,22 +7,6 @@
 
 #include "case/sections.h"
 
-// What `initial.state` may hold, which no table of parameters says.
-static const lac_param state_time = {.key = "state",
-                                     .unit = "s",
-                                     .fallback = NAN,
-                                     .min = 0,
-                                     .max = INFINITY,
-                                     .flags = LAC_ABOVE_MIN,
-                                     .doc = "state theta at the start"};
-static const lac_param state_ratio = {.key = "ratio_to_steady",
-                                      .unit = "1",
-                                      .fallback = NAN,
-                                      .min = 0,
-                                      .max = INFINITY,
-                                      .flags = LAC_ABOVE_MIN,
-                                      .doc = "theta/theta_ss at the start"};
-
 // The rest of a key behind a first part and its dot; NULL where the key begins otherwise.
 static const char *behind(const char *key, const char *part)
 {
@@ -73,7 +57,7 @@ static bool find_state(lac_case *c, const char *key, lac_case_value *out)
     bool ratio =
         c->initial.state == LAC_STATE_RATIO && strcmp(key, "initial.state.ratio_to_steady") == 0;
     out->at = &c->initial.state_value;
-    out->param = time ? &state_time : &state_ratio;
+    out->param = time ? &lac_state_row : &lac_ratio_row;
     return time || ratio;
 }
 

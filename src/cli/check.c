@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cli/command.h"
 #include "cli/compare.h"
 #include "cli/estimate.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/words.h"
 #include "lacuna/scene.h"
 
 // A scene of up to this many grid cells is built whole: quick, and the surest check.
@@ -20,16 +23,139 @@ static lac_status try_contact(const lac_case *c, lac_error *err)
     return status;
 }
 
-static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac_error *err)
+// What `check` has found beyond the text of the case.
+typedef struct findings {
+    const lac_case *source;
+    lac_case_report *report; // where each is added
+    lac_status status;       // the first's
+} findings;
+
+static lac_status add_finding(findings *f, const char *key, const lac_error *why, lac_status status,
+                              lac_error *err)
+{
+    lac_case_report *report = f->report;
+    char text[2000];
+    lac_case_issue *grown = realloc(report->issue, (report->count + 1) * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    report->issue = grown;
+    lac_case_issue *issue = &grown[report->count++];
+    *issue = (lac_case_issue){.file = strdup(f->source->path),
+                              .key = strdup(key),
+                              .value = strdup(""),
+                              .message = strdup(why->message)};
+    report->errors++;
+    f->status = f->status == LAC_OK ? status : f->status;
+    cli_note("%s", lac_case_issue_format(issue, text, sizeof text));
+    bool whole = issue->file != NULL && issue->key != NULL && issue->message != NULL;
+    return whole && issue->value != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+// Reads what the loads of a list name, each for itself.
+static lac_status try_loads(findings *f, const char *list, const lac_slot_list *slots,
+                            const lac_load_clock *clock, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < slots->count && status == LAC_OK; i++) {
+        const lac_slot *slot = &slots->item[i];
+        const lac_load_kind *kind = (const void *)slot->about;
+        void *state = NULL;
+        lac_error why = {""};
+        char key[100];
+        status = kind->prepare == NULL ? LAC_OK : kind->prepare(slot->params, clock, &state, &why);
+        if (state != NULL) {
+            kind->release(state);
+        }
+        if (status == LAC_ENOMEM) {
+            return lac_fail_memory(err);
+        }
+        (void)snprintf(key, sizeof key, "load.%s.%zu.%s", list, i, kind->about.name);
+        status = status == LAC_OK ? status : add_finding(f, key, &why, status, err);
+    }
+    return status;
+}
+
+// Whether the maps of a spread are there; where the scene is built they are read too.
+static lac_status try_maps(findings *f, const char *section, const lac_spread_list *list,
+                           lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < list->count && status == LAC_OK; i++) {
+        const bool is_map = list->item[i].slot.about == &lac_spread_map_kind.about;
+        const lac_spread_map *map = list->item[i].slot.params;
+        FILE *file = is_map ? fopen(map->path, "rb") : NULL;
+        if (is_map && file == NULL) {
+            lac_error why = {""};
+            char key[200];
+            (void)lac_fail(&why, LAC_EIO, "%s: %s", map->path, strerror(errno));
+            (void)snprintf(key, sizeof key, "%s.spread.%s", section, list->item[i].key);
+            status = add_finding(f, key, &why, LAC_EIO, err);
+        } else if (file != NULL) {
+            (void)fclose(file);
+        }
+    }
+    return status;
+}
+
+// Opens all files that the case names beside its surface and domain, which the estimate needs.
+static lac_status try_files(findings *f, lac_load_files *files, lac_error *err)
+{
+    const lac_case *c = f->source;
+    const lac_load_clock clock = {
+        .dated = c->dated, .start = c->start_date, .end = c->run.end, .files = files};
+    lac_status status;
+    LAC_TRY(try_loads(f, "shear", &c->shear, &clock, err));
+    LAC_TRY(try_loads(f, "pore_pressure", &c->pore, &clock, err));
+    LAC_TRY(try_maps(f, "interface", &c->interface_spread, err));
+    LAC_TRY(try_maps(f, "friction", &c->friction_spread, err));
+    LAC_TRY(try_maps(f, "initial", &c->initial_spread, err));
+    status = f->status;
+out:
+    return status;
+}
+
+// What the loads come to at the start of a run whose scene is too large to be built.
+static lac_status try_start(const lac_case *c, lac_load_files *files, lac_error *err)
+{
+    const lac_normal_load *normal = (const void *)c->normal.about;
+    const double pressure = normal->pressure(c->normal.params, c->material.density);
+    const lac_load_slots slots = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
+    const bool by_load = isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
+    lac_load_set loads;
+    lac_load_state sum;
+    lac_status status = lac_load_set_create(&slots, &clock, &loads, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    lac_load_evaluate(&loads, 0.0, &sum);
+    lac_load_set_clear(&loads);
+    if (!(sum.pore < pressure)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "initial: pore pressure %g Pa is not below the normal pressure %g Pa at "
+                        "the start",
+                        sum.pore, pressure);
+    }
+    if (by_load && !(lac_load_shear(&sum, pressure) > 0.0)) {
+        return lac_fail(err, LAC_EINPUT, "load.shear: comes to %g Pa at the start; must be > 0",
+                        lac_load_shear(&sum, pressure));
+    }
+    return LAC_OK;
+}
+
+static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac_load_files *files,
+                            lac_error *err)
 {
     lac_scene *scene = NULL;
+    const bool runs = c->friction.about != NULL && !isnan(c->run.end);
     if (estimate->grid_cells > small_grid) {
-        return LAC_OK;
+        return runs ? try_start(c, files, err) : LAC_OK;
     }
-    if (c->friction.about == NULL || isnan(c->run.end)) {
+    if (!runs) {
         return try_contact(c, err);
     }
-    lac_status status = lac_scene_create(c, &scene, err);
+    lac_status status = lac_scene_create_with(c, files, &scene, err);
     if (status == LAC_OK) {
         status = lac_run_check(scene->problem, &c->run, err);
     }
@@ -61,19 +187,26 @@ static void write_json(const lac_case_report *report, const char *path, const ch
     cli_json_close(&json, '}');
 }
 
-static lac_status examine(const lac_case *c, char **scene, cli_estimate *estimate, lac_error *err)
+static lac_status examine(const lac_case *c, lac_case_report *report, char **scene,
+                          cli_estimate *estimate, lac_error *err)
 {
+    findings f = {.source = c, .report = report};
+    lac_load_files *files = NULL;
+    cli_compare compare = {0};
+    lac_status status;
     *scene = lac_case_text(c);
     if (*scene == NULL) {
         return lac_fail_memory(err);
     }
-    cli_compare compare = {0};
-    lac_status status = cli_compare_read(c, &compare, err);
+    LAC_TRY(lac_load_files_create(&files, err));
+    LAC_TRY(try_files(&f, files, err));
+    LAC_TRY(cli_compare_read(c, &compare, err));
+    LAC_TRY(cli_estimate_make(c, estimate, err));
+    LAC_TRY(try_scene(c, estimate, files, err));
+out:
     cli_compare_clear(&compare);
-    if (status == LAC_OK) {
-        status = cli_estimate_make(c, estimate, err);
-    }
-    return status == LAC_OK ? try_scene(c, estimate, err) : status;
+    lac_load_files_free(files);
+    return status;
 }
 
 lac_status cli_check(const cli_request *request, lac_error *err)
@@ -85,15 +218,15 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
-        status = examine(c, &scene, &estimate, err);
+        status = examine(c, &report, &scene, &estimate, err);
     }
-    if (json && (status == LAC_OK || status == LAC_EINPUT)) {
+    if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
         write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
         cli_estimate_print(&estimate);
     }
-    status = cli_blame(c, status, err);
+    status = report.errors > 0 ? status : cli_blame(c, status, err); // else said already
     free(scene);
     lac_case_free(c);
     lac_case_report_clear(&report);

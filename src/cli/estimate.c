@@ -57,6 +57,11 @@ static const double safe_ratio = 30, safe_spread_ratio = 300;
 enum { OWN_FEWEST = 30, OWN_STEPS = 1000 };
 static const double own_step_seconds = 2e-6;
 
+// Of what is put out at stated times: bytes and time of a record, time of it and of a value of a
+// field for each contact cell.
+static const double record_bytes = 110, record_seconds = 2e-6, record_cell_seconds = 12e-9,
+                    value_seconds = 20e-9;
+
 static double mean_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
@@ -312,6 +317,24 @@ static void count_time(const lac_case *c, const lac_grid *grid, double cells, cl
     e->cpu_time_most = contact * (search ? search_most : 1) + once + step * e->steps_most;
 }
 
+static double count_times(double end, double every) { return every > 0 ? floor(end / every) : 0; }
+
+// What is put out at stated times, as if the run went on to its end.
+static void count_output(const lac_case *c, double cells, cli_estimate *e)
+{
+    if (!e->integrated) {
+        return;
+    }
+    double fields = 0, snapshots = count_times(c->run.end, c->run.snapshot.time);
+    for (unsigned f = c->fields; f != 0; f >>= 1) {
+        fields += f & 1;
+    }
+    e->records = count_times(c->run.end, c->run.record.time);
+    e->file_bytes = record_bytes * e->records + 8 * fields * cells * snapshots;
+    e->cpu_time_most += e->records * (record_seconds + record_cell_seconds * cells) +
+                        value_seconds * fields * cells * snapshots;
+}
+
 static void count_own_steps(const lac_case *c, double cells, cli_estimate *e)
 {
     e->own_steps = e->integrated && c->run.fidelity == LAC_FIDELITY_EVENTS;
@@ -345,6 +368,7 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *e, lac_error *err)
     count_own_steps(c, cells, e);
     e->faster = e->integrated ? cli_faster_fidelity(c, cells, e) : NULL;
     count_time(c, &grid, cells, e);
+    count_output(c, cells, e);
     return status;
 }
 
@@ -396,6 +420,10 @@ void cli_estimate_print(const cli_estimate *e)
     }
     printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
     print_time(e);
+    if (e->file_bytes > 1e8) { // else nothing beside the rest
+        printf("#   file            up to %.10g MB: %.3g records at stated times\n",
+               rounded(e->file_bytes / 1e6, 2), e->records);
+    }
     if (!e->integrated) {
         return;
     }
@@ -438,6 +466,8 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "cpu_time_least_s", e->cpu_time_least);
     cli_json_number(json, "cpu_time_most_s", e->cpu_time_most);
     cli_json_number(json, "cascade_time_s", e->cascade_time);
+    cli_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
+    cli_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
     cli_json_text(json, "faster_fidelity", e->faster);
     cli_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);

@@ -22,8 +22,9 @@ typedef struct cli_estimate {
     double steps_least, steps_most;       ///< most NaN: not estimated
     double memory;                        ///< peak [bytes]
     double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated
-    double cascade_time; ///< of `lacuna rg`, or of the cascade that a run follows, in
-                         ///< the times above then [s]; NaN: none
+    double records, file_bytes; ///< at stated times up to the end: records; they and the fields
+    double cascade_time;        ///< of `lacuna rg`, or of the cascade that a run follows, in
+                                ///< the times above then [s]; NaN: none
 } cli_estimate;
 
 /// Estimates the cost; generates the surface (not its contact), so that it is a check too.

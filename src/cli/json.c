@@ -4,8 +4,9 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "base/units.h"
 
 size_t cli_utf8_length(const unsigned char *s)
 {
@@ -112,12 +113,12 @@ void cli_json_number(cli_json *json, const char *key, double value)
         put(json->out, "null");
         return;
     }
+    if (value == rint(value) && fabs(value) < 0x1p53) {
+        put(json->out, "%.0f", value); // 80, not 8e+01
+        return;
+    }
     char text[40];
-    int digits = 1;
-    do {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
-    } while (digits++ < 17 && strtod(text, NULL) != value);
-    put(json->out, "%s", text);
+    put(json->out, "%s", lac_number_exact(value, 1, text, sizeof text));
 }
 
 void cli_json_integer(cli_json *json, const char *key, int64_t value)

@@ -19,7 +19,8 @@ void cli_json_open(cli_json *json, const char *key, char bracket);
 /// Closes it ('}' or ']'); the outermost one ends the line.
 void cli_json_close(cli_json *json, char bracket);
 
-/// The shortest digits that read back to the same double; null where not finite.
+/// The shortest digits that read back to the same double, a whole number below 2^53 without an
+/// exponent; null where not finite.
 void cli_json_number(cli_json *json, const char *key, double value);
 void cli_json_integer(cli_json *json, const char *key, int64_t value);
 void cli_json_boolean(cli_json *json, const char *key, bool value);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/clean.h"
 #include "cli/command.h"
 #include "cli/exits.h"
 #include "cli/json.h"
@@ -128,6 +129,7 @@ int main(int argc, char **argv)
     occupy_standard_streams();
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
+    cli_clean_stdout();
     lac_status status = cli_request_read(argc, argv, &request, &err);
     if (status == LAC_OK) {
         status = dispatch(&request, &err);

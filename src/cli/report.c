@@ -86,6 +86,9 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
         err->message[0] = '\0'; // said already, line by line
     }
     lac_case_report_clear(&own);
+    if (status == LAC_OK) {
+        (*c)->run.beyond = 0; // commands do what a case asks, or say that they do not
+    }
     return status;
 }
 

@@ -140,6 +140,7 @@ static lac_status open_store(run_job *job, lac_error *err)
         .start_date = c->start_date,
         .domain = job->scene->contact.domain,
         .hierarchy = job->scene->hierarchy,
+        .transfer = &job->scene->transfer,
         .fields = c->fields,
         .compression = c->compression,
         .single = c->single != 0,

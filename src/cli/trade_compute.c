@@ -37,6 +37,7 @@ static lac_status open_store(const cli_trade_job *job, run_state *s, const char 
                          .start_date = c->start_date,
                          .domain = s->scene->contact.domain,
                          .hierarchy = s->scene->hierarchy,
+                         .transfer = &s->scene->transfer,
                          .fields = c->fields,
                          .compression = c->compression,
                          .single = c->single != 0,
@@ -66,6 +67,7 @@ static lac_status integrate(const cli_trade_job *job, run_state *s, const char *
 {
     lac_run_result result = {0};
     lac_status status = LAC_OK;
+    s->source->run.beyond = 0; // done here, or refused
     LAC_TRY(lac_scene_create(s->source, &s->scene, err));
     LAC_TRY(lac_scene_analysis_create(s->scene, NULL, &s->analysis, err));
     LAC_TRY(open_store(job, s, file, err));

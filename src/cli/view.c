@@ -192,6 +192,7 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
 {
     const lac_recording_def as = {.domain = def->domain,
                                   .hierarchy = def->hierarchy,
+                                  .transfer = def->transfer,
                                   .fields = def->fields,
                                   .extras = def->extras,
                                   .extra = def->extra,

@@ -16,9 +16,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "cli/view_guests.h"
 #include "lacuna/report.h"
 
-enum { CONNECTIONS = 32, STREAMS = 16, IDLE = 15, NONCE = 16, BLOCK = 2048 };
+enum { STREAMS = 16, IDLE = 15, NONCE = 16, BLOCK = 2048 };
 
 // Between two signs of life on a stream on which nothing happens, and how long data are waited for.
 static const double heartbeat = 5.0, patience = 10.0;
@@ -43,6 +44,8 @@ typedef struct functions {
     void (*destroy)(struct MHD_Response *response);
     const char *(*lookup)(struct MHD_Connection *connection, enum MHD_ValueKind kind,
                           const char *key);
+    const union MHD_ConnectionInfo *(*info)(struct MHD_Connection *connection,
+                                            enum MHD_ConnectionInfoType type, ...);
 } functions;
 
 struct cli_http {
@@ -52,6 +55,7 @@ struct cli_http {
     int socket;
     unsigned port;
     cli_feed *feed;
+    cli_guests guests;
 };
 
 // A stream of events to one page.
@@ -77,6 +81,7 @@ static lac_status load(cli_http *http, lac_error *err)
         {"MHD_queue_response", offsetof(functions, queue)},
         {"MHD_destroy_response", offsetof(functions, destroy)},
         {"MHD_lookup_connection_value", offsetof(functions, lookup)},
+        {"MHD_get_connection_info", offsetof(functions, info)},
     };
     http->library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
     for (size_t i = 0; http->library != NULL && i < sizeof wanted / sizeof *wanted; i++) {
@@ -111,7 +116,7 @@ static lac_status listen_at(cli_http *http, unsigned port, lac_error *err)
     if (http->socket < 0 ||
         setsockopt(http->socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
         bind(http->socket, (const struct sockaddr *)&here, sizeof here) != 0 ||
-        listen(http->socket, CONNECTIONS) != 0 ||
+        listen(http->socket, CLI_GUESTS_ROOM) != 0 ||
         getsockname(http->socket, (struct sockaddr *)&here, &size) != 0) {
         return fail_port(port, err);
     }
@@ -320,8 +325,7 @@ static stream *open_stream(cli_feed *feed, const char *last, bool *over)
     return s;
 }
 
-static enum MHD_Result send_events(const cli_http *http, struct MHD_Connection *connection,
-                                   bool head)
+static enum MHD_Result send_events(cli_http *http, struct MHD_Connection *connection, bool head)
 {
     static const header more[] = {{"Content-Type", "text/event-stream"},
                                   {"Content-Security-Policy", CLOSED_POLICY},
@@ -337,6 +341,9 @@ static enum MHD_Result send_events(const cli_http *http, struct MHD_Connection *
                     : refuse(http, connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                              "Too many pages watch this run.\n");
     }
+    const union MHD_ConnectionInfo *info =
+        http->mhd.info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    cli_guests_watch(&http->guests, info != NULL ? info->socket_context : NULL);
     struct MHD_Response *response =
         http->mhd.from_callback(MHD_SIZE_UNKNOWN, BLOCK, read_stream, s, end_stream);
     if (response == NULL) {
@@ -349,7 +356,7 @@ static enum MHD_Result answer(void *context, struct MHD_Connection *connection, 
                               const char *method, const char *version, const char *upload,
                               size_t *upload_size, void **memory)
 {
-    const cli_http *http = context;
+    cli_http *http = context;
     const bool head = strcmp(method, MHD_HTTP_METHOD_HEAD) == 0;
     (void)version;
     (void)upload;
@@ -387,6 +394,20 @@ static size_t leave_as_it_is(void *context, struct MHD_Connection *connection, c
     return strlen(text);
 }
 
+static void note_guest(void *context, struct MHD_Connection *connection, void **guest,
+                       enum MHD_ConnectionNotificationCode code)
+{
+    cli_http *http = context;
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+        cli_guests_leave(&http->guests, *guest);
+        *guest = NULL;
+        return;
+    }
+    const union MHD_ConnectionInfo *info =
+        http->mhd.info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    *guest = info != NULL ? cli_guests_enter(&http->guests, info->connect_fd) : NULL;
+}
+
 // Its threads take no signals: those are the run's.
 static struct MHD_Daemon *start_daemon(cli_http *http)
 {
@@ -396,8 +417,9 @@ static struct MHD_Daemon *start_daemon(cli_http *http)
     struct MHD_Daemon *daemon = http->mhd.start(
         MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION | MHD_USE_POLL, 0, NULL,
         NULL, answer, http, MHD_OPTION_LISTEN_SOCKET, http->socket, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE,
-        MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, NULL, MHD_OPTION_END);
+        (unsigned)CLI_GUESTS_ROOM, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE,
+        MHD_OPTION_NOTIFY_CONNECTION, note_guest, http, MHD_OPTION_UNESCAPE_CALLBACK,
+        leave_as_it_is, NULL, MHD_OPTION_END);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     return daemon;
 }
@@ -412,6 +434,7 @@ lac_status cli_http_start(unsigned port, cli_feed *feed, cli_http **out, lac_err
     }
     http->feed = feed;
     http->socket = -1;
+    cli_guests_create(&http->guests);
     LAC_TRY(load(http, err));
     LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
     LAC_TRY(listen_at(http, port, err));
@@ -443,5 +466,6 @@ void cli_http_stop(cli_http *http)
     if (http->library != NULL) {
         (void)dlclose(http->library);
     }
+    cli_guests_clear(&http->guests);
     free(http);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/words.h"
 
-#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +8,7 @@
 
 #include "base/nearest.h"
 #include "base/units.h"
+#include "cli/clean.h"
 
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
@@ -31,8 +31,9 @@ void cli_note_list(const char *format, va_list args)
     char text[2048];
     (void)vsnprintf(text, sizeof text, format, args);
     for (char *c = text; *c != '\0'; c++) {
-        *c = iscntrl((unsigned char)*c) ? '?' : *c; // of file names: a note is one line
+        *c = *c == '\n' || *c == '\t' ? '?' : *c; // a note is one line
     }
+    text[cli_clean(text, strlen(text))] = '\0';
     (void)fprintf(stderr, "lacuna: %s\n", text);
 }
 

@@ -209,7 +209,8 @@ void lac_fit_apply(const lac_fit_result *result, lac_case *c)
     for (size_t k = 0; k < result->parameters; k++) {
         lac_case_value value;
         if (lac_case_find(c, result->unknown[k].key, &value)) {
-            *value.at = result->unknown[k].best;
+            // ln and exp of an end of the range need not give it back
+            *value.at = fmin(fmax(result->unknown[k].best, value.param->min), value.param->max);
         }
     }
 }

@@ -19,6 +19,10 @@ const char *lac_law_fault(const void *params);
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];
 
+// A thousandth of a proton [m], far below any contact: as far down as runs were measured to be right
+// (docs/limits.md).
+#define LAC_LEAST_DC 1e-18
+
 // First rows of every law's parameter table, in the order of LAC_F0, LAC_A ...; rows of the law's
 // own follow them. Offsets hold because every law's struct starts with lac_friction_params.
 // clang-format off
@@ -32,8 +36,8 @@ extern const char *const lac_friction_form_names[];
     {.key = "b", .unit = "1", .fallback = NAN, .min = 0, .max = 1e3,                              \
      .offset = offsetof(lac_friction_params, b), .flags = LAC_CELLWISE,                           \
      .doc = "evolution effect: gain of friction per e-fold of state; b > a weakens with rate"},   \
-    {.key = "dc", .unit = "m", .fallback = NAN, .min = 0, .max = INFINITY,                        \
-     .offset = offsetof(lac_friction_params, dc), .flags = LAC_CELLWISE | LAC_ABOVE_MIN,          \
+    {.key = "dc", .unit = "m", .fallback = NAN, .min = LAC_LEAST_DC, .max = INFINITY,             \
+     .offset = offsetof(lac_friction_params, dc), .flags = LAC_CELLWISE,                          \
      .doc = "slip over which the contacts, and with them the state, are renewed"},                \
     {.key = "v0", .unit = "m/s", .fallback = 1e-6, .min = 0, .max = INFINITY,                     \
      .offset = offsetof(lac_friction_params, v0), .flags = LAC_CELLWISE | LAC_ABOVE_MIN,          \

@@ -66,8 +66,34 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
                     cell, t, most);
 }
 
+// What a case asks that its caller has neither done nor taken over.
+static lac_status check_beyond(unsigned beyond, lac_error *err)
+{
+    static const struct {
+        unsigned bit;
+        const char *what;
+    } table[] = {
+        {LAC_BEYOND_ACCURACY, "solver.accuracy: lac_run makes no pilot runs: call "
+                              "lac_accuracy_choose before it"},
+        {LAC_BEYOND_ANALYSIS, "analysis: lac_run follows no indicators: give it the sink of "
+                              "lac_analysis_sink and clear LAC_BEYOND_ANALYSIS"},
+        {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields: give it a sink "
+                            "that does and clear LAC_BEYOND_OUTPUT"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        if ((beyond & table[i].bit) != 0) {
+            return lac_fail(err, LAC_EINPUT, "%s, or call lac_record_case", table[i].what);
+        }
+    }
+    return LAC_OK;
+}
+
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
+    lac_status status = check_beyond(def->beyond, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     if (def->fidelity == LAC_FIDELITY_STATIC) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity static has no time to run through: lacuna rg works out "

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cvodes/cvodes.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@ typedef struct cvode {
     SUNNonlinearSolver newton, fixed_point; // one of them
     int64_t evaluations;                    // of dy/dt by newton since the last restart
     double held_to;                         // rtol of the slip's tolerance
+    bool coarse;                            // slip is held to what a double resolves of it
 } cvode;
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
@@ -79,9 +81,10 @@ static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
     return good ? LAC_OK : lac_fail_memory(err);
 }
 
-// Errors of slip count to one tolerance, the least, where the slip itself counts besides, so that
-// no cell keeps its own.
-static int set_slip_tolerance(const lac_engine *engine, cvode *c)
+// Slip beside y, whose errors count; to one tolerance, the least, where the slip itself counts
+// besides, so that no cell keeps its own.
+// @param resolved  what counts besides where the slip itself does not, relative to the slip
+static int set_slip_tolerance(const lac_engine *engine, cvode *c, double resolved)
 {
     int flag = CV_MEM_FAIL;
     N_Vector tolerance = N_VClone(c->slip);
@@ -93,19 +96,18 @@ static int set_slip_tolerance(const lac_engine *engine, cvode *c)
             least = fmin(least, absolute[i]);
         }
         flag = relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
-                              : CVodeQuadSVtolerances(c->mem, 0.0, tolerance);
+                              : CVodeQuadSVtolerances(c->mem, resolved, tolerance);
     }
     N_VDestroy(tolerance);
     c->held_to = engine->rtol;
     return flag;
 }
 
-// Slip beside y, whose errors count.
 static int set_slip(const lac_engine *engine, cvode *c)
 {
     int flag = CVodeQuadInit(c->mem, slip_rates, c->slip);
     flag |= CVodeSetQuadErrCon(c->mem, SUNTRUE);
-    return flag == CV_SUCCESS ? set_slip_tolerance(engine, c) : flag;
+    return flag == CV_SUCCESS ? set_slip_tolerance(engine, c, 0.0) : flag;
 }
 
 static int set_options(lac_engine *engine, cvode *c)
@@ -212,8 +214,9 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
     c->evaluations = 0;
-    bool held = c->slip == NULL || engine->rtol == c->held_to ||
-                set_slip_tolerance(engine, c) == CV_SUCCESS;
+    bool held = c->slip == NULL || (engine->rtol == c->held_to && !c->coarse) ||
+                set_slip_tolerance(engine, c, 0.0) == CV_SUCCESS;
+    c->coarse = false; // a run that goes on from here begins like this too
     bool good = held && CVodeReInit(c->mem, 0.0, c->y) == CV_SUCCESS &&
                 (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
                 CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
@@ -275,6 +278,11 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
     }
     sunrealtype at;
     int flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    if (flag == CV_TOO_MUCH_ACC && c->slip != NULL && !c->coarse) {
+        // A slip so far beyond dc that rtol dc is lost in its last digit.
+        c->coarse = set_slip_tolerance(engine, c, 8.0 * DBL_EPSILON) == CV_SUCCESS;
+        flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
+    }
     bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
     settle(c);
     if (flag < 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <arkode/arkode_erkstep.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +58,8 @@ static int weights(N_Vector y, N_Vector w, void *user)
     double *slip = weight + 2 * n;
     const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, slip);
     for (size_t i = 0; i < n; i++) {
-        slip[i] = 1.0 / (relative * fabs(at[i]) + slip[i]);
+        const double error = relative * fabs(at[i]) + slip[i];
+        slip[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(at[i])); // no finer than a double
     }
     return 0;
 }

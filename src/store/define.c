@@ -54,6 +54,17 @@ static const lac_nc_var level_total = {.name = "n_tot",
                                        .coordinates = "block_size",
                                        .type = NC_INT64};
 
+static const lac_nc_var level_stiffness = {
+    .name = "hierarchy_stiffness",
+    .unit = "Pa m-1",
+    .long_name = "stiffness k_l of the hierarchy at this level",
+    .comment =
+        "what slip takes off a cell: sum over l of k_l (P_l - P_l+1) slip, P_l the mean over "
+        "the contact cells of a block; missing for the block that holds all",
+    .coordinates = "block_size",
+    .type = NC_DOUBLE,
+    .fill = true};
+
 static lac_status put_real(const lac_store *s, int id, const char *name, const double *values,
                            lac_error *err)
 {
@@ -104,7 +115,14 @@ enum {
 typedef struct fixed {
     int cells[CELL_VARS];
     int levels[LEVEL_VARS];
+    int stiffness;
 } fixed;
+
+// Whether what is taken off the cells follows from one number a level.
+static bool has_stiffness(const lac_store_def *def)
+{
+    return def->transfer != NULL && def->transfer->kind->blocks != NULL;
+}
 
 static lac_status define_cells(const lac_store *s, int dim, fixed *ids, lac_error *err)
 {
@@ -149,17 +167,32 @@ out:
     return status;
 }
 
-static lac_status define_levels(const lac_store *s, const lac_hierarchy *h, fixed *ids,
+static lac_status define_levels(const lac_store *s, const lac_store_def *def, fixed *ids,
                                 lac_error *err)
 {
     lac_status status = LAC_OK;
     int dim = 0;
-    LAC_TRY(lac_nc_dim(&s->file, "level", lac_hierarchy_levels(h) + 1, &dim, err));
+    LAC_TRY(lac_nc_dim(&s->file, "level", lac_hierarchy_levels(def->hierarchy) + 1, &dim, err));
     for (size_t i = 0; i < LEVEL_VARS; i++) {
         LAC_TRY(lac_nc_define(&s->file, level_vars[i], 1, &dim, NULL, 0, &ids->levels[i], err));
     }
+    if (has_stiffness(def)) {
+        LAC_TRY(lac_nc_define(&s->file, &level_stiffness, 1, &dim, NULL, 0, &ids->stiffness, err));
+    }
 out:
     return status;
+}
+
+static lac_status put_stiffness(const lac_store *s, const lac_store_def *def, int id,
+                                lac_error *err)
+{
+    const lac_transfer *transfer = def->transfer;
+    int code = NC_NOERR;
+    for (size_t l = 0; l < lac_hierarchy_levels(def->hierarchy) && code == NC_NOERR; l++) {
+        const double k = transfer->kind->stiffness(transfer->state, l);
+        code = nc_put_var1_double(s->file.id, id, &l, &k);
+    }
+    return lac_nc_check(s->file.path, code, err, "write", level_stiffness.name);
 }
 
 static lac_status put_levels(const lac_store *s, const lac_hierarchy *h, const lac_grid *grid,
@@ -274,7 +307,7 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
         }
     }
     if (levels) {
-        LAC_TRY(define_levels(s, def->hierarchy, &ids, err));
+        LAC_TRY(define_levels(s, def, &ids, err));
     }
     LAC_TRY(lac_store_define_extras(s, err));
     if (s->events != NULL) {
@@ -286,6 +319,7 @@ lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *e
     }
     if (levels) {
         LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, &ids, err));
+        LAC_TRY(has_stiffness(def) ? put_stiffness(s, def, ids.stiffness, err) : LAC_OK);
     }
 out:
     return status;

@@ -203,6 +203,17 @@ static lac_status put_levels(lac_recording *r, const lac_recording_def *def, lac
         LAC_TRY(append(&r->variable[r->count - 2], &side, 1, err));
         LAC_TRY(append(&r->variable[r->count - 1], &blocks, 1, err));
     }
+    const lac_transfer *transfer = def->transfer;
+    if (transfer == NULL || transfer->kind->blocks == NULL) {
+        goto out;
+    }
+    LAC_TRY(define(r, "hierarchy_stiffness", "Pa m-1",
+                   "stiffness k_l of the hierarchy at this level", "level", err));
+    for (size_t l = 0; l <= lac_hierarchy_levels(def->hierarchy); l++) {
+        const bool all = l == lac_hierarchy_levels(def->hierarchy); // one block: none to resist
+        const double k = all ? NAN : transfer->kind->stiffness(transfer->state, l);
+        LAC_TRY(append(&r->variable[r->count - 1], &k, 1, err));
+    }
 out:
     return status;
 }

@@ -59,6 +59,7 @@ static lac_status pilot(search *s, double rtol, int64_t most_steps, rung *out, l
     lac_run_result result = {0};
     def.rtol = rtol;
     def.snapshots = false;
+    def.beyond = 0;
     def.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
     def.max_steps = most_steps < def.max_steps ? most_steps : def.max_steps;
     if (s->how != NULL) {
@@ -186,5 +187,6 @@ lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def 
     out->method = c->run.method;
     out->formulation = (lac_formulation)c->formulation;
     c->accuracy = NAN;
+    c->run.beyond &= ~(unsigned)LAC_BEYOND_ACCURACY;
     return status;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which combinations of positions are run.
 #include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -357,6 +358,12 @@ lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char 
 {
     lac_status status = LAC_OK;
     *out = (lac_trade_plan){.of = of};
+    if (of == LAC_OF_RUN && !isnan(c->accuracy)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: solver.accuracy is picked for by lacuna run; here "
+                        "solver.rtol counts: leave it out",
+                        c->path);
+    }
     if (words != NULL) {
         LAC_TRY(read_words(words, c, out, err));
     } else {

@@ -82,6 +82,7 @@ static lac_status create(const lac_scene *scene, const lac_analysis *analysis, l
 {
     lac_recording_def def = {.domain = scene->contact.domain,
                              .hierarchy = scene->hierarchy,
+                             .transfer = &scene->transfer,
                              .fields = scene->source->fields,
                              .events = lac_analysis_has_events(analysis)};
     const double *once;
@@ -119,6 +120,7 @@ static lac_status run(const lac_scene *scene, lac_analysis *analysis, const lac_
     lac_sink sink = lac_recording_sink(recording);
     lac_run_def def = scene->source->run;
     lac_run_result result;
+    def.beyond = 0;
     if (analysis != NULL) {
         sink = lac_analysis_sink(analysis, &sink);
     }

@@ -257,6 +257,48 @@ class Share(Elastic):
                             '"20 GPa"', "check", "c.yaml")
 
 
+class ByHand(Elastic):
+    """A run on the hierarchy, worked out anew from its file alone: docs/format.md."""
+
+    def taken_off(self, data, slip):
+        """K slip = sum of k_l (P_l - P_(l+1)) slip, block by block of the grid."""
+        column = numpy.floor(data["x"][:] / data.grid_dx_m).astype(int)
+        row = numpy.floor(data["y"][:] / data.grid_dy_m).astype(int)
+        means = []
+        for level in range(len(data.dimensions["level"])):
+            _, block = numpy.unique((row >> level) * 2**20 + (column >> level), return_inverse=True)
+            self.assertEqual(block.max() + 1, data["n_tot"][level])
+            means.append((numpy.bincount(block, slip) / numpy.bincount(block))[block])
+        k = data["hierarchy_stiffness"][:]
+        self.assertTrue(numpy.ma.getmaskarray(k).tolist() == [False] * (len(means) - 1) + [True])
+        return sum(k[level] * (means[level] - means[level + 1]) for level in range(len(means) - 1))
+
+    def test_the_hierarchy(self):
+        case = os.path.join(test_cli.SOURCE, "cases", "transfer", "hierarchy.yaml")
+        law = "{f0: 0.6, a: 0.010, b: 0.015, dc: 1 mm, v0: 1 um/s}"
+        for transfer in ("{stiffness: elastic}", "{k0: 5 GPa/m, ratio: 0.4}"):
+            self.expect(0, "run", case, "-o", "run.nc", "--force", "--set", f"transfer={{hierarchy: {transfer}}}", "--set",
+                        f"friction={{aging: {law}}}", "--set", "material={shear_modulus: 20 GPa}", "--set",
+                        "solver={rtol: 1e-8, formulation: slip}", "--set",
+                        "output={fields: [slip, slip_rate, state, traction], fields_every: {per_decade: 4}}")
+            with netCDF4.Dataset(self.path("run.nc")) as data:
+                self.assertEqual(data["hierarchy_stiffness"].units, "Pa m-1")
+                p, slip, traction = data["pressure"][:], data["cell_slip"][:], data["cell_traction"][:]
+                strength = 0.6 + 0.010 * numpy.log(data["cell_slip_rate"][:] / 1e-6) + 0.015 * numpy.log(
+                    1e-6 * data["cell_state"][:] / 1e-3)
+                if "k0" in transfer:
+                    want = 5e9 * 0.4 ** numpy.arange(6)
+                    self.assertLess(abs(data["hierarchy_stiffness"][:6] / want - 1).max(), 1e-14)
+                for i in range(1, len(slip)):  # under a constant load
+                    taken = self.taken_off(data, slip[i])
+                    self.assertLess(abs(traction[i] - traction[0] + taken).max(), 1e-9 * p.max())
+                    self.assertLess(abs(strength[i] * p - traction[i]).max(), 1e-9 * p.max())
+                self.assertGreater(abs(taken).max(), 1e-4 * p.max())
+        self.expect(0, "run", os.path.join(test_cli.SOURCE, "cases", "transfer", "none.yaml"), "-o", "run.nc", "--force")
+        with netCDF4.Dataset(self.path("run.nc")) as data:
+            self.assertNotIn("hierarchy_stiffness", data.variables)
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)

@@ -34,14 +34,71 @@ def read(*path):
         return file.read()
 
 
+# A state that saturates, dtheta/dt = 1 - theta/theta_max - v theta/dc, by the steps of the page: its
+# steady state levels off at theta_max.
+SATURATING = r'''// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/vmath.h"
+#include "friction/law.h"
+
+typedef struct saturating_params {
+    lac_friction_params common;
+    double theta_max;
+} saturating_params;
+
+static void evolve(const lac_friction *friction, const lac_friction_cells *cells, double *g,
+                   double *g_u, double *g_w)
+{
+    const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
+    const double *most = lac_cellwise_from(&friction->column[LAC_COMMON_COLUMNS], cells->first);
+    lac_vexp_minus(cells->n, cells->w, g);
+    for (size_t i = 0; i < cells->n; i++) {
+        double healing = g[i];
+        double renewal = cells->v[i] * inv_dc[i];
+        g[i] = healing - 1 / most[i] - renewal;
+        if (g_u != NULL) {
+            g_u[i] = -renewal;
+            g_w[i] = -healing;
+        }
+    }
+}
+
+static double steady_state(const lac_friction *friction, size_t cell, double u)
+{
+    double renewal = exp(u) * lac_cellwise_of(&friction->inv_dc, cell);
+    return -log(1 / lac_cellwise_of(&friction->column[LAC_COMMON_COLUMNS], cell) + renewal);
+}
+
+static const lac_param params[] = {
+    LAC_FRICTION_COMMON_ROWS,
+    {.key = "theta_max", .unit = "s", .fallback = NAN, .min = 1, .max = 1e12,
+     .offset = offsetof(saturating_params, theta_max), .flags = LAC_CELLWISE,
+     .doc = "state at which contacts no longer heal"},
+};
+
+const lac_friction_law lac_friction_saturating = {
+    .about = {.name = "saturating",
+              .summary = "heals up to theta_max: dtheta/dt = 1 - theta/theta_max - v theta/dc",
+              .reference = "a law of this test",
+              .params = params,
+              .param_count = sizeof params / sizeof params[0],
+              .params_size = sizeof(saturating_params),
+              .fault = lac_law_fault},
+    .evolve = evolve,
+    .steady_state = steady_state,
+};
+'''
+
+LAWS = ["my_prz.c", "my_saturating.c"]
+
+
 class Law(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-law-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.edit()
-        cls.compile("my_prz.c")
-        cls.compile("registry.c")
+        for name in [*LAWS, "registry.c"]:
+            cls.compile(name)
 
     @classmethod
     def edit(cls):
@@ -52,7 +109,10 @@ class Law(unittest.TestCase):
             "    lac_friction_composite;\n", blocks["law.h"])
         registry = read("src", "friction", "registry.c").replace(
             "    &lac_friction_composite,\n", blocks["registry.c"])
-        cls.changed = {"my_prz.c": blocks["my_prz.c"], "registry.c": registry, "law.h": header}
+        header = header.replace("lac_friction_prz;", "lac_friction_prz, lac_friction_saturating;")
+        registry = registry.replace("    &lac_friction_prz,", "    &lac_friction_prz,\n    &lac_friction_saturating,")
+        cls.changed = {"my_prz.c": blocks["my_prz.c"], "my_saturating.c": SATURATING, "registry.c": registry,
+                       "law.h": header}
         for name, text in cls.changed.items():
             path = os.path.join(cls.folder, "friction", name)
             os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -78,26 +138,60 @@ class Law(unittest.TestCase):
         flags = shlex.split(call("pkg-config", "--static", "--libs", "lacuna", env=dict(
             os.environ, PKG_CONFIG_PATH=BUILD)))
         flags = [flag for flag in flags if flag != "-llacuna" and "liblacuna" not in flag]
-        own = [os.path.join(self.folder, "my_prz.c.o"), os.path.join(self.folder, "registry.c.o")]
+        own = [os.path.join(self.folder, name + ".o") for name in [*LAWS, "registry.c"]]
         call("cc", *objects, *own, support, LIBRARY, *flags, "-lcmocka", "-o", program)
         return program
 
     def test_conformance_kit(self):
         call(self.link("tests/CMakeFiles/conform_test_friction.dir"))
 
-    def test_kit_sees_a_wrong_derivative(self):
-        path = os.path.join(self.folder, "friction", "my_prz.c")
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        self.addCleanup(self.replace, path, text)
-        self.replace(path, text.replace("-2 * renewal", "-renewal"))
-        program = self.link("tests/CMakeFiles/conform_test_friction.dir")
-        self.assertNotEqual(subprocess.run([program], capture_output=True, check=False).returncode, 0)
+    def test_kit_says_what_is_wrong(self):
+        """A derivative, a steady state, a rate of evolution: the law, its values and where it was."""
+        for name, right, wrong, said in [
+                ("my_prz.c", "-2 * renewal", "-renewal", "g_u = "),
+                ("my_prz.c", "log(2) +", "log(3) +", "the state changes in its steady state"),
+                ("my_saturating.c", "-log(1 / lac", "-log(2 / lac", "the state changes in its steady state"),
+                ("my_saturating.c", "double healing = g[i];", "double healing = g[i] + 1e300 / g[0] * 1e300;",
+                 "not finite")]:
+            with self.subTest(wrong):
+                text = self.changed[name]
+                self.assertEqual(text.count(right), 1)
+                self.addCleanup(self.replace, name, text)
+                self.replace(name, text.replace(right, wrong))
+                program = self.link("tests/CMakeFiles/conform_test_friction.dir")
+                done = subprocess.run([program], capture_output=True, text=True, check=False)
+                self.assertNotEqual(done.returncode, 0)
+                law = re.match(r"my_(\w+)\.c", name).group(1)
+                self.assertRegex(done.stderr, rf"law {law}, form plain: .*{said}.* at v \S+ m/s, "
+                                              r"theta \S+ s; f0 \S+ a \S+ b \S+ dc ")
+                self.replace(name, text)
 
-    def replace(self, path, text):
-        with open(path, "w", encoding="utf-8") as file:
+    def replace(self, name, text):
+        with open(os.path.join(self.folder, "friction", name), "w", encoding="utf-8") as file:
             file.write(text)
-        self.compile("my_prz.c")
+        self.compile(name)
+
+    def test_warns_of_a_ratio_without_effect(self):
+        """Where b = a the state is that of any ratio under prz, 2 dc/v; not under a law that saturates."""
+        program = self.link("CMakeFiles/lacuna_program.dir")
+        case = os.path.join(self.folder, "ratio.yaml")
+        call(program, "new", case, "--kind", "block")
+        for law, idle in [("prz", True), ("saturating", False)]:
+            own = ", theta_max: 1 day" if law == "saturating" else ""
+            words = [case, "--set", f"friction={{{law}: {{f0: 0.6, a: 0.01, b: 0.01, dc: 1 mm{own}}}}}",
+                     "--set", "output.fields=[state]", "--set", "time.end=1 s", "--set"]
+            states = []
+            for ratio in (0.5, 0.9):
+                start = f"initial={{slip_rate: 1 mm/week, state: {{ratio_to_steady: {ratio}}}}}"
+                done = subprocess.run([program, "check", *words, start], capture_output=True, text=True,
+                                      check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual("has no effect where b = a: theta is 2 week" in done.stderr, idle, done.stderr)
+                self.assertEqual("has no effect" in done.stderr, idle, done.stderr)
+                call(program, "run", *words, start, "--force", "-o", os.path.join(self.folder, "ratio.nc"))
+                seen = call("ncdump", "-v", "cell_state", os.path.join(self.folder, "ratio.nc"))
+                states.append(float(re.search(r"cell_state =\s+([\d.]+)", seen).group(1)))
+            self.assertEqual(abs(states[0] / states[1] - 1) < 1e-9, idle, states)
 
     def test_the_program_knows_it(self):
         program = self.link("CMakeFiles/lacuna_program.dir")

@@ -154,6 +154,40 @@ class Refusals(Loads):
         self.assertIn("the pore pressure reaches the normal pressure at t = ", done.stderr)
 
 
+    def test_check_opens_files(self):
+        """On a grid too large to be built for a check, and a small one: a line for each, as run says it."""
+        self.write("p.csv", "t,p\n0,1\n1e9,2\n")
+        self.write("high.csv", "t,p\n0,4000\n1e9,4000\n")
+        wrong = [("nowhere.csv", "p:kPa", "nowhere.csv: No such file or directory"),
+                 ("p.csv", "q:kPa", 'p.csv:1: has no column "q"; its columns are t, p'),
+                 ("p.csv", "p:m", '"m"')]
+        for levels in (8, 4):
+            series = ", ".join(f"{{series: {{file: {file}, time: t, value: '{value}'}}}}" for file, value, _ in wrong)
+            case = test_cli.BLOCK.replace("3 MPa\"}", f"3 MPa\"}}, pore_pressure: [{series}]")
+            grid = ["--set", f"interface={{size: 10 m, levels: {levels}, domain: {{full: {{}}}}}}"]
+            self.write("c.yaml", case)
+            done = self.expect(3, "check", "c.yaml", "--json", *grid)
+            lines = done.stderr.splitlines()
+            self.assertEqual(len(lines), len(wrong), done.stderr)
+            found = json.loads(done.stdout)
+            self.assertFalse(found["ok"])
+            self.assertIsNone(found["estimate"])
+            for i, (line, error) in enumerate(zip(lines, found["errors"])):
+                key = f"load.pore_pressure.{i}.series"
+                self.assertTrue(line.startswith(f"lacuna: c.yaml: {key}: "), line)
+                self.assertIn(wrong[i][2], line)
+                self.assertEqual([error["file"], error["key"]], ["c.yaml", key])
+                self.assertTrue(line.endswith(error["message"]), line)
+            self.expect_line(3, lines[0].removeprefix("lacuna: "), "run", "c.yaml", *grid)
+            self.write("c.yaml", case.replace(series, "{series: {file: high.csv, time: t, value: 'p:kPa'}}"))
+            self.expect_line(2, "c.yaml: initial: pore pressure 4e+06 Pa is not below the normal pressure 3e+06 Pa at "
+                             "the start", "check", "c.yaml", *grid)
+            self.write("c.yaml", case.replace(series, "{series: {file: p.csv, time: t, value: 'p:kPa'}}"))
+            self.expect(0, "check", "c.yaml", *grid)
+            self.expect_line(3, "c.yaml: friction.spread.dc: map.nc: No such file or directory", "check", "c.yaml",
+                             *grid, "--set", "friction.spread={dc: {map: {file: map.nc}}}")
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)

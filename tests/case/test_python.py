@@ -171,7 +171,7 @@ class Python(unittest.TestCase):
     def test_errors(self):
         for case, overrides, kind, message in (
                 ("block.yaml", {"friction.aging.dx": 1}, "input", 'did you mean "dc"'),
-                ("block.yaml", {"friction.aging.dc": "-1 um"}, "input", "must be > 0"),
+                ("block.yaml", {"friction.aging.dc": "-1 um"}, "input", "must be >= 1e-18 m"),
                 ("block.yaml", {"": 1}, "input", "must be key.path=value"),
                 ("nowhere.yaml", None, "file", "nowhere.yaml")):
             with self.assertRaises(lacuna.Error) as caught:

@@ -97,7 +97,7 @@ static void what_is_there_must_be_right(void **state)
 {
     (void)state;
     refused(CONTACT "friction: {aging: {a: 0.01, b: 0.015, dc: -1}}\n", LAC_FOR_CONTACT,
-            "x.yaml:5: friction.aging.dc: \"-1\" must be > 0 m");
+            "x.yaml:5: friction.aging.dc: \"-1\" must be >= 1e-18 m");
     refused(CONTACT "time: {start: 0}\n", LAC_FOR_CONTACT,
             "x.yaml:5: time.end: is missing: must be a time such as \"1 day\"");
     refused(CONTACT "frictoin: {}\n", LAC_FOR_CONTACT,

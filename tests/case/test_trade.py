@@ -312,6 +312,7 @@ class Trade(Program):
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
         self.refused("must be > 0 and no later", BLOCK, "--until", "3 year")
         self.refused("solver.rtol", BLOCK, "--set", "solver.rtol=-1")
+        self.refused("solver.accuracy is picked for by lacuna run", BLOCK, "--set", "solver.accuracy=1e-3")
         pressed = "cases/normal/approach.yaml"
         self.refused("rtol turns nothing in a contact", pressed, "--dials", "rtol")
         self.refused("history turns nothing but a contact", BLOCK, "--dials", "history")

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "case/sections.h"
-#include "lacuna/case.h"
+#include "lacuna/fit.h"
 #include "lacuna/store.h"
 #include "lacuna/surface.h"
 #include "support/slot.h"
@@ -307,6 +307,57 @@ static void resolved_text_is_the_same_case(void **state)
     (void)all_read_back(LACUNA_SOURCE_DIR "/cases");
 }
 
+// The case with a fitted value of its initial state, as text, read again.
+static lac_status read_fitted(const char *form, const char *key, double best)
+{
+    const lac_override state = {"initial.state", form};
+    const lac_case_request how = {.purpose = LAC_FOR_CHECK};
+    lac_case_report report;
+    lac_case *c = read_or_fail(LACUNA_SOURCE_DIR "/cases/block.yaml", &state, 1), *again = NULL;
+    lac_case_value value;
+    static lac_fit_result fitted;
+    fitted.parameters = 1;
+    fitted.unknown[0] = (lac_fit_unknown){.key = key, .best = best};
+    assert_true(lac_case_find(c, key, &value));
+    lac_fit_apply(&fitted, c);
+    char *text = lac_case_text(c);
+    lac_status status =
+        lac_case_read_text("fitted", text, strlen(text), &how, &again, &report, NULL);
+    assert_true(status != LAC_OK || again->initial.state_value == c->initial.state_value);
+    lac_case_report_clear(&report);
+    lac_case_free(again);
+    lac_case_free(c);
+    free(text);
+    return status;
+}
+
+// One range of the initial state, for the reader and for a fit: docs/case.md.
+static void fitted_states_read_back(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *form, *key;
+        double low, high;
+    } forms[] = {{"2 day", "initial.state", 1e-12, 1e20},
+                 {"{ratio_to_steady: 2}", "initial.state.ratio_to_steady", 1e-300, 1e6}};
+    for (size_t i = 0; i < 2; i++) {
+        const double ends[] = {forms[i].low, forms[i].high, exp(log(forms[i].high)),
+                               1e3 * forms[i].high};
+        for (size_t k = 0; k < 4; k++) {
+            assert_int_equal(read_fitted(forms[i].form, forms[i].key, ends[k]), LAC_OK);
+        }
+        const lac_override beyond[] = {
+            {i == 0 ? "initial.state" : "initial.state.ratio_to_steady", i == 0 ? "1e21" : "1e7"}};
+        const lac_case_request how = {.overrides = beyond, .count = 1};
+        lac_case_report report;
+        lac_case *c = NULL;
+        assert_int_equal(
+            lac_case_read(LACUNA_SOURCE_DIR "/cases/block.yaml", &how, &c, &report, NULL),
+            LAC_EINPUT);
+        lac_case_report_clear(&report);
+    }
+}
+
 static void overrides_apply(void **state)
 {
     (void)state;
@@ -340,7 +391,7 @@ static void wrong_overrides_are_blamed(void **state)
         lac_override override;
         const char *line;
     } wrong[] = {
-        {{"friction.aging.dc", "-1 um"}, "--set: friction.aging.dc: \"-1 um\" must be > 0 m"},
+        {{"friction.aging.dc", "-1 um"}, "--set: friction.aging.dc: \"-1 um\" must be >= 1e-18 m"},
         {{"friction.aging.dcc", "1"},
          "--set: friction.aging.dcc: is no key here; did you mean \"dc\"?"},
         {{"load.pore_pressure.2.constant.value", "1"},
@@ -432,6 +483,7 @@ int main(void)
         cmocka_unit_test(every_key_reads),
         cmocka_unit_test(a_history_reads),
         cmocka_unit_test(resolved_text_is_the_same_case),
+        cmocka_unit_test(fitted_states_read_back),
         cmocka_unit_test(overrides_apply),
         cmocka_unit_test(wrong_overrides_are_blamed),
         cmocka_unit_test(cut_and_changed_cases_are_survived),

@@ -15,6 +15,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import netCDF4
@@ -225,6 +226,35 @@ class View(unittest.TestCase):
             stream.close()
         self.finish(run, held)
         for connection in (*silent, deaf):
+            connection.close()
+
+    def test_slow_connections_keep_nobody_out(self):
+        """Ever more that send a byte now and then, or read none: page, data and streams come as before."""
+        run = self.start()
+        held = run.wait_until_held(2)
+        head = f"GET /data HTTP/1.1\r\nHost: 127.0.0.1:{run.port}\r\n".encode()
+        watched = [run.events() for _ in range(3)]
+        slow, page = [], run.ask("/")[2]
+        for i in range(100):
+            slow.append(socket.create_connection(("127.0.0.1", run.port)))
+            slow[-1].sendall(head + (b"\r\n" if i % 3 == 0 else b"X: "))  # every third never reads
+            for connection in slow[-40:]:
+                try:
+                    connection.sendall(b"x")  # a sign of life: no idle time ends these
+                except OSError:
+                    pass  # shown out
+            if i % 9 == 8:
+                began = time.monotonic()
+                self.assertEqual(len(run.ask("/")[2]), len(page))
+                self.assertEqual(run.data()["about"]["title"], run.data()["about"]["title"])
+                self.assertLess(time.monotonic() - began, 5)
+        watched.append(run.events())
+        for stream in watched:  # were let alone
+            self.assertEqual(stream.status, 200)
+            stream.until(running)
+            stream.close()
+        self.finish(run, held)
+        for connection in slow:
             connection.close()
 
     def test_outputs_are_the_same(self):

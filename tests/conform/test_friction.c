@@ -8,129 +8,26 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "base/rng.h"
-#include "base/vmath.h"
-#include "lacuna/friction.h"
-#include "support/slot.h"
+#include "support/laws.h"
 
-enum { CELLS = 300, TRIALS = 1000 };
-
-// Everything that one evaluation gives, at up to a block of cells.
-typedef struct evaluation {
-    double u[LAC_FRICTION_BLOCK], w[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
-    double out[9][LAC_FRICTION_BLOCK];
-} evaluation;
-
-enum { F, F_U, F_W, G, F_UU, F_UW, F_WW, G_U, G_W, OUTPUTS };
-
-static double uniform(uint64_t i, uint64_t what, double low, double high)
-{
-    return low + (high - low) * lac_random_uniform(11, LAC_STREAM_TEST, i, what);
-}
-
-// Uniform, but every fourth time one of the ends.
-static double biased(uint64_t i, uint64_t what, double low, double high)
-{
-    double side = uniform(i, what + 100, 0, 8);
-    return side < 1 ? low : side < 2 ? high : uniform(i, what, low, high);
-}
+enum { TRIALS = 1000 };
 
 static const double ln_slowest = -69.07755278982137, ln_fastest = 6.907755278982137;
 static const double ln_youngest = -27.631021115928547, ln_oldest = 46.051701859880914;
-
-// A law in one of its forms.
-typedef struct variant {
-    size_t law;
-    int form;
-    bool v1, v2; // with cut-offs
-} variant;
-
-static lac_friction *make(const variant *kind, size_t n, double a, double b, double dc)
-{
-    lac_slot slot;
-    lac_friction *friction = NULL;
-    const lac_descriptor *about = &lac_friction_law_at(kind->law)->about;
-    assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
-    test_slot_set(&slot, "a", a);
-    test_slot_set(&slot, "b", b);
-    test_slot_set(&slot, "dc", dc);
-    test_slot_set(&slot, "form", kind->form);
-    if (kind->v1) {
-        test_slot_set(&slot, "v1", 1e-3);
-    }
-    if (kind->v2) {
-        test_slot_set(&slot, "v2", 1e-5);
-    }
-    assert_int_equal(lac_friction_create(&slot, n, &friction, NULL), LAC_OK);
-    lac_slot_clear(&slot);
-    return friction;
-}
-
-// Decimal exponents between which a parameter varies; a law's own ones are slip rates so far.
-static void exponents(const char *key, double *low, double *high)
-{
-    static const struct {
-        const char *key;
-        double low, high;
-    } known[] = {{"f0", -1, 0.3}, {"a", -3, 0},   {"b", -3, 0},  {"dc", -7, 1},
-                 {"v0", -9, 0},   {"v1", -12, 1}, {"v2", -12, 1}};
-    *low = -12;
-    *high = 2;
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        if (strcmp(known[i].key, key) == 0) {
-            *low = known[i].low;
-            *high = known[i].high;
-        }
-    }
-}
-
-// Cells that differ in every parameter they have, over decades of each.
-static lac_friction *make_varied(const variant *kind)
-{
-    lac_friction *friction = make(kind, CELLS, 0.01, 0.015, 1e-4);
-    const lac_descriptor *about = &friction->law->about;
-    double values[CELLS];
-    for (size_t k = 0; k < about->param_count; k++) {
-        const char *key = about->params[k].key;
-        double low, high;
-        if (lac_friction_values_of(friction, key) == NULL) {
-            continue;
-        }
-        exponents(key, &low, &high);
-        for (size_t i = 0; i < CELLS; i++) {
-            values[i] = pow(10, biased(i, k, low, high));
-        }
-        assert_int_equal(lac_friction_set(friction, key, values, NULL), LAC_OK);
-    }
-    return friction;
-}
-
-static void evaluate(const lac_friction *friction, size_t first, size_t n, evaluation *e)
-{
-    lac_vexp(n, e->u, e->v);
-    lac_friction_evaluate(
-        friction, &(lac_friction_cells){first, n, e->u, e->w, e->v, 0},
-        &(lac_friction_values){
-            .f = e->out[F], .f_u = e->out[F_U], .f_w = e->out[F_W], .g = e->out[G]},
-        &(lac_friction_slopes){.f_uu = e->out[F_UU],
-                               .f_uw = e->out[F_UW],
-                               .f_ww = e->out[F_WW],
-                               .g_u = e->out[G_U],
-                               .g_w = e->out[G_W]});
-}
 
 // A rate and a state of any size for a cell. Half of the states make f of the order of a, where
 // the regularised strength bends.
 static void draw(const lac_friction *friction, uint64_t trial, size_t cell, double *u, double *w)
 {
-    *u = biased(trial, 10, ln_slowest, ln_fastest);
-    *w = biased(trial, 11, ln_youngest, ln_oldest);
+    *u = laws_biased(trial, 10, ln_slowest, ln_fastest);
+    *w = laws_biased(trial, 11, ln_youngest, ln_oldest);
     double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     if (trial % 2 == 0) {
-        double plain = a * uniform(trial, 12, -4, 4);
+        double plain = a * laws_uniform(trial, 12, -4, 4);
         *w = (plain - lac_friction_plain(friction, cell, *u, 0)) / b;
         *w = fmin(fmax(*w, ln_youngest), ln_oldest);
     }
@@ -154,17 +51,20 @@ static void on_every_law_and_form(check *run)
 
 static void check_steady(const variant *kind)
 {
-    lac_friction *friction = make_varied(kind);
-    for (size_t i = 0; i < CELLS; i++) {
+    lac_friction *friction = laws_make_varied(kind);
+    for (size_t i = 0; i < LAWS_CELLS; i++) {
         evaluation e;
-        e.u[0] = biased(i, 1, ln_slowest, ln_fastest);
+        e.u[0] = laws_biased(i, 1, ln_slowest, ln_fastest);
         e.w[0] = lac_friction_steady_state(friction, i, e.u[0]);
-        evaluate(friction, i, 1, &e);
+        laws_evaluate(friction, i, 1, &e);
         double renewal = e.v[0] / lac_cellwise_of(&friction->column[LAC_DC], i); // [1/s]
-        assert_true(fabs(e.out[G][0]) <= 1e-12 * renewal);
-        e.w[0] += 0.1; // too old: the state falls
-        evaluate(friction, i, 1, &e);
-        assert_true(e.out[G][0] < -0.01 * renewal);
+        double change = fmax(renewal, exp(-e.w[0])); // a state that saturates is below dc/v
+        laws_must(fabs(e.out[G][0]) <= 1e-12 * change, friction, i, (double[]){e.u[0], e.w[0]},
+                  "the state changes in its steady state");
+        e.w[0] += 0.1;
+        laws_evaluate(friction, i, 1, &e);
+        laws_must(e.out[G][0] < -0.01 * change, friction, i, (double[]){e.u[0], e.w[0]},
+                  "a state above the steady one does not fall");
     }
     lac_friction_free(friction);
 }
@@ -180,10 +80,12 @@ static void assert_finite_everywhere(const lac_friction *friction)
     for (double u = ln_slowest; u <= ln_fastest + 1e-9; u += (ln_fastest - ln_slowest) / 9) {
         for (double w = ln_youngest; w <= ln_oldest + 1e-9; w += (ln_oldest - ln_youngest) / 10) {
             evaluation e = {.u = {u}, .w = {w}};
-            evaluate(friction, 0, 1, &e);
+            laws_evaluate(friction, 0, 1, &e);
+            bool finite = true;
             for (size_t k = 0; k < OUTPUTS; k++) {
-                assert_true(isfinite(e.out[k][0]));
+                finite = finite && isfinite(e.out[k][0]);
             }
+            laws_must(finite, friction, 0, (double[]){u, w}, "strength or evolution not finite");
             assert_true(e.out[F_U][0] >= 0 && e.out[F_W][0] >= 0);
             assert_true(friction->form == LAC_FORM_PLAIN || e.out[F][0] >= 0);
         }
@@ -197,7 +99,7 @@ static void check_finite(const variant *kind)
     for (size_t i = 0; i < EFFECTS; i++) {
         for (size_t j = 0; j < EFFECTS; j++) {
             for (double dc = 1e-12; dc < 1e7; dc *= 1e6) {
-                lac_friction *friction = make(kind, 1, effect[i], effect[j], dc);
+                lac_friction *friction = laws_make(kind, 1, effect[i], effect[j], dc);
                 assert_finite_everywhere(friction);
                 lac_friction_free(friction);
             }
@@ -219,53 +121,63 @@ static void difference(const lac_friction *friction, size_t cell, const evaluati
     (along_u ? up.u : up.w)[0] += h;
     (along_u ? down.u : down.w)[0] -= h;
     double width = along_u ? up.u[0] - down.u[0] : up.w[0] - down.w[0];
-    evaluate(friction, cell, 1, &up);
-    evaluate(friction, cell, 1, &down);
+    laws_evaluate(friction, cell, 1, &up);
+    laws_evaluate(friction, cell, 1, &down);
     for (size_t k = 0; k < OUTPUTS; k++) {
         slope[k] = (up.out[k][0] - down.out[k][0]) / width;
     }
 }
 
-static void assert_slope(const char *name, double analytic, double numeric, double tolerance)
+// Where derivatives are looked at.
+typedef struct place {
+    const lac_friction *friction;
+    size_t cell;
+    const evaluation *e;
+} place;
+
+static void assert_slope(const place *at, const char *name, double analytic, double numeric,
+                         double tolerance)
 {
-    if (!(fabs(analytic - numeric) <= tolerance)) {
-        fail_msg("%s = %.12g, by differences %.12g (tolerance %g)", name, analytic, numeric,
-                 tolerance);
-    }
+    char text[200];
+    (void)snprintf(text, sizeof text, "%s = %.12g, by differences %.12g (tolerance %g)", name,
+                   analytic, numeric, tolerance);
+    laws_must(fabs(analytic - numeric) <= tolerance, at->friction, at->cell,
+              (double[]){at->e->u[0], at->e->w[0]}, text);
 }
 
 static void check_slopes_at(const lac_friction *friction, size_t cell, const evaluation *e)
 {
+    const place at = {friction, cell, e};
     double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     double b = lac_cellwise_of(&friction->column[LAC_B], cell);
     double by_u[OUTPUTS], by_w[OUTPUTS];
     // along w the regularised strength bends over a/b
     difference(friction, cell, e, true, 1e-4, by_u);
     difference(friction, cell, e, false, 1e-4 * fmin(1, a / b), by_w);
-    assert_slope("f_u", e->out[F_U][0], by_u[F], 1e-6 * a);
-    assert_slope("f_w", e->out[F_W][0], by_w[F], 1e-6 * b);
-    assert_slope("f_uu", e->out[F_UU][0], by_u[F_U], 1e-6 * a);
-    assert_slope("f_uw", e->out[F_UW][0], by_u[F_W], 1e-6 * b);
-    assert_slope("f_uw", e->out[F_UW][0], by_w[F_U], 1e-6 * b);
-    assert_slope("f_ww", e->out[F_WW][0], by_w[F_W], 1e-6 * b * b / a);
+    assert_slope(&at, "f_u", e->out[F_U][0], by_u[F], 1e-6 * a);
+    assert_slope(&at, "f_w", e->out[F_W][0], by_w[F], 1e-6 * b);
+    assert_slope(&at, "f_uu", e->out[F_UU][0], by_u[F_U], 1e-6 * a);
+    assert_slope(&at, "f_uw", e->out[F_UW][0], by_u[F_W], 1e-6 * b);
+    assert_slope(&at, "f_uw", e->out[F_UW][0], by_w[F_U], 1e-6 * b);
+    assert_slope(&at, "f_ww", e->out[F_WW][0], by_w[F_W], 1e-6 * b * b / a);
 
     // the composite law's healing ends within vc/v of an e-fold
     difference(friction, cell, e, true, 1e-5, by_u);
     difference(friction, cell, e, false, 1e-4, by_w);
     double g_u = e->out[G_U][0], g_w = e->out[G_W][0];
     double rounding = 1e-9 * (fabs(e->out[G][0]) + fabs(g_u) + fabs(g_w));
-    assert_slope("g_u", g_u, by_u[G], 1e-6 * fabs(g_u) + rounding);
-    assert_slope("g_w", g_w, by_w[G], 1e-6 * fabs(g_w) + rounding);
+    assert_slope(&at, "g_u", g_u, by_u[G], 1e-6 * fabs(g_u) + rounding);
+    assert_slope(&at, "g_w", g_w, by_w[G], 1e-6 * fabs(g_w) + rounding);
 }
 
 static void check_derivatives(const variant *kind)
 {
-    lac_friction *friction = make_varied(kind);
+    lac_friction *friction = laws_make_varied(kind);
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        size_t cell = trial % CELLS;
+        size_t cell = trial % LAWS_CELLS;
         evaluation e;
         draw(friction, trial, cell, &e.u[0], &e.w[0]);
-        evaluate(friction, cell, 1, &e);
+        laws_evaluate(friction, cell, 1, &e);
         check_slopes_at(friction, cell, &e);
     }
     lac_friction_free(friction);
@@ -283,13 +195,14 @@ static void assert_equals_single_cells(const lac_friction *friction, size_t firs
     for (size_t i = 0; i < n; i++) {
         draw(friction, first + i, first + i, &all.u[i], &all.w[i]);
     }
-    evaluate(friction, first, n, &all);
+    laws_evaluate(friction, first, n, &all);
     for (size_t i = 0; i < n; i++) {
         one.u[0] = all.u[i];
         one.w[0] = all.w[i];
-        evaluate(friction, first + i, 1, &one);
+        laws_evaluate(friction, first + i, 1, &one);
         for (size_t k = 0; k < OUTPUTS; k++) {
-            assert_memory_equal(&one.out[k][0], &all.out[k][i], sizeof(double));
+            laws_must(memcmp(&one.out[k][0], &all.out[k][i], sizeof(double)) == 0, friction,
+                      first + i, (double[]){one.u[0], one.w[0]}, "not the same alone");
         }
         double f = lac_friction_coefficient(friction, first + i, one.u[0], one.w[0]);
         assert_memory_equal(&f, &one.out[F][0], sizeof f);
@@ -298,15 +211,15 @@ static void assert_equals_single_cells(const lac_friction *friction, size_t firs
 
 static void check_blocks(const variant *kind)
 {
-    lac_friction *friction = make_varied(kind);
+    lac_friction *friction = laws_make_varied(kind);
     assert_equals_single_cells(friction, 0, LAC_FRICTION_BLOCK);
-    assert_equals_single_cells(friction, CELLS - LAC_FRICTION_BLOCK, LAC_FRICTION_BLOCK);
+    assert_equals_single_cells(friction, LAWS_CELLS - LAC_FRICTION_BLOCK, LAC_FRICTION_BLOCK);
     for (size_t n = 0; n < 20; n++) {
         assert_equals_single_cells(friction, 3 * n, n);
     }
     evaluation e, bare; // without slopes the rest is the same
     draw(friction, 5, 5, &e.u[0], &e.w[0]);
-    evaluate(friction, 5, 1, &e);
+    laws_evaluate(friction, 5, 1, &e);
     lac_friction_evaluate(
         friction, &(lac_friction_cells){5, 1, e.u, e.w, e.v, 0},
         &(lac_friction_values){
@@ -326,9 +239,9 @@ static void block_equals_single_cells(void **state)
 
 static void check_state_for(const variant *kind)
 {
-    lac_friction *friction = make_varied(kind);
+    lac_friction *friction = laws_make_varied(kind);
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        size_t cell = trial % CELLS;
+        size_t cell = trial % LAWS_CELLS;
         double u, w;
         draw(friction, trial, cell, &u, &w);
         double f = lac_friction_coefficient(friction, cell, u, w);
@@ -352,11 +265,11 @@ static void check_state_for(const variant *kind)
 static void check_rate_for(const variant *kind)
 {
     static const double damping[] = {0, 1e-6, 1, 4.5e6, 1e12};
-    lac_friction *friction = make_varied(kind);
+    lac_friction *friction = laws_make_varied(kind);
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        size_t cell = trial % CELLS;
+        size_t cell = trial % LAWS_CELLS;
         double u, w, eta = damping[trial / 2 % 5];
-        double pressure = pow(10, biased(trial, 20, 0, 9));
+        double pressure = pow(10, laws_biased(trial, 20, 0, 9));
         draw(friction, trial, cell, &u, &w);
         double friction_part = pressure * lac_friction_coefficient(friction, cell, u, w);
         double tau = friction_part + eta * exp(u);
@@ -410,7 +323,7 @@ static void check_hostile(const variant *kind)
 {
     static const double effects[] = {0, 5e-324, 1e-290, 0.01, 1e3};
     for (size_t k = 0; k < 25; k++) {
-        lac_friction *friction = make(kind, 1, effects[k % 5], effects[k / 5], 1e-4);
+        lac_friction *friction = laws_make(kind, 1, effects[k % 5], effects[k / 5], 1e-4);
         check_hostile_cells(friction, k);
         lac_friction_free(friction);
     }
@@ -419,14 +332,14 @@ static void check_hostile(const variant *kind)
 // Normal stress takes (alpha/b) d ln p/dt off dw/dt, a jump the integral of that; and no more.
 static void check_normal_stress(const variant *kind)
 {
-    lac_friction *friction = make_varied(kind);
-    double alpha[CELLS];
+    lac_friction *friction = laws_make_varied(kind);
+    double alpha[LAWS_CELLS];
     for (int with = 0; with < 2; with++) {
-        for (size_t cell = 0; cell < CELLS; cell++) {
+        for (size_t cell = 0; cell < LAWS_CELLS; cell++) {
             evaluation still, moving;
-            double f, f_u, f_w, rate = pow(10, uniform(cell, 30, -9, 3));
+            double f, f_u, f_w, rate = pow(10, laws_uniform(cell, 30, -9, 3));
             draw(friction, cell, cell, &still.u[0], &still.w[0]);
-            evaluate(friction, cell, 1, &still);
+            laws_evaluate(friction, cell, 1, &still);
             lac_friction_evaluate(friction,
                                   &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate},
                                   &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
@@ -437,8 +350,8 @@ static void check_normal_stress(const variant *kind)
             double after = lac_friction_state_after(friction, cell, still.w[0], 3);
             assert_true(fabs(still.w[0] - after - response * log(3)) <= 1e-13 * (100 + response));
         }
-        for (size_t cell = 0; cell < CELLS; cell++) {
-            alpha[cell] = biased(cell, 31, 0, 1);
+        for (size_t cell = 0; cell < LAWS_CELLS; cell++) {
+            alpha[cell] = laws_biased(cell, 31, 0, 1);
         }
         assert_int_equal(lac_friction_set(friction, "alpha", alpha, NULL), LAC_OK);
         assert_int_equal(lac_friction_check(friction, NULL), LAC_OK);

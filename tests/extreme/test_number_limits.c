@@ -130,14 +130,36 @@ static void healing(void **state)
 static void slip_to_renew(void **state)
 {
     double worst = 0.0;
-    for (int k = -9; k <= 0; k++) {
+    for (int k = -18; k <= 0; k++) { // from the smallest that a law takes
         block_def def = block_default(1.35, 0.5);
         def.dc = pow(10.0, k);
         def.slip_rate = 1e-9;
         def.v0 = 1e-6;
         worst = fmax(worst, all_methods(&def, state, 1.0, 1e-6));
     }
-    report(state, "dc 1e-9 ... 1 m", worst);
+    report(state, "dc 1e-18 ... 1 m", worst);
+}
+
+// Slip of 2000 dc at rtol 1e-13, which is finer than a double resolves beyond 450 dc. b = a/2:
+// v settles at 1, and what slip is ahead of t is the integral of x^-1/2 over x = theta/theta_ss.
+static void slip_far_beyond_dc(void **state)
+{
+    double worst = 0.0;
+    for (size_t i = 0; i < 3; i++) {
+        block_def def = block_default(0.5, 0.9);
+        def.formulation = chosen(state);
+        lac_run_def how = to_rate(methods[i], 1e3, 1e-13);
+        how.end = 2000.0;
+        one_cell_outcome out = one_cell_run(&def, &how);
+        if (out.status != LAC_OK) {
+            fail_msg("%s: %s", method_names[i], out.message);
+        }
+        double exact = how.end + 2.0 * (1.0 - sqrt(def.x));
+        worst = fmax(worst, fabs(out.result.mean_slip / exact - 1.0));
+    }
+    assert_true(worst < 1e-11);
+    printf("%-34s %-9s worst relative error of slip %.1e\n", "slip 2000 dc, rtol 1e-13",
+           lac_formulation_name(chosen(state)), worst);
 }
 
 // a falls, b stays: the weaker the direct effect, the more sudden the failure.
@@ -385,6 +407,7 @@ int main(void)
         FOR_EACH_FORMULATION(state_variable),
         FOR_EACH_FORMULATION(healing),
         FOR_EACH_FORMULATION(slip_to_renew),
+        FOR_EACH_FORMULATION(slip_far_beyond_dc),
         FOR_EACH_FORMULATION(direct_effect_undamped),
         FOR_EACH_FORMULATION(direct_effect_damped),
         FOR_EACH_FORMULATION(no_direct_effect),

@@ -41,7 +41,7 @@ static const char text[] =
     "analysis: {rg: {critical_fraction: 0.5}}\n"
     "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
 
-static lac_status store_run(const lac_case *c, const lac_scene *scene, const char *path,
+static lac_status store_run(lac_case *c, const lac_scene *scene, const char *path,
                             lac_error *err)
 {
     lac_store *store = NULL;
@@ -65,6 +65,7 @@ static lac_status store_run(const lac_case *c, const lac_scene *scene, const cha
     LAC_TRY(lac_store_once(store, once, err));
     lac_sink sink = lac_store_sink(store);
     sink = lac_analysis_sink(analysis, &sink);
+    c->run.beyond = 0;
     LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
     LAC_TRY(lac_analysis_finish(analysis, &result, err));
     LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
@@ -189,6 +190,7 @@ static lac_status run_part(const lac_case *c, const char *path, int left, lac_er
     const double *once;
     const bool resumes = left == INT_MAX;
     lac_run_def run = c->run;
+    run.beyond = 0;
     run.interrupted = stop;
     run.context = &left;
     LAC_TRY(lac_scene_create(c, &scene, err));

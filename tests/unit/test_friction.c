@@ -33,7 +33,7 @@ static void required_parameters_have_no_default(void **state)
     test_slot_set(&slot, "b", 0.01);
     test_slot_set(&slot, "dc", 0);
     assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_EINPUT);
-    assert_string_equal(err.message, "aging.dc: must be > 0 m");
+    assert_string_equal(err.message, "aging.dc: must be >= 1e-18 m");
     test_slot_set(&slot, "dc", 1e-4);
     assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_OK);
     assert_true(lac_cellwise_of(&friction->column[LAC_F0], 0) == 0.6 &&
@@ -73,7 +73,7 @@ static void a_bad_cell_is_named_and_changes_nothing(void **state)
     assert_int_equal(lac_friction_create(&slot, 3, &friction, &err), LAC_OK);
     double before = lac_friction_coefficient(friction, 0, -20, 10);
     assert_int_equal(lac_friction_set(friction, "dc", (double[]){1, 1, -2}, &err), LAC_EINPUT);
-    assert_string_equal(err.message, "aging.dc of cell 2: -2 must be > 0 m");
+    assert_string_equal(err.message, "aging.dc of cell 2: -2 must be >= 1e-18 m");
     assert_int_equal(lac_friction_set(friction, "a", (double[]){1, NAN, 1}, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.a of cell 1: nan must be a finite number");
     assert_true(lac_friction_coefficient(friction, 0, -20, 10) == before);

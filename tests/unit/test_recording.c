@@ -11,6 +11,7 @@
 
 #include <math.h>
 
+#include "lacuna/accuracy.h"
 #include "lacuna/scene_record.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
@@ -59,7 +60,7 @@ static void expect_refused(const char *path, const char *set, lac_status status,
 static void test_refused(void **state)
 {
     (void)state;
-    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be > 0");
+    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be >= 1e-18 m");
     expect_refused(BLOCK, "friction.aging.dx=1", LAC_EINPUT, "did you mean \"dc\"?");
     expect_refused(BLOCK, "=1", LAC_EINPUT, "key.path=value");
     expect_refused(BLOCK, "title", LAC_EINPUT, "key.path=value");
@@ -108,13 +109,66 @@ static void test_stopped(void **state)
     lac_recording_free(recording);
 }
 
+// Runs the block as docs/howto-embed.md shows, with one more setting.
+static lac_status run_by_hand(const char *key, const char *value, bool picks, double *failure,
+                              lac_error *err)
+{
+    const lac_override set = {key, value};
+    const lac_case_request request = {.overrides = &set, .count = 1};
+    lac_case_report report = {0};
+    lac_case *c = NULL;
+    lac_scene *scene = NULL;
+    lac_run_result result;
+    lac_accuracy_pick picked;
+    assert_int_equal(lac_case_read(BLOCK, &request, &c, &report, err), LAC_OK);
+    lac_case_report_clear(&report);
+    assert_true((c->run.beyond & LAC_BEYOND_OUTPUT) != 0);
+    c->run.beyond &= ~(unsigned)LAC_BEYOND_OUTPUT;
+    assert_int_equal(lac_scene_create(c, &scene, err), LAC_OK);
+    lac_status status = picks ? lac_accuracy_choose(scene, c, NULL, &picked, err) : LAC_OK;
+    status = status == LAC_OK ? lac_run(scene->problem, &c->run, NULL, &result, err) : status;
+    *failure = status == LAC_OK ? result.failure_origin + result.failure_local : NAN;
+    lac_scene_free(scene);
+    lac_case_free(c);
+    return status;
+}
+
+// What a case asks for and lac_run does not do is not left out in silence.
+static void test_beyond_a_run(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *key, *value, *use;
+    } beyond[] = {{"solver.accuracy", "1e-6", "lac_accuracy_choose"},
+                  {"analysis.events.slip_rate", "1 mm/s", "lac_analysis_sink"},
+                  {"output.file", "all.nc", NULL},
+                  {"output.every", "1 day", NULL}};
+    double failure, again;
+    lac_error err = {0};
+    for (size_t i = 0; i < 4; i++) {
+        bool done = beyond[i].use == NULL;
+        lac_status status = run_by_hand(beyond[i].key, beyond[i].value, false, &failure, &err);
+        assert_int_equal(status, done ? LAC_OK : LAC_EINPUT);
+        assert_true(done || strstr(err.message, beyond[i].use) != NULL);
+        assert_true(done || strncmp(err.message, beyond[i].key, 8) == 0);
+    }
+    // theta_ss = (dc/v) x^-(b/a), times the published time for b/a = 1.35 and x = 0.5
+    const double exact = 604800 * pow(2, 1.35) * 0.856272305814;
+    lac_recording *recording = NULL;
+    const char *const sets[] = {"solver.accuracy=1e-6"};
+    assert_int_equal(lac_record_case(BLOCK, 1, sets, NULL, &recording, &err), LAC_OK);
+    assert_int_equal(run_by_hand("solver.accuracy", "1e-6", true, &again, &err), LAC_OK);
+    assert_true(again == find(recording, "failure_time").values[0]);
+    assert_true(fabs(again / exact - 1) < 1e-6);
+    lac_recording_free(recording);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_block),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_from_memory),
-        cmocka_unit_test(test_stopped),
+        cmocka_unit_test(test_a_block),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_from_memory),  cmocka_unit_test(test_stopped),
+        cmocka_unit_test(test_beyond_a_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

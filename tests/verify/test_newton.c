@@ -131,8 +131,110 @@ static void newton_is_theirs_to_the_bit(void **state)
     }
 }
 
+// A transfer that counts its solves: one for each of Newton's.
+static const lac_transfer_kind *counted;
+static int64_t solves;
+
+static bool solve_and_count(const void *state, double k_mean, const double *diagonal,
+                            const double *y, double *x, double *work)
+{
+    solves++;
+    return counted->solve(state, k_mean, diagonal, y, x, work);
+}
+
+// The checkpoint made last before the 100th step, and the solves up to there.
+typedef struct kept {
+    int64_t steps, solves;
+    lac_checkpoint checkpoint;
+} kept;
+
+static lac_status count_step(void *context, const lac_step *now, lac_error *err)
+{
+    (void)now, (void)err;
+    ((kept *)context)->steps++;
+    return LAC_OK;
+}
+
+static lac_status keep(void *context, const lac_checkpoint *now, lac_error *err)
+{
+    kept *k = context;
+    (void)err;
+    if (k->steps >= 100 && k->checkpoint.state != NULL) {
+        return LAC_OK;
+    }
+    unsigned char *state = malloc(now->size);
+    memcpy(state, now->state, now->size);
+    free((unsigned char *)k->checkpoint.state);
+    k->checkpoint = *now;
+    k->checkpoint.state = state;
+    k->solves = solves;
+    return LAC_OK;
+}
+
+// The same problem on a transfer that counts.
+static lac_problem *count_solves(const tree *t, lac_formulation formulation,
+                                 lac_transfer_kind *kind)
+{
+    lac_problem *problem = NULL;
+    lac_error err = {""};
+    const size_t n = t->domain->n;
+    double *start = malloc(lac_problem_unknowns(t->problem) * sizeof *start);
+    lac_problem_initial(t->problem, start); // with ln v as unknown
+    counted = t->transfer.kind;
+    *kind = *counted;
+    kind->solve = solve_and_count;
+    const lac_transfer transfer = {.kind = kind, .state = t->transfer.state};
+    const lac_problem_def def = {.domain = t->domain,
+                                 .friction = t->friction,
+                                 .transfer = &transfer,
+                                 .log_rate = start,
+                                 .log_state = start + n,
+                                 .formulation = formulation};
+    assert_int_equal(lac_problem_create(&def, &problem, &err), LAC_OK);
+    free(start);
+    return problem;
+}
+
+// linear_solves of a run to failure, and of one that goes on from a checkpoint, counted apart.
+static void a_run_counts_its_solves(void **state)
+{
+    (void)state;
+    tree_def def = tree_default(3, 4);
+    tree t;
+    def.k0 *= 0.05; // to failure
+    tree_create(&def, &t);
+    for (lac_formulation f = LAC_FORMULATION_RATE; f <= LAC_FORMULATION_SLIP; f++) {
+        lac_transfer_kind kind;
+        lac_problem *problem = count_solves(&t, f, &kind);
+        lac_run_def how = lac_run_default();
+        lac_run_result whole, rest;
+        kept k = {0};
+        const lac_sink sink = {.context = &k, .step = count_step, .checkpoint = keep};
+        lac_error err = {""};
+        how.end = 1e12;
+        how.failure_rate = 1e-3;
+        how.checkpoint.steps = 40;
+        solves = 0;
+        if (lac_run(problem, &how, &sink, &whole, &err) != LAC_OK) {
+            fail_msg("%s", err.message);
+        }
+        assert_true(whole.failed && whole.steps > 100 && k.solves > 0);
+        assert_int_equal(whole.linear_solves, solves);
+        assert_true(whole.linear_solves < whole.newton_iterations);
+        solves = k.solves;
+        how.resume = &k.checkpoint;
+        assert_int_equal(lac_run(problem, &how, NULL, &rest, &err), LAC_OK);
+        assert_int_equal(rest.linear_solves, solves);
+        assert_int_equal(rest.linear_solves, whole.linear_solves);
+        free((unsigned char *)k.checkpoint.state);
+        lac_problem_free(problem);
+    }
+    tree_clear(&t);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(newton_is_theirs_to_the_bit)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(newton_is_theirs_to_the_bit),
+                                       cmocka_unit_test(a_run_counts_its_solves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

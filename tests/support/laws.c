@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/laws.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "base/vmath.h"
+#include "support/slot.h"
+
+double laws_uniform(uint64_t i, uint64_t what, double low, double high)
+{
+    return low + (high - low) * lac_random_uniform(11, LAC_STREAM_TEST, i, what);
+}
+
+double laws_biased(uint64_t i, uint64_t what, double low, double high)
+{
+    double side = laws_uniform(i, what + 100, 0, 8);
+    return side < 1 ? low : side < 2 ? high : laws_uniform(i, what, low, high);
+}
+
+// Decimal exponents between which a parameter varies: of those that every law has, and of a law's
+// own by what they are measured in.
+static void exponents(const lac_param *param, double *low, double *high)
+{
+    static const struct {
+        const char *key;
+        double low, high;
+    } known[] = {{"f0", -1, 0.3}, {"a", -3, 0},   {"b", -3, 0},    {"dc", -7, 1},  {"v0", -9, 0},
+                 {"v1", -12, 1},  {"v2", -12, 1}, {"m/s", -12, 2}, {"s", -12, 20}, {"m", -7, 1}};
+    *low = -3;
+    *high = 1;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcmp(known[i].key, param->key) == 0 || strcmp(known[i].key, param->unit) == 0) {
+            *low = known[i].low;
+            *high = known[i].high;
+            return;
+        }
+    }
+}
+
+// The value of a parameter's range that is nearest.
+static double allowed(const lac_param *param, double value)
+{
+    return fmin(fmax(value, param->min), param->max);
+}
+
+lac_friction *laws_make(const variant *kind, size_t n, double a, double b, double dc)
+{
+    lac_slot slot;
+    lac_friction *friction = NULL;
+    const lac_descriptor *about = &lac_friction_law_at(kind->law)->about;
+    assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
+    test_slot_set(&slot, "a", a);
+    test_slot_set(&slot, "b", b);
+    test_slot_set(&slot, "dc", dc);
+    test_slot_set(&slot, "form", kind->form);
+    for (size_t i = 0; i < about->param_count; i++) {
+        const lac_param *own = &about->params[i]; // one that must be given
+        if (!lac_param_given(own, slot.params) && (own->flags & LAC_OPTIONAL) == 0) {
+            double low, high;
+            exponents(own, &low, &high);
+            test_slot_set(&slot, own->key, allowed(own, pow(10, (low + high) / 2)));
+        }
+    }
+    if (kind->v1) {
+        test_slot_set(&slot, "v1", 1e-3);
+    }
+    if (kind->v2) {
+        test_slot_set(&slot, "v2", 1e-5);
+    }
+    assert_int_equal(lac_friction_create(&slot, n, &friction, NULL), LAC_OK);
+    lac_slot_clear(&slot);
+    return friction;
+}
+
+void laws_must(bool holds, const lac_friction *friction, size_t cell, const double at[2],
+               const char *what)
+{
+    if (holds) {
+        return;
+    }
+    char text[1000];
+    const lac_descriptor *about = &friction->law->about;
+    int n = snprintf(text, sizeof text, "law %s, form %s: %s at v %.6g m/s, theta %.6g s;",
+                     about->name, friction->form == LAC_FORM_PLAIN ? "plain" : "regularised", what,
+                     exp(at[0]), exp(at[1]));
+    for (size_t k = 0; k < about->param_count && n < (int)sizeof text; k++) {
+        const lac_cellwise *has = lac_friction_values_of(friction, about->params[k].key);
+        if (has != NULL) {
+            n += snprintf(text + n, sizeof text - (size_t)n, " %s %.6g", about->params[k].key,
+                          lac_cellwise_of(has, cell));
+        }
+    }
+    fail_msg("%s", text);
+}
+
+lac_friction *laws_make_varied(const variant *kind)
+{
+    lac_friction *friction = laws_make(kind, LAWS_CELLS, 0.01, 0.015, 1e-4);
+    const lac_descriptor *about = &friction->law->about;
+    double values[LAWS_CELLS];
+    lac_error err = {""};
+    for (size_t k = 0; k < about->param_count; k++) {
+        const char *key = about->params[k].key;
+        double low, high;
+        if (lac_friction_values_of(friction, key) == NULL) {
+            continue;
+        }
+        exponents(&about->params[k], &low, &high);
+        for (size_t i = 0; i < LAWS_CELLS; i++) {
+            values[i] = allowed(&about->params[k], pow(10, laws_biased(i, k, low, high)));
+        }
+        if (lac_friction_set(friction, key, values, &err) != LAC_OK) {
+            fail_msg("law %s: %s", about->name, err.message);
+        }
+    }
+    return friction;
+}
+
+void laws_evaluate(const lac_friction *friction, size_t first, size_t n, evaluation *e)
+{
+    lac_vexp(n, e->u, e->v);
+    lac_friction_evaluate(
+        friction, &(lac_friction_cells){first, n, e->u, e->w, e->v, 0},
+        &(lac_friction_values){
+            .f = e->out[F], .f_u = e->out[F_U], .f_w = e->out[F_W], .g = e->out[G]},
+        &(lac_friction_slopes){.f_uu = e->out[F_UU],
+                               .f_uw = e->out[F_UW],
+                               .f_ww = e->out[F_WW],
+                               .g_u = e->out[G_U],
+                               .g_w = e->out[G_W]});
+}
