@@ -23,6 +23,7 @@ typedef struct lac_window {
     const double *velocity_time; ///< [velocities] [s]
     const double *velocity;      ///< [velocities] [m/s]
     double noise;                ///< of one displacement [m]; NaN: not known
+    double resolution;           ///< last digit of one [m]; 0: not known
     bool integrated;             ///< the displacements are integrals of the velocities
 } lac_window;
 
@@ -106,7 +107,7 @@ typedef struct lac_forecast_model {
 /// How forecasts are made.
 typedef struct lac_forecast_def {
     lac_motion_def motion;
-    double since;     ///< start of what is fitted [s]; NaN: the onset of acceleration
+    double since;     ///< start of what is fitted, accelerating or not [s]; NaN: the onset of it
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
     const lac_forecast_model *model; ///< asked before the baseline; NULL: none
@@ -129,7 +130,8 @@ typedef struct lac_forecast {
 /// All methods at the last of the readings given.
 typedef struct lac_outlook {
     lac_motion *motion; ///< owned; what the methods saw
-    bool accelerating;  ///< the gates before any method are open
+    bool asked;         ///< the gates before any method are open
+    bool accelerating;  ///< and the slope accelerates; else `since` was given
     double issue_time, window_start;
     size_t count;
     lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned

@@ -61,14 +61,15 @@ static void write_json(const lac_case_report *report, const char *path, const ch
     cli_json_close(&json, '}');
 }
 
-static lac_status examine(const lac_case *c, char **scene, cli_estimate *estimate, lac_error *err)
+static lac_status examine(const cli_request *request, const lac_case *c, char **scene,
+                          cli_estimate *estimate, lac_error *err)
 {
     *scene = lac_case_text(c);
     if (*scene == NULL) {
         return lac_fail_memory(err);
     }
     cli_compare compare = {0};
-    lac_status status = cli_compare_read(c, &compare, err);
+    lac_status status = cli_compare_read(request, c, &compare, err);
     cli_compare_clear(&compare);
     if (status == LAC_OK) {
         status = cli_estimate_make(c, estimate, err);
@@ -85,7 +86,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
-        status = examine(c, &scene, &estimate, err);
+        status = examine(request, c, &scene, &estimate, err);
     }
     if (json && (status == LAC_OK || status == LAC_EINPUT)) {
         write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);

@@ -6,6 +6,7 @@
 #include "cli/fit.h"
 #include "cli/json.h"
 #include "cli/run_outcome.h"
+#include "cli/series.h"
 
 // The middle half or nine tenths of the posterior.
 static void put_interval(cli_json *json, const char *key, const double *quantile, size_t from)
@@ -121,6 +122,7 @@ void cli_fit_json(const cli_fit_view *view)
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_text(&json, "status", view->status);
+    cli_series_warnings(&json, view->readings);
     cli_json_integer(&json, "displacements", (int64_t)r->displacements);
     cli_json_integer(&json, "velocities", (int64_t)r->velocities);
     cli_json_integer(&json, "outside", (int64_t)r->outside);

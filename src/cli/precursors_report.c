@@ -52,11 +52,18 @@ static void print_input(const cli_precursors_result *r)
     }
     cli_row("  cleaned", "%zu outliers dropped, %zu resets of the sensor taken out", m->outliers,
             m->resets);
+    if (m->falling) {
+        cli_row("  direction",
+                "falls (settlement, line of sight): what follows is of its negative");
+    }
     if (isfinite(m->noise)) {
         cli_row_quantity("  noise", m->noise, "m");
     }
     cli_row("issued", "%s", when(r, r->outlook->issue_time, first, sizeof first));
-    if (r->outlook->accelerating) {
+    if (r->outlook->asked && !r->outlook->accelerating) {
+        cli_row("", "it does not accelerate: --since has the methods asked all the same");
+    }
+    if (r->outlook->asked) {
         cli_row("fitted since", "%s", when(r, r->outlook->window_start, first, sizeof first));
     }
 }
@@ -189,13 +196,13 @@ static void print_skill(const cli_precursors_result *r)
 void cli_precursors_print(const cli_precursors_result *r, bool verbose)
 {
     print_input(r);
-    if (r->outlook->accelerating) {
+    if (r->outlook->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
                "90 % interval", "rms");
     } else {
         cli_row("no forecast", "%s", r->outlook->forecast[0].fit.reason);
     }
-    for (size_t k = 0; r->outlook->accelerating && k < r->outlook->count; k++) {
+    for (size_t k = 0; r->outlook->asked && k < r->outlook->count; k++) {
         print_forecast(r, &r->outlook->forecast[k]);
     }
     if (verbose) {

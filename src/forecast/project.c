@@ -19,6 +19,11 @@ typedef struct places {
 
 double lac_projection_farthest(void) { return farthest; }
 
+double lac_projection_rounding(const lac_window *window)
+{
+    return window->resolution * window->resolution / 12.0;
+}
+
 static lac_status allocate(lac_projection *self, lac_error *err)
 {
     const size_t n = self->window->n;
@@ -143,7 +148,7 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     }
     (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), at_an_end, covariance);
     self->effective = (double)w->n * (1.0 - r) / (1.0 + r);
-    const double variance = sum / free * (1.0 + r) / (1.0 - r);
+    const double variance = fmax(sum / free, lac_projection_rounding(w)) * (1.0 + r) / (1.0 - r);
     for (size_t i = 0; i < self->shapes; i++) {
         for (size_t j = 0; j < self->shapes; j++) {
             self->covariance[i][j] = variance * gsl_matrix_get(covariance, i, j);
@@ -232,6 +237,7 @@ lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit,
         const double free = (double)w->n - (double)(self->shapes + self->columns);
         self->scale = sqrt(best.sum[0] / fmax(1.0, free));
         self->scale = w->noise > 0.0 ? fmin(self->scale, w->noise) : self->scale; // a coarse grid
+        self->scale = fmax(self->scale, sqrt(lac_projection_rounding(w)));
     }
     return refine(self, &best, p, fit, err);
 }

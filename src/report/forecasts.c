@@ -72,6 +72,8 @@ static lac_status see_series(const lac_page *page, sight *s, lac_error *err)
     s->readings.displacement = series->displacement;
     s->readings.velocity = series->velocity;
     s->readings.sigma = series->sigma;
+    s->readings.displacement_digit = series->displacement_digit;
+    s->readings.velocity_digit = series->velocity_digit;
     return status;
 }
 

@@ -53,6 +53,9 @@ static lac_status read_numeric(const char *text, const struct lac_units *units,
                        : strcasecmp(text, "excel") == 0 ? "days since 1899-12-30 00:00:00 UTC"
                                                         : text;
     (void)snprintf(out->allowed, sizeof out->allowed, "must be a number (%.40s)", unit);
+    if (strlen(unit) < sizeof out->unit) {
+        (void)strcpy(out->unit, unit);
+    }
     lac_status status = lac_units_time(units, unit, &out->scale, &out->offset, &out->dated, err);
     if (status == LAC_EINPUT) {
         return lac_fail(err, LAC_EINPUT,
@@ -66,7 +69,7 @@ static lac_status read_numeric(const char *text, const struct lac_units *units,
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err)
 {
-    *out = (lac_time_format){.scale = 1.0};
+    *out = (lac_time_format){.scale = 1.0, .unit = "s"};
     if (text == NULL || strcasecmp(text, "iso") == 0) {
         out->any = true;
         (void)snprintf(out->allowed, sizeof out->allowed,

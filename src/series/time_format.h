@@ -14,6 +14,7 @@ typedef struct lac_time_format {
     bool any;             ///< ISO 8601 or seconds, whichever the first row has
     bool dated;           ///< of numbers: they count from a date
     double scale, offset; ///< of numbers: seconds = scale x + offset
+    char unit[16];        ///< of numbers, "day"; "" where the name is longer
     char allowed[96];     ///< for messages: what a time must be
 } lac_time_format;
 

@@ -333,6 +333,9 @@ class Refused(unittest.TestCase):
         if not os.path.exists(Fit.fit or ""):
             Fit.setUpClass()
         self.refused(2, "is the file of a fit", Fit.fit, "-o", html)
+        forecasts = os.path.join(FOLDER, "forecasts.nc")
+        subprocess.run([PROGRAM, "precursors", run, "-o", forecasts], check=True, capture_output=True)
+        self.refused(2, "forecasts.nc: holds forecasts, not a run", forecasts, "-o", html)
         self.refused(3, "is not a file of lacuna fit", run, "--fit", made("joint", scenes.JOINT), "-o", html)
         self.refused(3, "No such file", run, "--fit", os.path.join(FOLDER, "nothing.nc"), "-o", html)
         self.refused(2, "has dates", made("joint", scenes.JOINT), "--fit", Fit.fit, "-o", html)
