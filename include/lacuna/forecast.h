@@ -45,7 +45,9 @@ typedef struct lac_finding {
     double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
     size_t count;
     lac_fitted value[LAC_FORECAST_VALUES];
-    char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
+    size_t ends;
+    const char *end[LAC_FORECAST_VALUES]; ///< keys whose best value stands at the end of its range
+    char reason[LAC_FORECAST_TEXT];       ///< why there is no forecast; "": there is one
 } lac_finding;
 
 /// Says why there is no forecast, or no value of an indicator.
@@ -55,6 +57,11 @@ lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
 
 /// Adds a fitted number.
 void lac_finding_add(lac_finding *fit, const char *key, double value);
+
+/// Adds a fitted number that is searched from `low` to `high`, and notes where it stands in the
+/// last hundredth at either end.
+void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
+                            double high);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100

@@ -55,6 +55,11 @@ static void write_forecast(cli_json *json, const cli_precursors_result *r, const
         cli_json_number(json, fit->value[i].key, fit->value[i].value);
     }
     cli_json_close(json, '}');
+    cli_json_open(json, "at_end_of_range", '[');
+    for (size_t i = 0; i < fit->ends; i++) {
+        cli_json_text(json, NULL, fit->end[i]);
+    }
+    cli_json_close(json, ']');
     cli_json_close(json, '}');
 }
 

@@ -89,6 +89,28 @@ static void print_forecast(const cli_precursors_result *r, const lac_forecast *f
     printf("%-36s %s\n", range, rms);
 }
 
+static double value_of(const lac_finding *fit, const char *key)
+{
+    double value = NAN;
+    for (size_t i = 0; i < fit->count; i++) {
+        value = fit->value[i].key == key ? fit->value[i].value : value;
+    }
+    return value;
+}
+
+// What stands at the end of its range is no estimate.
+static void print_ends(const lac_outlook *o)
+{
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_finding *fit = &o->forecast[k].fit;
+        for (size_t i = 0; i < fit->ends; i++) {
+            printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
+                   i == 0 ? o->forecast[k].kind->about.name : "", fit->end[i],
+                   value_of(fit, fit->end[i]));
+        }
+    }
+}
+
 static void print_values(const lac_outlook *o)
 {
     printf("\n");
@@ -205,6 +227,7 @@ void cli_precursors_print(const cli_precursors_result *r, bool verbose)
     for (size_t k = 0; r->outlook->asked && k < r->outlook->count; k++) {
         print_forecast(r, &r->outlook->forecast[k]);
     }
+    print_ends(r->outlook);
     if (verbose) {
         print_values(r->outlook);
         print_methods(r->outlook);

@@ -89,6 +89,11 @@ static void write_forecast(lac_page_text *text, const lac_forecast *f)
     lac_page_number(text, NULL, f->high50 - from, 6);
     lac_page_number(text, NULL, f->high90 - from, 6);
     lac_page_string(text, NULL, f->issued ? "" : f->fit.reason);
+    lac_page_open(text, NULL, '[');
+    for (size_t i = 0; i < f->fit.ends; i++) {
+        lac_page_string(text, NULL, f->fit.end[i]);
+    }
+    lac_page_close(text, ']');
     lac_page_close(text, ']');
 }
 

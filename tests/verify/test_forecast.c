@@ -120,6 +120,31 @@ static void oscillations_are_found(void **state)
     assert_true(fabs(off(o, "lppls")) < 1e-4);
     assert_true(fabs(fit->value[0].value - 0.5) < 1e-3 && fabs(fit->value[1].value - 7.0) < 1e-3);
     assert_true(fabs(fit->value[3].value - 0.05) < 1e-4);
+    assert_int_equal(fit->ends, 0);
+    lac_outlook_free(o);
+}
+
+// A power beyond 0.95, and the log law, of which a block is the limit of large b/a, are not found:
+// the best stands at the end of what is searched, and that is told.
+static void ends_of_ranges_are_told(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        const double z = (tc - times[i]) / (tc - times[0]);
+        displacement[i] = 1.0 - pow(z, 1.2) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
+    }
+    lac_outlook *o = look(N, false, times[0]);
+    const lac_finding *fit = &find(o, "lppls")->fit;
+    assert_true(fit->ends >= 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value > 0.94);
+    lac_outlook_free(o);
+    for (size_t i = 0; i < N; i++) {
+        displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
+    }
+    o = look(N, false, times[0]);
+    fit = &find(o, "block")->fit;
+    assert_true(fit->ends == 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value == 3.0);
+    assert_int_equal(find(o, "log")->fit.ends, 0);
     lac_outlook_free(o);
 }
 
@@ -159,7 +184,7 @@ static void a_block_is_found(void **state)
         lac_outlook *o = look(N, true, times[0]);
         const lac_finding *fit = &find(o, "block")->fit;
         assert_true(fabs(off(o, "block")) < 3e-5);
-        assert_true(fit->value[0].value == 2.0);
+        assert_true(fit->value[0].value == 2.0 && fit->ends == 0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
         // exact readings leave nothing open
         assert_true(fit->posterior);
@@ -295,6 +320,7 @@ int main(void)
         cmocka_unit_test(secants_make_inverse_velocity_early),
         cmocka_unit_test(other_exponents_are_found),
         cmocka_unit_test(oscillations_are_found),
+        cmocka_unit_test(ends_of_ranges_are_told),
         cmocka_unit_test(a_block_is_found),
         cmocka_unit_test(inverse_velocity_is_late_on_a_block),
         cmocka_unit_test(what_falls_fails_as_what_rises),
