@@ -139,7 +139,7 @@ void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *s
                        "out of range: velocities or displacements come above %.0e m/s or m, or all "
                        "stay below %.0e",
                        beyond, 1.0 / beyond);
-    } else if (!onset && isnan(def->since)) {
+    } else if (!onset && (isnan(def->since) || m->velocities == 0)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", no_onset);
     } else if (is_lost_in_noise(m, intervals)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
