@@ -237,7 +237,6 @@ lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit,
         const double free = (double)w->n - (double)(self->shapes + self->columns);
         self->scale = sqrt(best.sum[0] / fmax(1.0, free));
         self->scale = w->noise > 0.0 ? fmin(self->scale, w->noise) : self->scale; // a coarse grid
-        self->scale = fmax(self->scale, sqrt(lac_projection_rounding(w)));
     }
     return refine(self, &best, p, fit, err);
 }
