@@ -34,6 +34,8 @@ typedef struct lac_fit_unknown {
     bool log;         ///< its coordinate is the logarithm
     int by;           ///< lac_fit_by
     double best;      ///< least squares [unit]
+    int end;          ///< of its range that the best stands at: -1 the lower, 1 the upper, 0 none
+    double limit;     ///< that end [unit]; NaN: none
     double error;     ///< standard error of the coordinate from the least squares; NaN: none
     double quantile[LAC_FIT_QUANTILES]; ///< of the posterior [unit]; NaN where not sampled
     lac_convergence converged;

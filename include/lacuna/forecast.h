@@ -26,6 +26,7 @@ typedef struct lac_window {
     const double *velocity_time; ///< [velocities] [s]
     const double *velocity;      ///< [velocities] [m/s]
     double noise;                ///< of one displacement [m]; NaN: not known
+    double resolution;           ///< last digit of one [m]; 0: not known
     bool integrated;             ///< the displacements are integrals of the velocities
 } lac_window;
 
@@ -47,7 +48,9 @@ typedef struct lac_finding {
     double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
     size_t count;
     lac_fitted value[LAC_FORECAST_VALUES];
-    char reason[LAC_FORECAST_TEXT]; ///< why there is no forecast; "": there is one
+    size_t ends;
+    const char *end[LAC_FORECAST_VALUES]; ///< keys whose best value stands at the end of its range
+    char reason[LAC_FORECAST_TEXT];       ///< why there is no forecast; "": there is one
 } lac_finding;
 
 /// Says why there is no forecast, or no value of an indicator.
@@ -57,6 +60,11 @@ lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
 
 /// Adds a fitted number.
 void lac_finding_add(lac_finding *fit, const char *key, double value);
+
+/// Adds a fitted number that is searched from `low` to `high`, and notes where it stands in the
+/// last hundredth at either end.
+void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
+                            double high);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
@@ -109,7 +117,7 @@ typedef struct lac_forecast_model {
 /// How forecasts are made.
 typedef struct lac_forecast_def {
     lac_motion_def motion;
-    double since;     ///< start of what is fitted [s]; NaN: the onset of acceleration
+    double since;     ///< start of what is fitted, accelerating or not [s]; NaN: the onset of it
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
     const lac_forecast_model *model; ///< asked before the baseline; NULL: none
@@ -132,7 +140,8 @@ typedef struct lac_forecast {
 /// All methods at the last of the readings given.
 typedef struct lac_outlook {
     lac_motion *motion; ///< owned; what the methods saw
-    bool accelerating;  ///< the gates before any method are open
+    bool asked;         ///< the gates before any method are open
+    bool accelerating;  ///< and the slope accelerates; else `since` was given
     double issue_time, window_start;
     size_t count;
     lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned

@@ -34,22 +34,29 @@ typedef struct lac_readings {
     const double *displacement; ///< [n] [m]; NULL: none
     const double *velocity;     ///< [n] [m/s]; NULL: none
     const double *sigma;        ///< [n] standard error of the displacement [m]; NULL: not known
+    double displacement_digit;  ///< what the last digit of a displacement counts [m]; 0: a double's
+    double velocity_digit;      ///< the same of a velocity [m/s]
 } lac_readings;
 
 /// The motion of a slope as forecasts see it.
 typedef struct lac_motion {
     size_t n;
     double *time;         ///< [n] [s]
-    double *displacement; ///< [n] [m] outliers dropped, resets taken out
+    double *displacement; ///< [n] [m] outliers dropped, resets taken out, turned where it falls
     double *sigma;        ///< [n] [m], NaN where not known
     size_t velocities;
     double *velocity_time; ///< [velocities] [s]
     double *velocity;      ///< [velocities] [m/s]
-    double noise; ///< standard deviation of one displacement [m]; NaN where it cannot be told
+    double *rounding;      ///< [velocities] how far the last digits may move each [m/s]
+    double noise;      ///< standard deviation of one displacement, at least its resolution [m]; NaN
+                       ///< where it cannot be told
+    double resolution; ///< last digit of a displacement, or of a double [m]
+    bool falling;      ///< what was read falls: settlement, line of sight; all is of its negative
     double interval, longest_gap; ///< median and largest interval of the readings [s]
     size_t gaps;                  ///< intervals longer than 5 times the median
     size_t outliers, resets;
-    bool integrated; ///< the displacement is the integral of the velocity
+    size_t disbelieved; ///< resets there would be, too many to believe: the readings are as given
+    bool integrated;    ///< the displacement is the integral of the velocity
 } lac_motion;
 
 /// Cleans readings and derives velocities. A reading is an outlier where it leaves the line between
@@ -57,7 +64,10 @@ typedef struct lac_motion {
 /// than 10 times the noise and a fifth of the way so far is a reset of the sensor, across which the
 /// slope is taken to have gone on as before, or an outlier while it is the last reading. The noise
 /// is that of `sigma`, else 1.4826 times the median distance of readings from the line between
-/// their neighbours, each over its own error.
+/// their neighbours, each over its own error; never less than the resolution of the numbers. More
+/// resets than one reading in twenty (one is always believed) are not: all stays as it was read.
+/// Readings that fall are turned: where the sum of their steps, none counted as more than five
+/// median ones, is below 0 by more than 3 errors of a difference of two readings.
 /// @return LAC_OK; LAC_EINPUT where the definition makes no sense; LAC_ENOMEM
 /// @cost  O(n log n)
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,

@@ -12,6 +12,8 @@ LAC_BEGIN_C
 
 struct lac_units;
 
+enum { LAC_SERIES_DOUBTS = 6, LAC_SERIES_DOUBT_TEXT = 160 };
+
 /// How a monitoring file is read. Texts are borrowed.
 typedef struct lac_series_def {
     const char *path;
@@ -31,17 +33,24 @@ typedef struct lac_series_def {
 /// A monitoring series, in the order of time.
 typedef struct lac_series {
     size_t n;
-    bool dated;           ///< times are seconds since 1970 UTC; else seconds as written
-    double *time;         ///< [n] strictly increasing [s]
-    double *displacement; ///< [n] [m], NaN where not given; NULL where no column was asked for
-    double *velocity;     ///< [n] [m/s], same
-    double *value;        ///< [n] [value_si], same
-    double *sigma;        ///< [n] [m], > 0, NaN where not given; NULL where not asked for
-    size_t *line;         ///< [n] line of the file
-    char *attribution;    ///< the file's leading comment lines, joined; may be ""
-    size_t missing;       ///< readings that were NA
-    size_t duplicates;    ///< readings dropped because their time had been seen
-    size_t disordered;    ///< rows earlier than the row before them
+    bool dated;                ///< times are seconds since 1970 UTC; else seconds as written
+    double *time;              ///< [n] strictly increasing [s]
+    double *displacement;      ///< [n] [m], NaN where not given; NULL where no column was asked for
+    double *velocity;          ///< [n] [m/s], same
+    double *value;             ///< [n] [value_si], same
+    double *sigma;             ///< [n] [m], > 0, NaN where not given; NULL where not asked for
+    size_t *line;              ///< [n] line of the file
+    char *attribution;         ///< the file's leading comment lines, joined; may be ""
+    size_t missing;            ///< readings that were NA
+    size_t duplicates;         ///< readings dropped because their time had been seen
+    size_t disordered;         ///< rows earlier than the row before them
+    size_t conflicts;          ///< duplicates whose value differs from the one that is kept
+    double displacement_digit; ///< what the last digit of a displacement counts [m]; 0: not known
+    double velocity_digit;     ///< the same of a velocity [m/s]
+    double time_unit;          ///< of what the file counts time in [s]; 0: dates
+    char time_name[16];        ///< its name, "day"; "" where dates or not known
+    size_t doubts;             ///< what was taken for want of a word, and should be asked about
+    char doubt[LAC_SERIES_DOUBTS][LAC_SERIES_DOUBT_TEXT];
 } lac_series;
 
 /// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
@@ -50,7 +59,10 @@ typedef struct lac_series {
 /// such as "%d/%m/%Y %H:%M", or a unit of time ("day", "hours since 2015-06-07"). Or a netCDF file
 /// (known by its first bytes): columns are variables of one dimension that they share, times CF
 /// ("days since 2015-06-07") or a time unit; `units` of the file go before those given here,
-/// `_FillValue` and NaN are missing.
+/// `_FillValue` and NaN are missing. Refused, since it is not what it seems: a column without a
+/// unit whose name ends in another one than would be taken ("disp_mm" as metres, "day" as seconds);
+/// a file of which more than a tenth of the rows (and more than one) repeat a time with another
+/// value.
 /// @param units  the units database, for the columns' units
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
 ///         LAC_ENOMEM

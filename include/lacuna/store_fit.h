@@ -12,6 +12,7 @@ typedef struct lac_fit_column {
     const char *key, *unit; ///< "friction.aging.dc", "m"
     bool log;               ///< its coordinate is the logarithm of the value
     double best, error;     ///< value; standard error of the coordinate; NaN: not known
+    double limit;           ///< end of its range that the best stands at; NaN: at none
     double rhat, ess;       ///< of its draws; NaN
 } lac_fit_column;
 

@@ -187,8 +187,8 @@ static void write_json(const lac_case_report *report, const char *path, const ch
     cli_json_close(&json, '}');
 }
 
-static lac_status examine(const lac_case *c, lac_case_report *report, char **scene,
-                          cli_estimate *estimate, lac_error *err)
+static lac_status examine(const cli_request *request, const lac_case *c, lac_case_report *report,
+                          char **scene, cli_estimate *estimate, lac_error *err)
 {
     findings f = {.source = c, .report = report};
     lac_load_files *files = NULL;
@@ -200,7 +200,7 @@ static lac_status examine(const lac_case *c, lac_case_report *report, char **sce
     }
     LAC_TRY(lac_load_files_create(&files, err));
     LAC_TRY(try_files(&f, files, err));
-    LAC_TRY(cli_compare_read(c, &compare, err));
+    LAC_TRY(cli_compare_read(request, c, &compare, err));
     LAC_TRY(cli_estimate_make(c, estimate, err));
     LAC_TRY(try_scene(c, estimate, files, err));
 out:
@@ -218,7 +218,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
-        status = examine(c, &report, &scene, &estimate, err);
+        status = examine(request, c, &report, &scene, &estimate, err);
     }
     if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
         write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);

@@ -6,6 +6,7 @@
 
 #include "base/date.h"
 #include "base/units.h"
+#include "cli/series.h"
 #include "cli/words.h"
 
 enum { FEW_READINGS = 30 };
@@ -31,7 +32,8 @@ static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, 
     return status;
 }
 
-lac_status cli_compare_read(const lac_case *c, cli_compare *compare, lac_error *err)
+lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_compare *compare,
+                            lac_error *err)
 {
     lac_units *units = NULL;
     lac_status status = LAC_OK;
@@ -47,6 +49,7 @@ lac_status cli_compare_read(const lac_case *c, cli_compare *compare, lac_error *
     LAC_TRY(lac_units_create(&units, err));
     for (size_t i = 0; i < compare->count; i++) {
         LAC_TRY(read_one(c, i, units, &compare->series[i], err));
+        cli_series_warn(request, c->compare[i].path, compare->series[i]);
     }
 out:
     lac_units_free(units);
@@ -257,6 +260,7 @@ static void write_one(cli_json *json, const cli_compare *compare, size_t i, cons
     write_misfit(json, &misfit);
     cli_json_integer(json, "missing", (int64_t)view.missing);
     cli_json_integer(json, "duplicates", (int64_t)view.duplicates);
+    cli_series_warnings(json, &view);
     write_readings(json, compare, &view, run);
     cli_json_text(json, "attribution", view.attribution);
     cli_json_close(json, '}');

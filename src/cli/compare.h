@@ -3,6 +3,7 @@
 #define LACUNA_CLI_COMPARE_H
 
 #include "cli/json.h"
+#include "cli/options.h"
 #include "lacuna/case.h"
 #include "lacuna/series.h"
 
@@ -13,10 +14,11 @@ typedef struct cli_compare {
     lac_series **series; ///< [count]
 } cli_compare;
 
-/// Reads the case's series, before anything is computed.
+/// Reads the case's series, before anything is computed, and warns of doubts.
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT (a wrong file; dates beside a run without a date);
 ///         LAC_ENOMEM
-lac_status cli_compare_read(const lac_case *c, cli_compare *compare, lac_error *err);
+lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_compare *compare,
+                            lac_error *err);
 void cli_compare_clear(cli_compare *compare);
 
 /// Prints one table per series: observed and modelled where there are few readings, and misfits.

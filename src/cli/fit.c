@@ -10,6 +10,7 @@
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/series.h"
 #include "cli/signals.h"
 #include "cli/words.h"
 
@@ -54,6 +55,9 @@ static lac_status read_series(fit_job *job, lac_error *err)
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
         status = lac_series_read(&def, units, &job->series, err);
+    }
+    if (status == LAC_OK) {
+        cli_series_warn(job->request, def.path, job->series);
     }
     lac_units_free(units);
     return status;
@@ -126,6 +130,7 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     lac_status status = LAC_OK;
     cli_fit_view view = {.source = job->source,
                          .series = job->request->argument[1],
+                         .readings = job->series,
                          .result = &job->result,
                          .status = computed == LAC_OK ? "complete" : "interrupted",
                          .output = job->path,

@@ -9,6 +9,7 @@
 typedef struct cli_fit_view {
     const lac_case *source;
     const char *series; ///< file
+    const lac_series *readings;
     const lac_fit_result *result;
     const char *status, *output, *case_output; ///< case_output NULL: not written
     double wall_time;

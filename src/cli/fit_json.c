@@ -6,6 +6,7 @@
 #include "cli/fit.h"
 #include "cli/json.h"
 #include "cli/run_outcome.h"
+#include "cli/series.h"
 
 // The middle half or nine tenths of the posterior.
 static void put_interval(cli_json *json, const char *key, const double *quantile, size_t from)
@@ -19,6 +20,7 @@ static void put_interval(cli_json *json, const char *key, const double *quantile
 static void put_unknowns(cli_json *json, const lac_fit_result *r)
 {
     static const char *const by[] = {"sensitivities", "runs", NULL};
+    static const char *const ends[] = {"low", NULL, "high"};
     cli_json_open(json, "parameters", '[');
     for (size_t k = 0; k < r->unknowns; k++) {
         const lac_fit_unknown *x = &r->unknown[k];
@@ -26,6 +28,8 @@ static void put_unknowns(cli_json *json, const lac_fit_result *r)
         cli_json_text(json, "key", x->key);
         cli_json_text(json, "unit", x->unit);
         cli_json_number(json, "best", x->best);
+        cli_json_text(json, "at_end_of_range", ends[x->end + 1]);
+        cli_json_number(json, "end_of_range", x->limit);
         cli_json_number(json, x->log ? "error_of_logarithm" : "error", x->error);
         cli_json_text(json, "derivatives", by[x->by]);
         cli_json_number(json, "median", x->quantile[2]);
@@ -121,6 +125,7 @@ void cli_fit_json(const cli_fit_view *view)
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_text(&json, "status", view->status);
+    cli_series_warnings(&json, view->readings);
     cli_json_integer(&json, "displacements", (int64_t)r->displacements);
     cli_json_integer(&json, "velocities", (int64_t)r->velocities);
     cli_json_integer(&json, "outside", (int64_t)r->outside);

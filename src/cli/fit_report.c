@@ -90,6 +90,20 @@ static void print_unknowns(const lac_fit_result *r)
     }
 }
 
+// What stands at the end of what was allowed is no estimate: the data want more of it.
+static void print_ends(const lac_fit_result *r)
+{
+    char limit[32];
+    for (size_t k = 0; k < r->unknowns; k++) {
+        const lac_fit_unknown *x = &r->unknown[k];
+        if (x->end != 0) {
+            cli_row("at its end", "the best fit of %s stands at the %s end of its range, %s",
+                    x->key, x->end < 0 ? "lower" : "upper",
+                    cli_quantity(x->limit, x->unit, limit, sizeof limit));
+        }
+    }
+}
+
 static void print_axis(const char *label, const lac_fit_result *r, const lac_fit_combination *axis)
 {
     char text[600] = "";
@@ -216,6 +230,7 @@ void cli_fit_print(const cli_fit_view *view, bool verbose)
     print_data(r);
     print_best(view->source, r);
     print_unknowns(r);
+    print_ends(r);
     print_identifiability(r, verbose);
     puts("");
     print_posterior(view->source, r);

@@ -32,6 +32,7 @@ lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, l
                                      .log = x->log,
                                      .best = x->best,
                                      .error = x->error,
+                                     .limit = x->limit,
                                      .rhat = x->converged.rhat,
                                      .ess = x->converged.ess};
     }

@@ -26,8 +26,8 @@ lac_status cli_watched_read(const cli_request *request, const lac_units *units, 
                             lac_error *err);
 void cli_watched_clear(cli_watched *watched);
 
-/// A time of its clock: "2015-07-05 09:54", or seconds with the unit that reads best; "-" where
-/// there is none.
+/// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
+/// run in the unit that reads best; "-" where there is none.
 /// @return text
 const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size);
 

@@ -14,20 +14,22 @@ static bool on_interrupted(void *context)
     return cli_signals_stop();
 }
 
-// "column:unit" as the option has it, where that does not say it.
+// "column:unit" as the option has it, where that does not say it; without a unit as it stands,
+// unless that would be read as one.
 static lac_status name_column(const char *column, const char *unit, const char *fallback,
                               const char **word, char **owned, lac_error *err)
 {
     if (column == NULL) {
         return LAC_OK;
     }
-    unit = unit != NULL ? unit : fallback;
-    const size_t size = strlen(column) + strlen(unit) + 2;
+    unit = unit == NULL && strchr(column, ':') != NULL ? fallback : unit;
+    const size_t size = strlen(column) + (unit != NULL ? strlen(unit) : 0) + 2;
     *owned = malloc(size);
     if (*owned == NULL) {
         return lac_fail_memory(err);
     }
-    (void)snprintf(*owned, size, "%s:%s", column, unit);
+    (void)snprintf(*owned, size, "%s%s%s", column, unit != NULL ? ":" : "",
+                   unit != NULL ? unit : "");
     *word = *owned;
     return LAC_OK;
 }

@@ -55,6 +55,11 @@ static void write_forecast(cli_json *json, const cli_precursors_result *r, const
         cli_json_number(json, fit->value[i].key, fit->value[i].value);
     }
     cli_json_close(json, '}');
+    cli_json_open(json, "at_end_of_range", '[');
+    for (size_t i = 0; i < fit->ends; i++) {
+        cli_json_text(json, NULL, fit->end[i]);
+    }
+    cli_json_close(json, ']');
     cli_json_close(json, '}');
 }
 
@@ -81,16 +86,21 @@ static void write_series(cli_json *json, const cli_precursors_result *r)
     write_time(json, r, "last_s", "last_date", in->time[in->n - 1]);
     cli_json_integer(json, "missing", s != NULL ? (int64_t)s->missing : 0);
     cli_json_integer(json, "duplicates", s != NULL ? (int64_t)s->duplicates : 0);
+    cli_json_integer(json, "conflicts", s != NULL ? (int64_t)s->conflicts : 0);
     cli_json_integer(json, "disordered", s != NULL ? (int64_t)s->disordered : 0);
     cli_json_integer(json, "gaps", (int64_t)m->gaps);
     cli_json_number(json, "median_interval_s", m->interval);
     cli_json_number(json, "longest_interval_s", m->longest_gap);
     cli_json_integer(json, "outliers", (int64_t)m->outliers);
     cli_json_integer(json, "resets", (int64_t)m->resets);
+    cli_json_integer(json, "resets_disbelieved", (int64_t)m->disbelieved);
+    cli_json_boolean(json, "falling", m->falling);
     cli_json_number(json, "noise_m", m->noise);
+    cli_json_number(json, "resolution_m", m->integrated ? NAN : m->resolution);
     cli_json_integer(json, "velocities", (int64_t)m->velocities);
     cli_json_boolean(json, "integrated", m->integrated);
     cli_json_text(json, "attribution", s != NULL ? s->attribution : NULL);
+    cli_series_warnings(json, s);
     cli_json_close(json, '}');
 }
 
@@ -157,8 +167,7 @@ void cli_precursors_json(const cli_precursors_result *r)
     cli_json_open(&json, NULL, '{');
     write_series(&json, r);
     write_time(&json, r, "issue_time_s", "issue_date", o->issue_time);
-    write_time(&json, r, "window_start_s", "window_start_date",
-               o->accelerating ? o->window_start : NAN);
+    write_time(&json, r, "window_start_s", "window_start_date", o->asked ? o->window_start : NAN);
     cli_json_boolean(&json, "accelerating", o->accelerating);
     write_forecasts(&json, r, o->count, o->forecast);
     cli_indicators_json(&json, r->indicators, r->indicator);

@@ -83,7 +83,9 @@ static lac_status read_series(const cli_request *request, const lac_units *units
                                      .time = s->time,
                                      .displacement = s->displacement,
                                      .velocity = s->velocity,
-                                     .sigma = s->sigma};
+                                     .sigma = s->sigma,
+                                     .displacement_digit = s->displacement_digit,
+                                     .velocity_digit = s->velocity_digit};
     }
     return status;
 }
@@ -226,21 +228,29 @@ out:
     return status;
 }
 
+// In the unit that the file counts time in, where it is known.
+static void format_clock(const lac_series *series, double t, char *text, size_t size)
+{
+    if (series == NULL || series->time_name[0] == '\0') {
+        (void)lac_units_format(t, "s", text, size);
+        return;
+    }
+    const double x = t / series->time_unit;
+    const bool long_number = fabs(x) >= 1e6 && fabs(x) < 1e15;
+    (void)snprintf(text, size, long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
+}
+
 const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size)
 {
     if (!isfinite(t)) {
         (void)snprintf(text, size, "-");
-        return text;
-    }
-    if (!watched->dated) {
-        return lac_units_format(t, "s", text, size);
-    }
-    (void)lac_date_format(t, text, size);
-    if (strlen(text) == 20) {
+    } else if (!watched->dated) {
+        format_clock(watched->series, t, text, size);
+    } else if (strlen(lac_date_format(t, text, size)) == 20) {
         text[10] = ' ';
         text[16] = '\0';
     } else {
-        (void)snprintf(text, size, "-");
+        (void)snprintf(text, size, "%s", t > 0.0 ? "after year 9999" : "before year 0");
     }
     return text;
 }

@@ -52,11 +52,18 @@ static void print_input(const cli_precursors_result *r)
     }
     cli_row("  cleaned", "%zu outliers dropped, %zu resets of the sensor taken out", m->outliers,
             m->resets);
+    if (m->falling) {
+        cli_row("  direction",
+                "falls (settlement, line of sight): what follows is of its negative");
+    }
     if (isfinite(m->noise)) {
         cli_row_quantity("  noise", m->noise, "m");
     }
     cli_row("issued", "%s", when(r, r->outlook->issue_time, first, sizeof first));
-    if (r->outlook->accelerating) {
+    if (r->outlook->asked && !r->outlook->accelerating) {
+        cli_row("", "it does not accelerate: --since has the methods asked all the same");
+    }
+    if (r->outlook->asked) {
         cli_row("fitted since", "%s", when(r, r->outlook->window_start, first, sizeof first));
     }
 }
@@ -80,6 +87,28 @@ static void print_forecast(const cli_precursors_result *r, const lac_forecast *f
     (void)snprintf(range, sizeof range, "%s to %s", when(r, f->low90, low, sizeof low),
                    when(r, f->high90, high, sizeof high));
     printf("%-36s %s\n", range, rms);
+}
+
+static double value_of(const lac_finding *fit, const char *key)
+{
+    double value = NAN;
+    for (size_t i = 0; i < fit->count; i++) {
+        value = fit->value[i].key == key ? fit->value[i].value : value;
+    }
+    return value;
+}
+
+// What stands at the end of its range is no estimate.
+static void print_ends(const lac_outlook *o)
+{
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_finding *fit = &o->forecast[k].fit;
+        for (size_t i = 0; i < fit->ends; i++) {
+            printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
+                   i == 0 ? o->forecast[k].kind->about.name : "", fit->end[i],
+                   value_of(fit, fit->end[i]));
+        }
+    }
 }
 
 static void print_values(const lac_outlook *o)
@@ -189,15 +218,16 @@ static void print_skill(const cli_precursors_result *r)
 void cli_precursors_print(const cli_precursors_result *r, bool verbose)
 {
     print_input(r);
-    if (r->outlook->accelerating) {
+    if (r->outlook->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
                "90 % interval", "rms");
     } else {
         cli_row("no forecast", "%s", r->outlook->forecast[0].fit.reason);
     }
-    for (size_t k = 0; r->outlook->accelerating && k < r->outlook->count; k++) {
+    for (size_t k = 0; r->outlook->asked && k < r->outlook->count; k++) {
         print_forecast(r, &r->outlook->forecast[k]);
     }
+    print_ends(r->outlook);
     if (verbose) {
         print_values(r->outlook);
         print_methods(r->outlook);

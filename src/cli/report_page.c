@@ -93,6 +93,9 @@ static lac_status read_series(const cli_request *request, lac_series **out, lac_
         status = known != NULL ? read_known(known, request->compare, units, out, err)
                                : cli_series_read(request, request->compare, units, out, err);
     }
+    if (status == LAC_OK && known != NULL) {
+        cli_series_warn(request, request->compare, *out);
+    }
     lac_units_free(units);
     lac_case_free(c);
     return status;
@@ -134,22 +137,31 @@ out:
     return status;
 }
 
-// A fit given in place of a run: what was meant.
+static bool has_values(const lac_stored_file *file, const char *name)
+{
+    lac_stored_values values = {0};
+    const bool there =
+        lac_stored_file_values(file, name, &values, NULL) == LAC_OK && values.value != NULL;
+    lac_stored_values_clear(&values);
+    return there;
+}
+
+// A fit or forecasts given in place of a run: what was meant.
 static lac_status check_run(const char *path, lac_error *err)
 {
     lac_stored_file *file = NULL;
-    lac_stored_values readings = {0};
-    lac_error unsaid = {0};
     lac_status status = LAC_OK;
-    if (lac_stored_file_open(path, &file, &unsaid) == LAC_OK &&
-        lac_stored_file_values(file, "reading_time", &readings, &unsaid) == LAC_OK &&
-        readings.value != NULL) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: is the file of a fit: run the case beside it and lay the fit on "
-                          "that: lacuna report RUN.nc --fit %s",
-                          path, path);
+    if (lac_stored_file_open(path, &file, NULL) == LAC_OK && has_values(file, "reading_time")) {
+        status = has_values(file, "issue_time")
+                     ? lac_fail(err, LAC_EINPUT,
+                                "%s: holds forecasts, not a run: tools/plot_precursors.py draws "
+                                "them; report shows a run, and forecasts of what is laid beside it",
+                                path)
+                     : lac_fail(err, LAC_EINPUT,
+                                "%s: is the file of a fit: run the case beside it and lay the fit "
+                                "on that: lacuna report RUN.nc --fit %s",
+                                path, path);
     }
-    lac_stored_values_clear(&readings);
     lac_stored_file_close(file);
     return status;
 }

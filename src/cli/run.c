@@ -119,7 +119,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY(shorten(job->request->until, job->source, err));
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
-    LAC_TRY(cli_compare_read(job->source, &job->compare, err));
+    LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
     if (isnan(job->source->accuracy)) {
         LAC_TRY(settle(job, err));
     }

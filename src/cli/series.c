@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/date.h"
+#include "cli/words.h"
 #include "lacuna/store_cells.h"
 #include "lacuna/store_file.h"
 
@@ -77,11 +78,28 @@ lac_status cli_series_read(const cli_request *request, const char *path, const l
     def.velocity = velocity;
     def.sigma = sigma;
     LAC_TRY(lac_series_read(&def, units, out, err));
+    cli_series_warn(request, path, *out);
 out:
     free(displacement);
     free(velocity);
     free(sigma);
     return status;
+}
+
+void cli_series_warn(const cli_request *request, const char *path, const lac_series *series)
+{
+    for (size_t i = 0; i < series->doubts && !cli_given(request, CLI_OPT_QUIET); i++) {
+        cli_note("warning: %s: %s", path, series->doubt[i]);
+    }
+}
+
+void cli_series_warnings(cli_json *json, const lac_series *series)
+{
+    cli_json_open(json, "warnings", '[');
+    for (size_t i = 0; series != NULL && i < series->doubts; i++) {
+        cli_json_text(json, NULL, series->doubt[i]);
+    }
+    cli_json_close(json, ']');
 }
 
 lac_status cli_series_time(const char *option, const char *text, bool dated, const lac_units *units,

@@ -151,7 +151,8 @@ static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
         x->unit = p != NULL ? p->unit : displacement && def->sigma == NULL ? "m" : time ? "s" : "1";
         x->log = p == NULL || p->log;
         x->by = LAC_BY_NOTHING;
-        x->best = x->error = NAN;
+        x->best = x->error = x->limit = NAN;
+        x->end = 0;
         x->converged = (lac_convergence){NAN, NAN, NAN};
         for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
             x->quantile[q] = NAN;

@@ -94,6 +94,9 @@ static void take(const lac_fit_result *r, double now, lac_finding *found)
     }
     for (size_t k = 0; k < r->parameters; k++) {
         lac_finding_add(found, r->unknown[k].key, r->unknown[k].best);
+        if (r->unknown[k].end != 0 && found->ends < LAC_FORECAST_VALUES) {
+            found->end[found->ends++] = r->unknown[k].key;
+        }
     }
 }
 

@@ -116,6 +116,16 @@ static lac_status find_failure(lac_fit *fit, lac_fit_result *result, lac_error *
     return LAC_OK;
 }
 
+// Whether the best stands in the last hundredth of its coordinate's range, and at which end.
+static void find_end(const lac_fit *fit, size_t k, lac_fit_unknown *x)
+{
+    const double near = 0.01;
+    const double share = (fit->best[k] - fit->low[k]) / (fit->high[k] - fit->low[k]);
+    const bool ranged = isfinite(fit->low[k]) && isfinite(fit->high[k]);
+    x->end = ranged && share <= near ? -1 : ranged && share >= 1.0 - near ? 1 : 0;
+    x->limit = x->end != 0 ? lac_fit_value(x->log, x->end < 0 ? fit->low[k] : fit->high[k]) : NAN;
+}
+
 lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
 {
     const lac_fit_data *data = &fit->data;
@@ -138,6 +148,7 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
         lac_fit_unknown *x = &result->unknown[k];
         bool parameter = k < fit->def->count;
         x->best = lac_fit_value(x->log, fit->best[k]);
+        find_end(fit, k, x);
         x->by = parameter ? fit->by[k] : LAC_BY_NOTHING;
         x->error = parameter ? sqrt(fit->covariance[k][k]) : NAN;
     }

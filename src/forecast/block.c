@@ -13,6 +13,7 @@
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
 static const double first_s = -12.0, last_s = 12.0;
+static const double strengths[STRENGTHS] = {1.1, 1.2, 1.35, 1.6, 2.0, 3.0}; // b/a
 static const double width_of_state = 3.0; // prior of ln(theta_ss/window)
 static const double negligible = 9.0;     // ln of a likelihood ratio
 
@@ -108,7 +109,7 @@ static void describe(block *b)
 {
     const lac_projection *law = &b->curve;
     const double s = look_up(&b->law, b->p[0] - b->p[1]);
-    lac_finding_add(&b->fit, "m", b->law.m);
+    lac_finding_add_within(&b->fit, "m", b->law.m, strengths[0], strengths[STRENGTHS - 1]);
     lac_finding_add(&b->fit, "dc_m", law->c[1]);
     lac_finding_add(&b->fit, "theta_ss_s", exp(b->p[1]));
     lac_finding_add(&b->fit, "combination_1_m", b->law.m / law->c[1] / (1.0 + exp(-s)));
@@ -160,7 +161,6 @@ static void draw(const lac_window *w, block *b, const block *best, lac_draw *dra
 
 static lac_status fit_block(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    static const double strengths[STRENGTHS] = {1.1, 1.2, 1.35, 1.6, 2.0, 3.0};
     block *b = calloc(STRENGTHS, sizeof *b);
     lac_draw *draws = malloc((size_t)STRENGTHS * LAC_POSTERIOR_DRAWS * sizeof *draws);
     size_t best = 0;

@@ -21,6 +21,16 @@ void lac_finding_add(lac_finding *fit, const char *key, double value)
     }
 }
 
+void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
+                            double high)
+{
+    const double near = 0.01 * (high - low);
+    lac_finding_add(fit, key, value);
+    if (fit->ends < LAC_FORECAST_VALUES && (value <= low + near || value >= high - near)) {
+        fit->end[fit->ends++] = key;
+    }
+}
+
 void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
                                lac_finding *fit)
 {

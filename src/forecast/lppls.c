@@ -50,8 +50,8 @@ static lac_status fit_lppls(const lac_window *w, lac_finding *fit, lac_error *er
     lac_status status;
     LAC_TRY(lac_projection_fit(&law, p, fit, err));
     const double omega = within(low_omega, high_omega, p[2]);
-    lac_finding_add(fit, "m", within(low_m, high_m, p[1]));
-    lac_finding_add(fit, "omega", omega);
+    lac_finding_add_within(fit, "m", within(low_m, high_m, p[1]), low_m, high_m);
+    lac_finding_add_within(fit, "omega", omega, low_omega, high_omega);
     lac_finding_add(fit, "lambda", exp(2.0 * pi / omega));
     lac_finding_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
     if (!(law.c[1] < 0.0)) {

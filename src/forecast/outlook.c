@@ -104,9 +104,9 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
     char reason[LAC_FORECAST_TEXT] = "";
     lac_window *w = NULL;
     lac_status status = LAC_OK;
-    lac_window_gate(def, o->motion, &o->window_start, reason);
-    o->accelerating = reason[0] == '\0';
-    if (o->accelerating) {
+    lac_window_gate(def, o->motion, &o->window_start, &o->accelerating, reason);
+    o->asked = reason[0] == '\0';
+    if (o->asked) {
         LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
     }
     for (size_t k = 0; k < o->count; k++) {
@@ -121,7 +121,7 @@ static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_erro
                             .high90 = NAN,
                             .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
         memcpy(f->fit.reason, reason, sizeof reason);
-        if (o->accelerating) {
+        if (o->asked) {
             LAC_TRY(ask(def, o->motion, w, f, err));
         }
     }

@@ -27,12 +27,14 @@ static double log_density(const ridge *r, double x, double y)
     const double p[LAC_SHAPES_MAX] = {x, y};
     const double range = w->displacement[w->n - 1] - w->displacement[0];
     const double floor = (double)w->n * exactest * exactest * range * range;
+    const double rounding = (double)w->n * lac_projection_rounding(w);
     const double sum = lac_projection_at(law, p);
     if (!isfinite(sum) || !(law->c[1] > 0.0)) {
         return -INFINITY;
     }
     const double off = (y - law->centre[1]) / law->width[1];
-    return -0.5 * fmax(1.0, r->effective - 2.0) * log((sum + floor) / (r->least + floor)) -
+    return -0.5 * fmax(1.0, r->effective - 2.0) *
+               log((fmax(sum, rounding) + floor) / (fmax(r->least, rounding) + floor)) -
            0.5 * off * off;
 }
 

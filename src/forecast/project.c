@@ -19,6 +19,11 @@ typedef struct places {
 
 double lac_projection_farthest(void) { return farthest; }
 
+double lac_projection_rounding(const lac_window *window)
+{
+    return window->resolution * window->resolution / 12.0;
+}
+
 static lac_status allocate(lac_projection *self, lac_error *err)
 {
     const size_t n = self->window->n;
@@ -143,7 +148,7 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     }
     (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), at_an_end, covariance);
     self->effective = (double)w->n * (1.0 - r) / (1.0 + r);
-    const double variance = sum / free * (1.0 + r) / (1.0 - r);
+    const double variance = fmax(sum / free, lac_projection_rounding(w)) * (1.0 + r) / (1.0 - r);
     for (size_t i = 0; i < self->shapes; i++) {
         for (size_t j = 0; j < self->shapes; j++) {
             self->covariance[i][j] = variance * gsl_matrix_get(covariance, i, j);

@@ -40,6 +40,10 @@ void lac_projection_clear(lac_projection *self);
 /// Sum of squared weighted residuals at p, without the prior; residual and c are of p afterwards.
 double lac_projection_at(lac_projection *self, const double *p);
 
+/// Variance of a displacement rounded to its last digit, which is what residuals count at least:
+/// resolution^2/12 [m2].
+double lac_projection_rounding(const lac_window *window);
+
 /// The longest remaining time that is a forecast, over the window's length.
 double lac_projection_farthest(void);
 

@@ -19,9 +19,18 @@ static double mean_velocity(const lac_motion *m, size_t last, size_t count)
     return sum / (double)count;
 }
 
+// By more than the last digits of the numbers could.
 static bool accelerates(const lac_forecast_def *def, const lac_motion *m, size_t at)
 {
-    return mean_velocity(m, at, def->short_run) > mean_velocity(m, at, def->long_run);
+    double squares = 0.0;
+    for (size_t i = 0; i < def->long_run; i++) {
+        const double part =
+            (i < def->short_run ? 1.0 / (double)def->short_run : 0.0) - 1.0 / (double)def->long_run;
+        const double rounding = part * m->rounding[at - i];
+        squares += rounding * rounding;
+    }
+    return mean_velocity(m, at, def->short_run) - mean_velocity(m, at, def->long_run) >
+           sqrt(squares);
 }
 
 // The first velocity of the long mean that the short one rose above, and stayed but for
@@ -38,13 +47,27 @@ static size_t find_onset(const lac_forecast_def *def, const lac_motion *m)
     return onset + 1 - def->long_run;
 }
 
-// Whether the last intervals moved the slope by more than the noise of two readings.
-static bool is_lost_in_noise(const lac_motion *m)
+// Of the noise gate: the last three, or those that the last velocity is smoothed over where more.
+static size_t last_intervals(const lac_forecast_def *def, const lac_motion *m)
 {
-    if (!(m->noise > 0.0) || m->n <= LAST_INTERVALS) {
+    const lac_motion_def *how = &def->motion;
+    size_t n = how->smoothing == LAC_SMOOTH_AVERAGE  ? how->points
+               : how->smoothing == LAC_SMOOTH_SAVGOL ? how->points - 1
+                                                     : 0;
+    while (how->smoothing == LAC_SMOOTH_WINDOW && n + 1 < m->n &&
+           m->time[m->n - 2 - n] >= m->time[m->n - 1] - how->window) {
+        n++;
+    }
+    return n > LAST_INTERVALS ? n : LAST_INTERVALS;
+}
+
+// Whether the last intervals moved the slope by more than the noise of two readings.
+static bool is_lost_in_noise(const lac_motion *m, size_t intervals)
+{
+    if (!(m->noise > 0.0) || m->n <= intervals) {
         return false;
     }
-    const double moved = m->displacement[m->n - 1] - m->displacement[m->n - 1 - LAST_INTERVALS];
+    const double moved = m->displacement[m->n - 1] - m->displacement[m->n - 1 - intervals];
     return !(moved > above_noise * sqrt(2.0) * m->noise);
 }
 
@@ -66,36 +89,67 @@ static bool is_out_of_range(const lac_motion *m)
            (d > 0.0 && d < 1.0 / beyond);
 }
 
-void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *start, char *reason)
+// The gate that --since replaces: an onset of acceleration.
+static bool has_onset(const lac_forecast_def *def, const lac_motion *m, char *reason)
 {
-    reason[0] = '\0';
-    *start = def->since;
+    const size_t last = m->velocities - 1;
     if (m->velocities < def->long_run) {
         (void)snprintf(reason, LAC_FORECAST_TEXT, "too few readings: %zu velocities, at least %zu",
                        m->velocities, def->long_run);
+    } else if (!accelerates(def, m, last)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: the mean of %zu velocities, %.3g m/s, is not above that "
+                       "of %zu, %.3g m/s%s",
+                       def->short_run, mean_velocity(m, last, def->short_run), def->long_run,
+                       mean_velocity(m, last, def->long_run),
+                       mean_velocity(m, last, def->short_run) >
+                               mean_velocity(m, last, def->long_run)
+                           ? ", by more than the last digits"
+                           : "");
+    }
+    return reason[0] == '\0';
+}
+
+// The reading that the onset's first interval begins with.
+static double start_of(const lac_forecast_def *def, const lac_motion *m)
+{
+    const double onset = m->velocity_time[find_onset(def, m)];
+    double start = onset;
+    for (size_t i = 0; i < m->n && m->time[i] <= onset; i++) {
+        start = m->time[i];
+    }
+    return start;
+}
+
+void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *start,
+                     bool *accelerating, char *reason)
+{
+    char no_onset[LAC_FORECAST_TEXT] = "";
+    const size_t intervals = last_intervals(def, m);
+    const bool onset = has_onset(def, m, no_onset);
+    reason[0] = '\0';
+    *start = def->since;
+    if (m->disbelieved > 0) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "falls and rises: %zu of %zu readings would be resets of the sensor, too "
+                       "many to believe: --raw takes the readings as they are",
+                       m->disbelieved, m->n);
     } else if (is_out_of_range(m)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "out of range: velocities or displacements come above %.0e m/s or m, or all "
                        "stay below %.0e",
                        beyond, 1.0 / beyond);
-    } else if (!accelerates(def, m, m->velocities - 1)) {
+    } else if (!onset && (isnan(def->since) || m->velocities == 0)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", no_onset);
+    } else if (is_lost_in_noise(m, intervals)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
-                       "no acceleration: the mean of %zu velocities, %.3g m/s, is not above that "
-                       "of %zu, %.3g m/s",
-                       def->short_run, mean_velocity(m, m->velocities - 1, def->short_run),
-                       def->long_run, mean_velocity(m, m->velocities - 1, def->long_run));
-    } else if (is_lost_in_noise(m)) {
-        (void)snprintf(reason, LAC_FORECAST_TEXT,
-                       "noise floor: the last %d intervals moved it by no more than %.0f times the "
-                       "error, %.3g m",
-                       (int)LAST_INTERVALS, above_noise, sqrt(2.0) * m->noise);
+                       "noise floor: the last %zu intervals moved it by no more than %.0f times "
+                       "the error, %.3g m",
+                       intervals, above_noise, sqrt(2.0) * m->noise);
     } else if (isnan(def->since)) {
-        const double onset = m->velocity_time[find_onset(def, m)];
-        *start = onset;
-        for (size_t i = 0; i < m->n && m->time[i] <= onset; i++) {
-            *start = m->time[i]; // the reading that its first interval begins with
-        }
+        *start = start_of(def, m);
     }
+    *accelerating = onset && reason[0] == '\0';
 }
 
 static size_t first_at(size_t n, const double *time, double start)
@@ -175,7 +229,10 @@ lac_status lac_window_create(const lac_motion *m, double start, lac_window **out
     arrays *a = calloc(1, sizeof *a);
     lac_status status = a != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
-    a->window = (lac_window){.start = start, .noise = m->noise, .integrated = m->integrated};
+    a->window = (lac_window){.start = start,
+                             .noise = m->noise,
+                             .resolution = m->resolution,
+                             .integrated = m->integrated};
     a->window.now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
                          m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
     a->time = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->time);

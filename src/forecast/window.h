@@ -5,10 +5,12 @@
 #include "forecast/kinds.h"
 
 /// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
-/// @param start   where the acceleration begins, or def->since [s]; set where there is a window
-/// @param reason  [LAC_FORECAST_TEXT] why no method is asked; "": all are
+/// @param start         where the acceleration begins, or def->since, which asks for none [s]; set
+///                      where there is a window
+/// @param accelerating  whether it does, and nothing else keeps the methods from being asked
+/// @param reason        [LAC_FORECAST_TEXT] why no method is asked; "": all are
 void lac_window_gate(const lac_forecast_def *def, const lac_motion *motion, double *start,
-                     char *reason);
+                     bool *accelerating, char *reason);
 
 /// The motion since `start`, thinned to LAC_WINDOW_READINGS displacements by means of consecutive
 /// ones, the first and the last apart.

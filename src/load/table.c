@@ -131,11 +131,12 @@ lac_status lac_readings_cover(const lac_readings *readings, const char *path,
 {
     double last = readings->t[readings->n - 1];
     if (readings->t[0] > 0.0) {
-        return lac_fail(err, LAC_EINPUT, "%s: begins %g s after the run; must begin before it%s",
-                        path, readings->t[0], remedy);
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: begins %g s after the run's start; must not begin after it%s", path,
+                        readings->t[0], remedy);
     }
     if (last < clock->end) {
-        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run; must not end before it%s",
+        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run's end; must reach it%s",
                         path, clock->end - last, remedy);
     }
     return LAC_OK;

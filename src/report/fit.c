@@ -188,6 +188,8 @@ static lac_status write_estimate(lac_page_text *text, const fitted *f, const cha
         lac_page_string(text, "key", key);
         lac_page_string(text, "unit", unit);
         lac_page_number(text, "best", lac_stored_file_number(f->file, name, "best_fit"), 5);
+        lac_page_number(text, "limit",
+                        lac_stored_file_number(f->file, name, "best_fit_at_end_of_range"), 5);
         lac_page_number(text, "error", lac_stored_file_number(f->file, name, "standard_error"), 3);
         lac_page_number(text, "log_error",
                         lac_stored_file_number(f->file, name, "standard_error_of_logarithm"), 3);

@@ -72,6 +72,8 @@ static lac_status see_series(const lac_page *page, sight *s, lac_error *err)
     s->readings.displacement = series->displacement;
     s->readings.velocity = series->velocity;
     s->readings.sigma = series->sigma;
+    s->readings.displacement_digit = series->displacement_digit;
+    s->readings.velocity_digit = series->velocity_digit;
     return status;
 }
 
@@ -87,6 +89,11 @@ static void write_forecast(lac_page_text *text, const lac_forecast *f)
     lac_page_number(text, NULL, f->high50 - from, 6);
     lac_page_number(text, NULL, f->high90 - from, 6);
     lac_page_string(text, NULL, f->issued ? "" : f->fit.reason);
+    lac_page_open(text, NULL, '[');
+    for (size_t i = 0; i < f->fit.ends; i++) {
+        lac_page_string(text, NULL, f->fit.end[i]);
+    }
+    lac_page_close(text, ']');
     lac_page_close(text, ']');
 }
 

@@ -78,6 +78,7 @@ static void write_series(const lac_page *page, const beside *b)
     write_column(text, "time", b->view.n, b->view.time);
     write_column(text, "displacement", b->view.n, b->view.displacement);
     lac_page_bool(text, "derived", derived);
+    lac_page_bool(text, "falling", derived && b->motion->falling);
     if (derived) {
         write_column(text, "rate_time", b->motion->velocities, b->motion->velocity_time);
         write_column(text, "rate", b->motion->velocities, b->motion->velocity);

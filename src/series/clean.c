@@ -12,6 +12,9 @@ static const double outlier = 8.0, fall = 10.0;
 static const double agree = 0.5;     // part of an outlier's distance
 static const double lost = 0.2;      // part of the way so far that a reset takes back
 static const double normal = 1.4826; // standard deviation over the median distance
+static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
+
+enum { BELIEVED = 20 }; // of so many readings one may be a reset
 
 static int compare(const void *left, const void *right)
 {
@@ -60,6 +63,7 @@ static double find_noise(const lac_motion *m, double *work)
 void lac_motion_measure(lac_motion *m, double *work)
 {
     m->noise = find_noise(m, work);
+    m->noise = m->noise < m->resolution ? m->resolution : m->noise;
     for (size_t i = 1; i < m->n; i++) {
         work[i - 1] = m->time[i] - m->time[i - 1];
     }
@@ -68,6 +72,31 @@ void lac_motion_measure(lac_motion *m, double *work)
     for (size_t i = 1; i < m->n; i++) {
         m->gaps += work[i - 1] > gap * m->interval ? 1 : 0;
     }
+}
+
+// Steps count at most some median ones, so that a reset is no more than a few of them. Errors of
+// displacements cancel in their sum but for the first and the last; those of integrated velocities
+// add up as a random walk does.
+bool lac_motion_falls(const lac_motion *m, double *work)
+{
+    size_t n = 0;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (size_t i = 1; i < m->n; i++) {
+        const double step = fabs(m->displacement[i] - m->displacement[i - 1]);
+        if (step > 0.0) {
+            work[n++] = step;
+        }
+    }
+    const double most = n > 0 ? step_counts * lac_median(n, work) : 0.0;
+    for (size_t i = 1; i < m->n; i++) {
+        const double step = m->displacement[i] - m->displacement[i - 1];
+        const double counted = fmin(most, fmax(-most, step));
+        sum += counted;
+        squares += counted / most * (counted / most);
+    }
+    return sum < -(m->integrated ? walk_counts * most * sqrt(squares)
+                                 : error_counts * sqrt(2.0) * m->noise);
 }
 
 // Whether reading i leaves the line between its neighbours, which agree with each other.
@@ -102,13 +131,14 @@ static void keep(lac_motion *m, size_t at, size_t i)
     m->sigma[at] = m->sigma[i];
 }
 
-void lac_motion_clean(lac_motion *m)
+bool lac_motion_clean(lac_motion *m)
 {
+    const size_t all = m->n;
     size_t kept = 0;
     double way = 0.0;
     double shift = 0.0; // by which what follows a reset is moved
     if (!(m->noise > 0.0)) {
-        return;
+        return true;
     }
     for (size_t i = 0; i < m->n; i++) {
         const bool last = i + 1 == m->n;
@@ -134,4 +164,5 @@ void lac_motion_clean(lac_motion *m)
         way = fmax(way, m->displacement[kept - 1] - m->displacement[0]);
     }
     m->n = kept;
+    return m->resets <= 1 || BELIEVED * m->resets <= all;
 }

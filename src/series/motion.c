@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "series/motion.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -31,14 +32,17 @@ static lac_status check(const lac_motion_def *def, const lac_readings *readings,
 // The readings that have a displacement.
 static void keep_displacements(const lac_readings *r, lac_motion *m)
 {
+    double most = 0.0;
     for (size_t i = 0; i < r->n; i++) {
         if (!isnan(r->displacement[i])) {
             m->time[m->n] = r->time[i];
             m->displacement[m->n] = r->displacement[i];
             m->sigma[m->n] = r->sigma != NULL ? r->sigma[i] : NAN;
+            most = fmax(most, fabs(r->displacement[i]));
             m->n++;
         }
     }
+    m->resolution = fmax(r->displacement_digit, DBL_EPSILON * most);
 }
 
 // Where there are velocities only: their integral, by trapezoids.
@@ -61,6 +65,32 @@ static void integrate(const lac_readings *r, lac_motion *m)
     }
 }
 
+static void turn(lac_motion *m)
+{
+    for (size_t i = 0; i < m->n && m->falling; i++) {
+        m->displacement[i] = -m->displacement[i];
+    }
+}
+
+static void take(const lac_motion_def *def, const lac_readings *r, double *work, lac_motion *m)
+{
+    if (r->displacement != NULL) {
+        keep_displacements(r, m);
+    } else {
+        integrate(r, m);
+    }
+    lac_motion_measure(m, work);
+    m->falling = lac_motion_falls(m, work);
+    turn(m);
+    if (def->raw || m->integrated || lac_motion_clean(m)) {
+        return;
+    }
+    m->disbelieved = m->resets;
+    m->n = m->resets = m->outliers = 0;
+    keep_displacements(r, m);
+    turn(m);
+}
+
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
                              lac_motion **out, lac_error *err)
 {
@@ -80,15 +110,7 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
     if (m->time == NULL || m->displacement == NULL || m->sigma == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
-    if (readings->displacement != NULL) {
-        keep_displacements(readings, m);
-    } else {
-        integrate(readings, m);
-    }
-    lac_motion_measure(m, work);
-    if (!def->raw && !m->integrated) {
-        lac_motion_clean(m);
-    }
+    take(def, readings, work, m);
     LAC_TRY(lac_motion_differentiate(def, readings, m, err));
     *out = m;
     m = NULL;
@@ -108,5 +130,6 @@ void lac_motion_free(lac_motion *motion)
     free(motion->sigma);
     free(motion->velocity_time);
     free(motion->velocity);
+    free(motion->rounding);
     free(motion);
 }

@@ -8,11 +8,17 @@
 double lac_median(size_t n, double *values);
 
 /// Noise, intervals and gaps of the motion's readings, into it.
+/// @pre   resolution is set
 /// @param work  [n]
 void lac_motion_measure(lac_motion *motion, double *work);
 
+/// Whether the readings fall by more than their noise.
+/// @param work  [n]
+bool lac_motion_falls(const lac_motion *motion, double *work);
+
 /// Drops outliers and takes resets out.
-void lac_motion_clean(lac_motion *motion);
+/// @return whether so many resets are believed
+bool lac_motion_clean(lac_motion *motion);
 
 /// Velocities, as the definition says.
 /// @param readings  what was given

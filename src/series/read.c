@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
+#include <limits.h>
 #include <locale.h>
 #include <math.h>
 #include <stdint.h>
@@ -10,19 +11,23 @@
 #include "series/text.h"
 #include "series/time_format.h"
 
-enum { VALUES = 4, COLUMNS = 1 + VALUES, SIGMA = 4, SHOWN = 48, ATTRIBUTION_MAX = 1 << 16 };
+enum {
+    VALUES = LAC_SERIES_VALUES,
+    COLUMNS = 1 + VALUES,
+    SIGMA = 4,
+    SHOWN = 48,
+    ATTRIBUTION_MAX = 1 << 16,
+    BELIEVED = 10, ///< of so many rows one may repeat a time with another value; one always
+};
 
 // Of time, displacement, velocity, any other value, and the error of a displacement: 0 ... 4.
 typedef struct lac_wanted {
-    const char *name; ///< NULL: not asked for
-    size_t index;     ///< in the header
+    const char *name;  ///< NULL: not asked for
+    const char *taken; ///< the SI unit, for want of another; NULL: one was named
+    size_t index;      ///< in the header
     double scale, offset;
+    int digit; ///< smallest exponent of a last digit
 } lac_wanted;
-
-typedef struct lac_reading {
-    double time, value[VALUES];
-    size_t line;
-} lac_reading;
 
 typedef struct lac_parser {
     lac_lines lines;
@@ -33,8 +38,9 @@ typedef struct lac_parser {
     char mark; ///< decimal mark: '.', ',' or 0 while none has been seen
     lac_time_format format;
     bool time_known, dated;
+    const struct lac_units *units;
     locale_t plain, callers; ///< the "C" locale, and the one of the thread before
-    lac_reading *readings;
+    lac_row *readings;
     size_t count, capacity, missing, disordered;
     char *attribution;
     size_t attribution_length;
@@ -64,6 +70,8 @@ static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
     }
     for (size_t c = 0; c < COLUMNS; c++) {
         p->wanted[c].scale = 1.0;
+        p->wanted[c].digit = INT_MAX;
+        p->wanted[c].taken = table[c].unit == NULL ? table[c].si : NULL;
         if (p->wanted[c].name == NULL || table[c].unit == NULL) {
             continue;
         }
@@ -81,6 +89,7 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
                           const struct lac_units *units, lac_error *err)
 {
     p->lines = (lac_lines){.stream = stream, .path = def->path};
+    p->units = units;
     p->wanted[0].name = def->time;
     p->wanted[1].name = def->displacement;
     p->wanted[2].name = def->velocity;
@@ -143,32 +152,6 @@ static lac_status find_header(lac_parser *p, char **header, lac_error *err)
     return LAC_OK;
 }
 
-static size_t count_outside_quotes(const char *line, char wanted)
-{
-    size_t count = 0;
-    bool quoted = false;
-    for (; *line != '\0'; line++) {
-        quoted = *line == '"' ? !quoted : quoted;
-        count += !quoted && *line == wanted;
-    }
-    return count;
-}
-
-static char find_separator(const char *header)
-{
-    static const char choices[] = {';', ',', '\t'};
-    char best = ',';
-    size_t most = 0;
-    for (size_t i = 0; i < sizeof choices; i++) {
-        size_t count = count_outside_quotes(header, choices[i]);
-        if (count > most) {
-            most = count;
-            best = choices[i];
-        }
-    }
-    return best;
-}
-
 // Adds `, name` to the list of the columns there are, while it fits.
 static void list_column(char *list, size_t size, const char *name)
 {
@@ -193,6 +176,21 @@ static lac_status match_column(lac_parser *p, bool found[COLUMNS], const char *n
     return LAC_OK;
 }
 
+// Whether a column without a unit may be SI.
+static lac_status ask(lac_parser *p, size_t column, lac_error *err)
+{
+    char where[4096];
+    bool known = false;
+    lac_wanted *w = &p->wanted[column];
+    if (w->name == NULL || w->taken == NULL) {
+        return LAC_OK;
+    }
+    (void)snprintf(where, sizeof where, "%s:%zu", p->lines.path, p->lines.number);
+    const lac_status status = lac_series_ask(p->units, where, w->name, w->taken, &known, err);
+    w->taken = known ? NULL : w->taken;
+    return status;
+}
+
 static lac_status read_header(lac_parser *p, lac_error *err)
 {
     char *rest = NULL;
@@ -202,7 +200,7 @@ static lac_status read_header(lac_parser *p, lac_error *err)
     if (status != LAC_OK) {
         return status;
     }
-    p->separator = find_separator(rest);
+    p->separator = lac_text_separator(rest);
     while (rest != NULL) {
         char *name = lac_text_field(&rest, p->separator);
         if (name == NULL) {
@@ -227,8 +225,9 @@ static lac_status read_header(lac_parser *p, lac_error *err)
             return lac_fail(err, LAC_EINPUT, "%s:%zu: has no column \"%s\"; its columns are %s",
                             p->lines.path, p->lines.number, p->wanted[c].name, list);
         }
+        status = c > 0 && status == LAC_OK ? ask(p, c, err) : status;
     }
-    return LAC_OK;
+    return status;
 }
 
 static lac_status parse_time(lac_parser *p, const char *field, double *time, lac_error *err)
@@ -247,9 +246,11 @@ static lac_status parse_time(lac_parser *p, const char *field, double *time, lac
                        p->dated ? "must be a date, as in the rows above"
                                 : "must be seconds, as in the rows above");
     }
+    const bool first = !p->time_known;
     p->time_known = true;
     p->dated = dated;
-    return LAC_OK;
+    p->wanted[0].taken = p->format.any && !dated ? p->wanted[0].taken : NULL;
+    return first ? ask(p, 0, err) : LAC_OK;
 }
 
 static lac_status parse_value(lac_parser *p, size_t column, const char *field, double *value,
@@ -273,6 +274,8 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
         return fail_at(p, err, w->name, field, "must have the decimal mark of the rows above");
     }
     p->mark = used != NULL ? mark : p->mark;
+    const int digit = lac_text_digit(field, mark);
+    p->wanted[column].digit = digit < p->wanted[column].digit ? digit : p->wanted[column].digit;
     if (column == SIGMA && !(*value > 0.0)) {
         return fail_at(p, err, w->name, field, "must be > 0: the standard error of a reading");
     }
@@ -280,11 +283,11 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
     return isfinite(*value) ? LAC_OK : fail_at(p, err, w->name, field, "is too large");
 }
 
-static lac_status add_reading(lac_parser *p, const lac_reading *reading, lac_error *err)
+static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *err)
 {
     if (p->count == p->capacity) {
         size_t capacity = p->capacity > 0 ? p->capacity * 2 : 256;
-        lac_reading *readings = realloc(p->readings, capacity * sizeof *readings);
+        lac_row *readings = realloc(p->readings, capacity * sizeof *readings);
         if (readings == NULL) {
             return lac_fail_memory(err);
         }
@@ -326,7 +329,7 @@ static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *bl
 static lac_status read_row(lac_parser *p, lac_error *err)
 {
     const char *fields[COLUMNS];
-    lac_reading reading = {.value = {NAN, NAN, NAN, NAN}, .line = p->lines.number};
+    lac_row reading = {.value = {NAN, NAN, NAN, NAN}, .line = p->lines.number};
     bool blank = false;
     lac_status status = LAC_OK;
     LAC_TRY(split_row(p, fields, &blank, err));
@@ -362,47 +365,6 @@ static lac_status read_rows(lac_parser *p, lac_error *err)
     }
 out:
     return status;
-}
-
-// By time, and by line where times are equal.
-static int compare_readings(const void *left, const void *right)
-{
-    const lac_reading *a = left;
-    const lac_reading *b = right;
-    if (a->time != b->time) {
-        return a->time < b->time ? -1 : 1;
-    }
-    return a->line < b->line ? -1 : a->line > b->line;
-}
-
-static void sort_readings(lac_parser *p)
-{
-    for (size_t i = 1; i < p->count; i++) {
-        p->disordered += p->readings[i].time < p->readings[i - 1].time ? 1 : 0;
-    }
-    if (p->disordered > 0) {
-        qsort(p->readings, p->count, sizeof *p->readings, compare_readings);
-    }
-}
-
-// Keeps the first reading of each time; a value that it lacks comes from a later one.
-static size_t drop_duplicates(lac_parser *p)
-{
-    size_t kept = 0;
-    for (size_t i = 1; i < p->count; i++) {
-        lac_reading *last = &p->readings[kept];
-        const lac_reading *next = &p->readings[i];
-        if (next->time != last->time) {
-            p->readings[++kept] = *next;
-            continue;
-        }
-        for (size_t c = 0; c < VALUES; c++) {
-            last->value[c] = isnan(last->value[c]) ? next->value[c] : last->value[c];
-        }
-    }
-    size_t dropped = p->count - (kept + 1);
-    p->count = kept + 1;
-    return dropped;
 }
 
 static lac_status check_any_value(const lac_parser *p, lac_error *err)
@@ -447,11 +409,52 @@ static lac_status fill_series(lac_series *s, const lac_parser *p)
     return whole ? LAC_OK : LAC_ENOMEM;
 }
 
+// Several instruments in one file, or a column that is not the time, are no repeated rows.
+static lac_status merge_rows(lac_parser *p, size_t *conflicts, lac_error *err)
+{
+    const size_t rows = p->count;
+    const size_t line = lac_rows_merge(&p->count, p->readings, conflicts);
+    return *conflicts <= 1 || BELIEVED * *conflicts <= rows
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT,
+                          "%s:%zu: %s: a row above has the same time and another value, as %zu of "
+                          "%zu rows do: is it the time, and the file of one instrument?",
+                          p->lines.path, line, p->wanted[0].name, *conflicts, rows);
+}
+
+static double digit_of(const lac_wanted *w)
+{
+    return w->name != NULL && w->digit < INT_MAX ? fabs(w->scale) * pow(10.0, w->digit) : 0.0;
+}
+
+// What is not a column of numbers.
+static void describe(const lac_parser *p, lac_series *s)
+{
+    s->dated = p->dated;
+    s->missing = p->missing;
+    s->displacement_digit = digit_of(&p->wanted[1]);
+    s->velocity_digit = digit_of(&p->wanted[2]);
+    s->time_unit = p->dated ? 0.0 : p->format.scale;
+    (void)snprintf(s->time_name, sizeof s->time_name, "%s", p->dated ? "" : p->format.unit);
+    for (size_t c = 0; c < COLUMNS; c++) {
+        const lac_wanted *w = &p->wanted[c];
+        if (w->name != NULL && w->taken != NULL) {
+            lac_series_doubt(s, "%.48s: no unit is named: taken as %s", w->name, w->taken);
+        }
+    }
+    if (s->conflicts > 0) {
+        lac_series_doubt(s, "%zu of %zu rows repeat a time with another value: the first is kept",
+                         s->conflicts, s->n + s->duplicates);
+    }
+}
+
 static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
 {
-    sort_readings(p);
-    size_t duplicates = drop_duplicates(p);
-    lac_status status = check_any_value(p, err);
+    const size_t rows = p->count;
+    size_t conflicts = 0;
+    p->disordered = lac_rows_sort(rows, p->readings);
+    lac_status status = merge_rows(p, &conflicts, err);
+    status = status == LAC_OK ? check_any_value(p, err) : status;
     if (status != LAC_OK) {
         return status;
     }
@@ -461,10 +464,10 @@ static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
         return lac_fail_memory(err);
     }
     s->n = p->count;
-    s->dated = p->dated;
-    s->missing = p->missing;
-    s->duplicates = duplicates;
+    s->duplicates = rows - p->count;
     s->disordered = p->disordered;
+    s->conflicts = conflicts;
+    describe(p, s);
     *out = s;
     return LAC_OK;
 }

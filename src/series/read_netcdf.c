@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring series in netCDF: variables of one dimension that they share.
+#include <float.h>
 #include <math.h>
 #include <netcdf.h>
 #include <stdlib.h>
@@ -8,6 +9,7 @@
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
+#include "series/time_format.h"
 
 enum { LONGEST_UNIT = 128, MOST_READINGS = 100000000 };
 
@@ -72,6 +74,34 @@ static lac_status read_numbers(const series_file *file, int var, const char *nam
     return LAC_OK;
 }
 
+// A variable without units may be SI.
+static lac_status ask(const series_file *file, const char *name, const char *si,
+                      const struct lac_units *units, lac_series *s, lac_error *err)
+{
+    bool known = false;
+    const lac_status status = lac_series_ask(units, file->path, name, si, &known, err);
+    if (status == LAC_OK && !known) {
+        lac_series_doubt(s, "%.48s: no unit is named: taken as %s", name, si);
+    }
+    return status;
+}
+
+// What the last bit of a number counts before the unit's scale; 0: a double's.
+static double last_bit(const series_file *file, int var, const double *x)
+{
+    nc_type type = NC_DOUBLE;
+    double most = 0.0;
+    (void)nc_inq_vartype(file->id, var, &type);
+    if (type == NC_DOUBLE) {
+        return 0.0;
+    }
+    for (size_t i = 0; i < file->n; i++) {
+        most = x[i] > most || -x[i] > most ? fabs(x[i]) : most;
+    }
+    return type == NC_FLOAT ? (double)FLT_EPSILON * most
+                            : fabs(lac_netcdf_number(file->id, var, "scale_factor", 1.0));
+}
+
 static lac_status read_time(series_file *file, const lac_series_def *def,
                             const struct lac_units *units, lac_series *s, lac_error *err)
 {
@@ -88,13 +118,20 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
                          file->n, MOST_READINGS));
     }
     lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
-    if (unit[0] != '\0') {
+    if (unit[0] == '\0') {
+        LAC_TRY(ask(file, name, "s", units, s, err));
+    } else {
         status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
         if (status != LAC_OK) {
             (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, name, unit);
             goto out;
         }
     }
+    s->time_unit = s->dated ? 0.0 : scale;
+    lac_time_unit_name(s->dated          ? ""
+                       : unit[0] == '\0' ? "s"
+                                         : unit,
+                       s->time_name, sizeof s->time_name);
     LAC_TRY(read_numbers(file, var, name, &s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;
@@ -111,7 +148,7 @@ out:
 
 typedef struct column {
     const char *name, *unit, *si;
-    double **values;
+    double **values, *digit;
 } column;
 
 static lac_status read_column(series_file *file, const column *c, const struct lac_units *units,
@@ -125,7 +162,9 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     LAC_TRY(find_column(file, c->name, &var, err));
     lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
-    if (from != NULL) {
+    if (from == NULL) {
+        LAC_TRY(ask(file, c->name, c->si, units, s, err));
+    } else {
         status = lac_units_convert(units, from, c->si, &scale, &offset, err);
         if (status != LAC_OK) {
             (void)lac_fail_within(err, status, "%s: %s: unit \"%s\"", file->path, c->name, from);
@@ -134,6 +173,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     }
     LAC_TRY(read_numbers(file, var, c->name, c->values, err));
     double *x = *c->values;
+    *c->digit = fabs(scale) * last_bit(file, var, x);
     for (size_t i = 0; i < file->n; i++) {
         x[i] = scale * x[i] + offset;
         s->missing += isnan(x[i]) ? 1 : 0;
@@ -148,11 +188,12 @@ out:
 static lac_status read_all(series_file *file, const lac_series_def *def,
                            const struct lac_units *units, lac_series *s, lac_error *err)
 {
+    double unused = 0.0;
     const column columns[] = {
-        {def->displacement, def->displacement_unit, "m", &s->displacement},
-        {def->velocity, def->velocity_unit, "m/s", &s->velocity},
-        {def->value, def->value_unit, def->value_si, &s->value},
-        {def->sigma, def->sigma_unit, "m", &s->sigma},
+        {def->displacement, def->displacement_unit, "m", &s->displacement, &s->displacement_digit},
+        {def->velocity, def->velocity_unit, "m/s", &s->velocity, &s->velocity_digit},
+        {def->value, def->value_unit, def->value_si, &s->value, &unused},
+        {def->sigma, def->sigma_unit, "m", &s->sigma, &unused},
     };
     lac_status status;
     LAC_TRY(read_time(file, def, units, s, err));

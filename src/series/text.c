@@ -119,6 +119,32 @@ static char *quoted_field(char *at, char **rest, char separator)
     return lac_text_trim(field);
 }
 
+static size_t count_outside_quotes(const char *line, char wanted)
+{
+    size_t count = 0;
+    bool quoted = false;
+    for (; *line != '\0'; line++) {
+        quoted = *line == '"' ? !quoted : quoted;
+        count += !quoted && *line == wanted;
+    }
+    return count;
+}
+
+char lac_text_separator(const char *header)
+{
+    static const char choices[] = {';', ',', '\t'};
+    char best = ',';
+    size_t most = 0;
+    for (size_t i = 0; i < sizeof choices; i++) {
+        size_t count = count_outside_quotes(header, choices[i]);
+        if (count > most) {
+            most = count;
+            best = choices[i];
+        }
+    }
+    return best;
+}
+
 char *lac_text_field(char **rest, char separator)
 {
     char *field = *rest;
@@ -165,6 +191,14 @@ bool lac_text_number(const char *field, char mark, double *value)
     char *end = NULL;
     *value = strtod(text, &end);
     return *end == '\0' && end != text && isfinite(*value);
+}
+
+int lac_text_digit(const char *field, char mark)
+{
+    const char *at = strchr(field, mark);
+    const char *power = strpbrk(field, "eE");
+    const int decimals = at != NULL ? (int)strspn(at + 1, "0123456789") : 0;
+    return (power != NULL ? (int)strtol(power + 1, NULL, 10) : 0) - decimals;
 }
 
 // Bytes of the UTF-8 character that begins a text; 0 where there is none.

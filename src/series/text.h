@@ -21,6 +21,37 @@ bool lac_series_is_netcdf(FILE *stream);
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
                                   lac_series **out, lac_error *err);
 
+enum { LAC_SERIES_VALUES = 4 }; ///< displacement, velocity, any other, error of a displacement
+
+/// A row of a file: time, values (NaN: not given), line.
+typedef struct lac_row {
+    double time, value[LAC_SERIES_VALUES];
+    size_t line;
+} lac_row;
+
+/// Sorts rows by time, and by line where times are equal.
+/// @return how many were earlier than the one before them
+size_t lac_rows_sort(size_t n, lac_row *rows);
+
+/// Keeps the first of the sorted rows of each time; a value that it lacks comes from a later one.
+/// @param n          how many there are; on return, how many are kept
+/// @param conflicts  rows dropped although a value differs from the one that is kept
+/// @return a line that was dropped so, the first; 0: none
+size_t lac_rows_merge(size_t *n, lac_row *rows, size_t *conflicts);
+
+/// Asks about a column whose unit nobody named: its name may end in one, as "disp_mm",
+/// "rate (cm per day)" and "hour" do.
+/// @param where  file, or file and line, for the message
+/// @param si     the unit that would be taken
+/// @param known  whether the name says that it is that one
+/// @return LAC_OK; LAC_EINPUT where it says another
+lac_status lac_series_ask(const struct lac_units *units, const char *where, const char *name,
+                          const char *si, bool *known, lac_error *err);
+
+/// Notes a doubt about what was read.
+void lac_series_doubt(lac_series *series, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
 /// Lines of a text, one at a time; any of LF, CRLF and CR ends one.
 typedef struct lac_lines {
     FILE *stream;
@@ -38,6 +69,9 @@ lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err);
 /// Text without blanks at its ends; in place.
 char *lac_text_trim(char *text);
 
+/// What separates the fields of a header: the most frequent of ; , and tab outside quotes.
+char lac_text_separator(const char *header);
+
 /// Takes the next field off a line, in place: quotes removed, blanks trimmed.
 /// @param rest       what is left of the line; NULL after the last field
 /// @param separator  between fields
@@ -52,6 +86,9 @@ bool lac_text_missing(const char *field);
 /// @pre   the thread's locale is "C"
 /// @return false where it is not one, or not finite
 bool lac_text_number(const char *field, char mark, double *value);
+
+/// Decimal exponent of the last digit of what lac_text_number takes: -2 of "1,70", 2 of "3e2".
+int lac_text_digit(const char *field, char mark);
 
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);

@@ -3,6 +3,7 @@
 #define LACUNA_SERIES_TIME_FORMAT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "lacuna/error.h"
 
@@ -14,6 +15,7 @@ typedef struct lac_time_format {
     bool any;             ///< ISO 8601 or seconds, whichever the first row has
     bool dated;           ///< of numbers: they count from a date
     double scale, offset; ///< of numbers: seconds = scale x + offset
+    char unit[16];        ///< of numbers, "day"; "" where the name is longer
     char allowed[96];     ///< for messages: what a time must be
 } lac_time_format;
 
@@ -24,6 +26,10 @@ typedef struct lac_time_format {
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err);
+
+/// The name of a unit of time, to stand behind a number.
+/// @param name  "" where the unit is longer
+void lac_time_unit_name(const char *unit, char *name, size_t size);
 
 /// Reads one time.
 /// @param mark     decimal mark of numbers

@@ -1,23 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/least_squares.h"
 #include "series/motion.h"
 
-static void add(lac_motion *m, double time, double velocity)
+static void add(lac_motion *m, double time, double velocity, double rounding)
 {
+    m->rounding[m->velocities] = rounding + 4.0 * DBL_EPSILON * fabs(velocity);
     m->velocity_time[m->velocities] = time;
     m->velocity[m->velocities++] = velocity;
 }
 
+// Velocities of what falls are turned with it, speeds are not.
 static void take_given(const lac_readings *r, lac_motion *m)
 {
+    double sum = 0.0;
+    for (size_t i = 0; i < r->n; i++) {
+        sum += isnan(r->velocity[i]) ? 0.0 : r->velocity[i];
+    }
+    const double sign = m->falling && sum < 0.0 ? -1.0 : 1.0;
     for (size_t i = 0; i < r->n; i++) {
         if (!isnan(r->velocity[i])) {
-            add(m, r->time[i], r->velocity[i]);
+            add(m, r->time[i], sign * r->velocity[i], r->velocity_digit);
         }
     }
+}
+
+// How far the last digits of two displacements, and the last bits of their times, move their
+// secant.
+static double secant_rounding(const lac_motion *m, size_t from, size_t to)
+{
+    const double *t = m->time;
+    const double late = fmax(fabs(t[from]), fabs(t[to]));
+    const double step = fabs(m->displacement[to] - m->displacement[from]);
+    return (m->resolution + 2.0 * DBL_EPSILON * late * step / (t[to] - t[from])) /
+           (t[to] - t[from]);
 }
 
 // v = (d_i - d_{i-1})/(t_i - t_{i-1}) at (t_i + t_{i-1})/2
@@ -26,7 +45,8 @@ static void take_secants(lac_motion *m)
     const double *t = m->time;
     for (size_t i = 1; i < m->n; i++) {
         add(m, t[i - 1] + 0.5 * (t[i] - t[i - 1]),
-            (m->displacement[i] - m->displacement[i - 1]) / (t[i] - t[i - 1]));
+            (m->displacement[i] - m->displacement[i - 1]) / (t[i] - t[i - 1]),
+            secant_rounding(m, i - 1, i));
     }
 }
 
@@ -41,12 +61,15 @@ static void average(size_t points, lac_motion *m)
     for (size_t i = 0; i + before < m->velocities; i++) {
         double time = 0.0;
         double sum = 0.0;
+        double squares = 0.0;
         for (size_t j = 0; j < points; j++) {
             time += m->velocity_time[i + j] - m->velocity_time[i];
             sum += m->velocity[i + j];
+            squares += m->rounding[i + j] * m->rounding[i + j];
         }
         m->velocity_time[i] += time / (double)points;
         m->velocity[i] = sum / (double)points;
+        m->rounding[i] = sqrt(squares) / (double)points;
     }
     m->velocities -= before;
 }
@@ -68,7 +91,7 @@ static void add_slope(lac_motion *m, size_t first, size_t last)
         tt += x * x;
         td += x * (d[i] - d[0]);
     }
-    add(m, t[0] + mean, td / tt);
+    add(m, t[0] + mean, td / tt, secant_rounding(m, first, last));
 }
 
 // Windows reach a whole `window` back, and hold two readings or more.
@@ -106,7 +129,9 @@ static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, l
             y[i] = m->displacement[last + 1 - points + i];
         }
         (void)lac_least_squares(points, k, columns, y, c);
-        add(m, m->time[last], c[1] / span);
+        // |p'| <= 2 k^2 max|p|/span of a polynomial of order k (Markov)
+        add(m, m->time[last], c[1] / span,
+            (double)(order * order) * secant_rounding(m, last + 1 - points, last));
     }
     free(columns);
     return LAC_OK;
@@ -118,7 +143,8 @@ lac_status lac_motion_differentiate(const lac_motion_def *def, const lac_reading
     const size_t most = readings->n > 0 ? readings->n : 1;
     m->velocity_time = malloc(most * sizeof *m->velocity_time);
     m->velocity = malloc(most * sizeof *m->velocity);
-    if (m->velocity_time == NULL || m->velocity == NULL) {
+    m->rounding = malloc(most * sizeof *m->rounding);
+    if (m->velocity_time == NULL || m->velocity == NULL || m->rounding == NULL) {
         return lac_fail_memory(err);
     }
     switch (def->smoothing) {

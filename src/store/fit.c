@@ -62,6 +62,7 @@ static lac_status put_unknown(writer *w, size_t k, lac_error *err)
         double value;
     } numbers[] = {{"best_fit", of->best},
                    {of->log ? "standard_error_of_logarithm" : "standard_error", of->error},
+                   {"best_fit_at_end_of_range", of->limit},
                    {"rhat", of->rhat},
                    {"effective_sample_size", of->ess}};
     for (size_t c = 0; c < view->chains; c++) {

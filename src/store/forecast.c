@@ -64,8 +64,8 @@ static const variable variables[] = {
     {"displacement",
      "m",
      "displacement",
-     "without outliers, resets of the sensor taken out; the integral of the velocity where only "
-     "that was given",
+     "without outliers, resets of the sensor taken out; its negative where it falls (attribute "
+     "falling); the integral of the velocity where only that was given",
      false,
      false,
      {READING, -1},
@@ -283,6 +283,9 @@ static lac_status put_attributes(const writer *w, lac_error *err)
     }
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "outliers", (long long)m->outliers, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "resets", (long long)m->resets, err));
+    LAC_TRY(
+        lac_nc_integer(w->file, NC_GLOBAL, "resets_disbelieved", (long long)m->disbelieved, err));
+    LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "falling", m->falling ? 1 : 0, err));
     LAC_TRY(lac_nc_integer(w->file, NC_GLOBAL, "gaps", (long long)m->gaps, err));
     LAC_TRY(lac_nc_text(w->file, NC_GLOBAL, "status", c->interrupted ? "interrupted" : "complete",
                         err));

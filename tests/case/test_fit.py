@@ -90,6 +90,31 @@ class Fit(unittest.TestCase):
         self.assertFalse(said["fits_badly"])
         self.assertEqual(by["friction.aging.dc"]["derivatives"], "sensitivities")
 
+    def test_the_end_of_a_range_is_told(self):
+        """The readings were made with dc 12 cm: where 30 cm to 3 m are allowed the best stands at the lower end."""
+        words = ["--set", "fit.steps=0", "--set", "fit.starts=8", "--set",
+                 "fit.parameters={friction.aging.dc: {range: [30 cm, 3 m]}, initial.slip_rate: {range: "
+                 "[0.3 mm/day, 3 cm/day]}}", "--set", "friction.aging.dc=60 cm"]
+        said = {p["key"]: p for p in self.fit(CASE, SERIES, *words)["parameters"]}
+        self.assertEqual(said["friction.aging.dc"]["at_end_of_range"], "low")
+        self.assertAlmostEqual(said["friction.aging.dc"]["end_of_range"], 0.3, places=12)
+        self.assertAlmostEqual(said["friction.aging.dc"]["best"], 0.3, delta=0.01)
+        self.assertIsNone(said["initial.slip_rate"]["at_end_of_range"])
+        self.assertIsNone(said["initial.slip_rate"]["end_of_range"])
+        with netCDF4.Dataset(self.out) as file:
+            self.assertAlmostEqual(file["friction_aging_dc"].best_fit_at_end_of_range, 0.3, places=12)
+            self.assertNotIn("best_fit_at_end_of_range", file["initial_slip_rate"].ncattrs())
+        text = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", *words).stdout
+        self.assertRegex(text, r"at its end +the best fit of friction.aging.dc stands at the lower end of its range, "
+                               r"30 cm")
+        self.assertEqual(text.count("at its end"), 1)
+        forecast = next(f for f in json.loads(self.run_program(
+            "precursors", SERIES, "--case", CASE, "--onset", "5,20", "--json", *words).stdout)["forecasts"]
+                        if f["method"] == "case")
+        self.assertEqual(forecast["at_end_of_range"], ["friction.aging.dc"])
+        inside = self.fit(CASE, SERIES, *BEST)
+        self.assertEqual([p["at_end_of_range"] for p in inside["parameters"]], [None] * len(inside["parameters"]))
+
     def test_columns(self):
         """Options name the columns in place of the case, which is written so; times have a format."""
         other = os.path.join(self.folder, "other.csv")

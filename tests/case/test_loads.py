@@ -140,8 +140,8 @@ class Refusals(Loads):
         self.expect_line(3, "c.yaml: load.pore_pressure.0.series: p.csv: No such file or directory",
                          "run", "c.yaml", "-o", "out.nc")
         self.write("p.csv", "t,p\n0,1\n86400,2\n")
-        self.expect_line(2, "c.yaml: load.pore_pressure.0.series: p.csv: ends 2.5056e+06 s before the run; must not "
-                         "end before it, or say outside: hold or zero", "run", "c.yaml", "-o", "out.nc")
+        self.expect_line(2, "c.yaml: load.pore_pressure.0.series: p.csv: ends 2.5056e+06 s before the run's end; "
+                         "must reach it, or say outside: hold or zero", "run", "c.yaml", "-o", "out.nc")
         self.assertFalse(self.exists("out.nc"))
         done = self.expect(2, "check", "c.yaml", "--json")
         self.assertIn("ends 2.5056e+06 s", json.loads(done.stdout)["errors"][0]["message"])

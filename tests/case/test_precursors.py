@@ -228,6 +228,100 @@ class Precursors(unittest.TestCase):
         for word in ("life expectancy (days)", "skill", "error (day)", "An alarm", "saito", "40 day"):
             self.assertIn(word, text)
 
+    def falling(self, noise):
+        """Settlement 50 ln(1 - i/120) mm, cut at 112 days; it fails on day 120."""
+        drawn = numpy.random.default_rng(1).normal(0, 1, 112)
+        self.write("falls.csv", "t,d\n" + "".join(
+            f"{i},{50 * math.log(1 - i / 120) + noise * drawn[i]:.6f}\n" for i in range(112)))
+        return ("falls.csv", "--displacement", "d:mm", "--time-format", "day")
+
+    def test_settlement_is_turned_and_said(self):
+        for noise in (0, 0.2):
+            words = self.falling(noise)
+            answer = self.ask(*words)
+            self.assertTrue(answer["series"]["falling"] and answer["accelerating"])
+            self.assertEqual((answer["series"]["resets"], answer["series"]["resets_disbelieved"]), (0, 0))
+            f = self.of(answer, "log")
+            self.assertTrue(f["issued"], f["reason"])
+            self.assertAlmostEqual(f["tc_s"] / 86400, 120, delta=0.001 if noise == 0 else 2)
+            self.assertIn("falls (settlement, line of sight)", self.call(*words).stdout)
+        self.call(*words, "-o", "falls.nc")
+        with netCDF4.Dataset(os.path.join(self.folder, "falls.nc")) as data:
+            self.assertEqual(data.falling, 1)
+            self.assertGreater(data["displacement"][-1], data["displacement"][0])
+        rises = self.ask("log.csv", "--displacement", "d:m", "--time-format", "day")
+        self.assertFalse(rises["series"]["falling"])
+
+    def test_too_many_resets_are_refused_in_words(self):
+        self.write("saw.csv", "t,d\n" + "".join(f"{i},{5 * (i % 4) + 0.001 * (i * i % 7)}\n" for i in range(60)))
+        words = ("saw.csv", "--displacement", "d:mm", "--time-format", "day")
+        answer = self.ask(*words)
+        self.assertEqual(answer["series"]["resets"], 0)
+        self.assertGreater(answer["series"]["resets_disbelieved"], 3)
+        for f in answer["forecasts"]:
+            self.assertRegex(f["reason"], r"of 60 readings would be resets .* --raw takes the readings as they are")
+        self.assertNotIn("resets", self.ask(*words, "--raw")["forecasts"][0]["reason"])
+
+    def test_a_line_is_no_false_alarm(self):
+        self.write("line.csv", "t,d\n" + "".join(f"{i},{1000 + 0.7 * i:.3f}\n" for i in range(200)))
+        answer = self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--rolling",
+                          "--issues", "20", "--failed-at", "never")
+        self.assertAlmostEqual(answer["series"]["resolution_m"], 1e-6, delta=1e-18)
+        self.assertGreaterEqual(answer["series"]["noise_m"], answer["series"]["resolution_m"])
+        for skill in answer["rolling"]["skill"]:
+            self.assertEqual((skill["issued"], skill["false_alarms"]), (0, 0), skill["method"])
+        f = self.of(self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--since", "0 s"), "block")
+        self.assertIn("too vague", f["reason"])  # not sure to 1e-6, as of numbers without a last digit
+
+    def test_what_is_taken_is_said(self):
+        data = ("log.csv", "--displacement", "d")
+        done = self.call(*data, "--json")
+        self.assertEqual(done.stderr, "lacuna: warning: log.csv: t: no unit is named: taken as s\n"
+                                      "lacuna: warning: log.csv: d: no unit is named: taken as m\n")
+        self.assertEqual(json.loads(done.stdout)["series"]["warnings"],
+                         ["t: no unit is named: taken as s", "d: no unit is named: taken as m"])
+        self.assertEqual(self.call(*data, "-q").stderr, "")
+        done = self.call("log.csv", "--displacement", "d:m", "--time-format", "day", "--json")
+        self.assertEqual((done.stderr, json.loads(done.stdout)["series"]["warnings"]), ("", []))
+        self.write("dst.csv", "t,d\n" + "".join(f"2024-10-27T{h:02}:00,{k}\n"
+                                                for k, h in enumerate([0, 1, 2, 2] + list(range(3, 24)))))
+        done = self.call("dst.csv", "--displacement", "d:mm", "--json")
+        self.assertIn("1 of 25 rows repeat a time with another value", done.stderr)
+        self.assertEqual(json.loads(done.stdout)["series"]["conflicts"], 1)
+
+    def test_since_takes_the_gate_of_the_onset_away(self):
+        """One bad reading makes the last velocities low; asked since the start the law is found all the same."""
+        rows = list(LOG_LAW)
+        rows[-4] = rows[-4].split(",")[0] + "," + str(float(rows[-4].split(",")[1]) + 0.05)
+        self.write("bad.csv", "\n".join(rows))
+        words = ("bad.csv", "--displacement", "d:m", "--time-format", "day", "--raw")
+        shut = self.ask(*words)
+        self.assertIn("no acceleration", self.of(shut, "log")["reason"])
+        self.assertIsNone(shut["window_start_s"])
+        answer = self.ask(*words, "--since", "0 s")
+        self.assertFalse(answer["accelerating"])
+        self.assertEqual(answer["window_start_s"], 0)
+        self.assertAlmostEqual(self.of(answer, "log")["tc_s"] / 86400, 40, delta=1)
+        self.assertIn("it does not accelerate", self.call(*words, "--since", "0 s").stdout)
+
+    def test_times_are_in_the_unit_of_the_file(self):
+        text = self.call("log.csv", "--displacement", "d:m", "--time-format", "day").stdout
+        self.assertRegex(text, r"readings +36 from 0 day to 35 day\n")
+        self.assertRegex(text, r"\n  log +\d+\.?\d* day")
+        self.assertNotRegex(text, r"\d (year|hour|week)")
+        text = self.call("log.csv", "--displacement", "d:m", "--time-format", "hour").stdout
+        self.assertRegex(text, r"readings +36 from 0 hour to 35 hour\n")
+        self.assertRegex(self.call("log.csv", "--displacement", "d:m").stdout, "from 0 s to 35 s")
+        self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "day.second/second").stdout,
+                         "from 0 s to 35 day")  # too long a name to stand behind a number
+
+    def test_a_time_after_the_year_9999_is_said(self):
+        self.write("far.csv", "t,d\n" + "".join(f"{9900 + i}-01-01,{-0.3 * math.log(1 - i / 110):.6f}\n"
+                                                for i in range(95)))
+        text = self.call("far.csv", "--displacement", "d:m").stdout
+        self.assertRegex(text, r"inv +after year 9999 +99\d\d-\S+ \S+ to after year 9999")
+        self.assertNotIn("- to -", text)
+
     def test_times_to_failure_have_a_unit_of_their_span(self):
         """Times left at the same readings are the same numbers, whatever the clock's unit."""
         tables = {}

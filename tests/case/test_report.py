@@ -121,7 +121,8 @@ class Joint(unittest.TestCase):
         self.assertFalse(forecasts["measured"])
         self.assertTrue(any(one[0] for row in forecasts["forecast"] for one in row))
         for row in forecasts["forecast"]:
-            for issued, left, low90, low50, high50, high90, reason in row:
+            for method, (issued, left, low90, low50, high50, high90, reason, ends) in zip(names, row):
+                self.assertTrue(set(ends) <= {"block": {"m"}, "lppls": {"m", "omega"}}.get(method, set()), (method, ends))
                 self.assertEqual(issued, reason == "")
                 if issued:
                     self.assertGreater(left, 0)
@@ -171,6 +172,12 @@ class Block(unittest.TestCase):
         numpy.testing.assert_allclose(shown["time"], numpy.floor(at), rtol=1e-9)
         self.assertEqual(len(shown["rate"]), 29)
         self.assertTrue(shown["derived"])
+        self.assertFalse(shown["falling"])
+        scenes.readings(series, at, -numpy.interp(at, time, slip))
+        turned = page_of(path, "--compare", series, "--displacement", "move_mm:mm")["series"]
+        self.assertTrue(turned["falling"])
+        numpy.testing.assert_allclose(turned["rate"], shown["rate"], rtol=1e-6)
+        scenes.readings(series, at, numpy.interp(at, time, slip))
 
     def test_columns_of_the_case(self):
         text = scenes.BLOCK + "compare: [{file: prism.csv, time: date, displacement: \"move_mm:mm\"}]\n"
@@ -256,6 +263,14 @@ class Fit(unittest.TestCase):
         for key, share in (("low90", 0.05), ("median", 0.5), ("high90", 0.95)):
             numpy.testing.assert_allclose(rate[key], numpy.quantile(draws, share), rtol=1e-4)
 
+    def test_the_end_of_a_range(self):
+        self.assertEqual([one["limit"] for one in self.page["fit"]["estimates"]], [None, None])
+        path = os.path.join(FOLDER, "at-end.nc")
+        shutil.copy(self.fit, path)
+        with netCDF4.Dataset(path, "a") as file:
+            file["initial_slip_rate"].best_fit_at_end_of_range = 2e-8
+        self.assertEqual([one["limit"] for one in page_of(self.path, "--fit", path)["fit"]["estimates"]], [2e-8, None])
+
     def test_beside_a_longer_series(self):
         path = os.path.join(FOLDER, "longer.csv")
         scenes.readings(path, [*self.at, self.at[-1] + 8e4], [*self.truth, self.truth[-1] + 1e-3])
@@ -333,6 +348,9 @@ class Refused(unittest.TestCase):
         if not os.path.exists(Fit.fit or ""):
             Fit.setUpClass()
         self.refused(2, "is the file of a fit", Fit.fit, "-o", html)
+        forecasts = os.path.join(FOLDER, "forecasts.nc")
+        subprocess.run([PROGRAM, "precursors", run, "-o", forecasts], check=True, capture_output=True)
+        self.refused(2, "forecasts.nc: holds forecasts, not a run", forecasts, "-o", html)
         self.refused(3, "is not a file of lacuna fit", run, "--fit", made("joint", scenes.JOINT), "-o", html)
         self.refused(3, "No such file", run, "--fit", os.path.join(FOLDER, "nothing.nc"), "-o", html)
         self.refused(2, "has dates", made("joint", scenes.JOINT), "--fit", Fit.fit, "-o", html)

@@ -208,8 +208,9 @@ static void clock_and_metre_do_not_matter(void **state)
 static void any_numbers_are_survived(void **state)
 {
     (void)state;
-    const lac_forecast_def def = lac_forecast_default();
-    for (size_t kind = 0; kind < 9; kind++) {
+    lac_forecast_def def = lac_forecast_default();
+    for (size_t kind = 0; kind < 18; kind++) {
+        def.since = kind < 9 ? NAN : 0.0; // which has the methods asked at any motion
         for (size_t n = 1; n <= N; n = 4 * n + 1) {
             for (size_t i = 0; i < N; i++) {
                 const double u = (double)i;
@@ -222,8 +223,8 @@ static void any_numbers_are_survived(void **state)
                                          i % 3 == 0 ? NAN : u * u,
                                          exp(u),
                                          u < 20 ? 0.0 : pow(u - 20, 8)};
-                times[i] = kind == 7 ? u * DBL_MIN : u * 1e5;
-                displacement[i] = shapes[kind];
+                times[i] = kind % 9 == 7 ? u * DBL_MIN : u * 1e5;
+                displacement[i] = shapes[kind % 9];
             }
             const lac_readings readings = {.n = n, .time = times, .displacement = displacement};
             lac_outlook *o = NULL;
@@ -231,6 +232,8 @@ static void any_numbers_are_survived(void **state)
             for (size_t k = 0; k < o->count; k++) {
                 const lac_forecast *f = &o->forecast[k];
                 assert_in_order(f);
+                assert_true(f->issue_time == times[n - 1] || f->fit.reason[0] != '\0');
+                assert_true(isfinite(f->issue_time));
             }
             lac_outlook_free(o);
         }

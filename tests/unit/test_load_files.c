@@ -318,8 +318,9 @@ typedef struct wrong {
 
 static const wrong wrongs[] = {
     {"series", "t,p\n0,1\n5,2\n", "value", "p", NULL, NULL, "load.pore_pressure.0.series: /tmp/"},
-    {"series", "t,p\n0,1\n5,2\n", "value", "p", NULL, NULL, "ends 5 s before the run"},
-    {"series", "t,p\n1,1\n50,2\n", "value", "p", NULL, NULL, "begins 1 s after the run"},
+    {"series", "t,p\n0,1\n5,2\n", "value", "p", NULL, NULL,
+     "ends 5 s before the run's end; must reach it"},
+    {"series", "t,p\n1,1\n50,2\n", "value", "p", NULL, NULL, "begins 1 s after the run's start"},
     {"series", "t,p\n0,1\n50,2\n", "value", "p:m", NULL, NULL,
      "one unit of the column (\"m\") times per (\"1\") must be a quantity such as \"1 Pa\""},
     {"series", "t,p\n0,1\n50,2\n", "value", "p:m", "per", "3 parsec", "(\"3 parsec\")"},
@@ -329,7 +330,8 @@ static const wrong wrongs[] = {
     {"series", "t,p\n2020-01-01,1\n2021-01-01,1\n", "value", "p", NULL, NULL,
      "has dates, so time.start must be a date"},
     {"rain", "t,p\n-1,1\n50,-2\n", "rain", "p", NULL, NULL, "rain of -2 m; must be >= 0"},
-    {"rain", "t,p\n-1,1\n", "rain", "p", NULL, NULL, "ends 11 s before the run"},
+    {"rain", "t,p\n-1,1\n", "rain", "p", NULL, NULL,
+     "ends 11 s before the run's end; must reach it"},
     {"reservoir", "t,p\n-1,1\n5,1\n", "level", "p", NULL, NULL, "or say outside: hold"},
 };
 

@@ -196,6 +196,134 @@ static void the_last_reading_is_judged_by_the_past(void **state)
     lac_motion_free(m);
 }
 
+static lac_motion *mirror(lac_motion_def def, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        values[i] = -values[i];
+    }
+    return move(def, n);
+}
+
+// Whatever is done to a slope that rises is done to its mirror image, bit by bit.
+static void what_falls_is_turned(void **state)
+{
+    (void)state;
+    const lac_motion_def defs[] = {{0},
+                                   {.raw = true},
+                                   {.smoothing = LAC_SMOOTH_AVERAGE, .points = 5},
+                                   {.smoothing = LAC_SMOOTH_WINDOW, .window = 36000.0},
+                                   {.smoothing = LAC_SMOOTH_SAVGOL, .points = 9, .order = 2}};
+    for (size_t k = 0; k < sizeof defs / sizeof *defs; k++) {
+        fill_noisy(MOST, 1e-3);
+        values[100] += 0.5;
+        for (size_t i = 300; i < MOST; i++) {
+            values[i] -= 2.0;
+        }
+        lac_motion *up = move(defs[k], MOST);
+        lac_motion *down = mirror(defs[k], MOST);
+        assert_true(!up->falling && down->falling);
+        assert_true(up->n == down->n && up->velocities == down->velocities);
+        assert_true(up->resets == down->resets && up->outliers == down->outliers);
+        assert_memory_equal(up->displacement, down->displacement, up->n * sizeof(double));
+        assert_memory_equal(up->velocity, down->velocity, up->velocities * sizeof(double));
+        assert_int_equal(up->resets, k == 1 ? 0 : 1);
+        lac_motion_free(up);
+        lac_motion_free(down);
+    }
+}
+
+static void velocities_of_what_falls_are_turned(void **state)
+{
+    (void)state;
+    double rates[20];
+    lac_readings readings = {.n = 20, .time = times, .velocity = rates};
+    const lac_motion_def def = {0};
+    for (int speeds = 0; speeds < 2; speeds++) {
+        for (size_t i = 0; i < 20; i++) {
+            times[i] = (double)i;
+            values[i] = -(double)(i * i);
+            rates[i] = (speeds ? 2.0 : -2.0) * (double)i;
+        }
+        readings.displacement = NULL; // rates that are below 0 alone, then speeds beside a fall
+        for (int beside = speeds; beside < 2; beside++) {
+            lac_motion *m = NULL;
+            readings.displacement = beside ? values : NULL;
+            assert_int_equal(lac_motion_create(&def, &readings, &m, NULL), LAC_OK);
+            assert_true(m->falling);
+            for (size_t i = 0; i < 20; i++) {
+                assert_true(m->velocity[i] == 2.0 * (double)i);
+                assert_true(m->displacement[i] == (double)(i * i));
+            }
+            lac_motion_free(m);
+        }
+    }
+}
+
+// Noise that goes nowhere, down by less than three errors of a difference of two readings.
+static void standing_still_is_no_fall(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < MOST; i++) {
+        times[i] = 3600.0 * (double)i;
+        values[i] = random_normal(i) - (double)i / MOST;
+    }
+    lac_motion *m = move((lac_motion_def){0}, MOST);
+    assert_false(m->falling);
+    lac_motion_free(m);
+    m = mirror((lac_motion_def){0}, MOST);
+    assert_false(m->falling);
+    lac_motion_free(m);
+}
+
+// A sensor set back by 10 m at every twentieth reading has less than one reset in twenty; at every
+// eighteenth, more.
+static void too_many_resets_are_not_believed(void **state)
+{
+    (void)state;
+    for (size_t tooth = 18; tooth <= 20; tooth += 2) {
+        for (size_t i = 0; i < MOST; i++) {
+            times[i] = 3600.0 * (double)i;
+            values[i] = 0.01 * (double)i - 10.0 * (double)(i / tooth) + 1e-5 * random_normal(i);
+        }
+        lac_motion *m = move((lac_motion_def){0}, MOST);
+        const bool believed = tooth == 20;
+        assert_int_equal(m->resets, believed ? 19 : 0);
+        assert_int_equal(m->disbelieved, believed ? 0 : 22);
+        assert_int_equal(m->n, MOST);
+        for (size_t i = 0; i < MOST; i++) {
+            assert_true(fabs(m->displacement[i] - (believed ? 0.01 * (double)i : values[i])) <
+                        (believed ? 2e-3 : 1e-300));
+        }
+        lac_motion_free(m);
+    }
+}
+
+// A line has no noise but that of its last digit, or of a double.
+static void noise_is_at_least_the_last_digit(void **state)
+{
+    (void)state;
+    const lac_motion_def def = {0};
+    for (size_t i = 0; i < 50; i++) {
+        times[i] = 1800.0 * (double)(i + i / 7);
+        values[i] = 1.0 + 7e-4 * (double)(i + i / 7);
+    }
+    for (int digits = 0; digits < 2; digits++) {
+        const lac_readings readings = {.n = 50,
+                                       .time = times,
+                                       .displacement = values,
+                                       .displacement_digit = digits ? 1e-6 : 0.0};
+        const double least = digits ? 1e-6 : ldexp(values[49], -52);
+        lac_motion *m = NULL;
+        assert_int_equal(lac_motion_create(&def, &readings, &m, NULL), LAC_OK);
+        assert_true(m->resolution == least && m->noise == least);
+        for (size_t i = 0; i < m->velocities; i++) { // half a digit at either end of a secant
+            const double bound = least / (times[i + 1] - times[i]);
+            assert_true(m->rounding[i] >= bound && m->rounding[i] < bound + 1e-20);
+        }
+        lac_motion_free(m);
+    }
+}
+
 static void nonsense_is_refused(void **state)
 {
     (void)state;
@@ -263,6 +391,11 @@ int main(void)
         cmocka_unit_test(noise_is_measured),
         cmocka_unit_test(outliers_and_resets_are_taken_out),
         cmocka_unit_test(the_last_reading_is_judged_by_the_past),
+        cmocka_unit_test(what_falls_is_turned),
+        cmocka_unit_test(velocities_of_what_falls_are_turned),
+        cmocka_unit_test(standing_still_is_no_fall),
+        cmocka_unit_test(too_many_resets_are_not_believed),
+        cmocka_unit_test(noise_is_at_least_the_last_digit),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(least_squares_solve),
     };

@@ -34,6 +34,34 @@ static void test_thinning_keeps_ends_and_peaks(void **state)
     assert_int_equal(counted, kept);
 }
 
+// A dip is kept as a peak is, wherever it is, of every column; and what is kept of a column turned
+// upside down is the same.
+static void test_thinning_keeps_dips_as_peaks(void **state)
+{
+    (void)state;
+    static double time[N], before[N], column[3][N], turned[3][N];
+    static uint8_t keep[N], of_turned[N];
+    const double *const columns[] = {column[0], column[1], column[2]};
+    const double *const others[] = {turned[0], turned[1], turned[2]};
+    for (size_t i = 0; i < N; i++) {
+        time[i] = 10.0 * (double)i;
+        before[i] = 10.0 * (double)(N - 1 - i);
+    }
+    for (size_t place = 131; place + 1 < N; place += 397) {
+        for (size_t c = 0; c < 3; c++) {
+            const size_t dip = place + c; // neighbours: a border of a bucket cannot keep all three
+            for (size_t i = 0; i < N; i++) {
+                column[c][i] = i == dip ? -9.0 : sin(0.37 * (double)i + (double)c);
+                turned[c][i] = -column[c][i];
+            }
+        }
+        const size_t kept = lac_page_thin(N, time, before, BUCKETS, 3, columns, keep);
+        assert_int_equal(lac_page_thin(N, time, before, BUCKETS, 3, others, of_turned), kept);
+        assert_memory_equal(keep, of_turned, N);
+        assert_true(keep[place] && keep[place + 1] && keep[place + 2]);
+    }
+}
+
 static void test_few_records_are_all_kept(void **state)
 {
     (void)state;
@@ -89,6 +117,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_thinning_keeps_ends_and_peaks),
+        cmocka_unit_test(test_thinning_keeps_dips_as_peaks),
         cmocka_unit_test(test_few_records_are_all_kept),
         cmocka_unit_test(test_text_is_json_that_ends_no_script),
         cmocka_unit_test(test_squares_summarise_their_cells),

@@ -120,6 +120,31 @@ static void oscillations_are_found(void **state)
     assert_true(fabs(off(o, "lppls")) < 1e-4);
     assert_true(fabs(fit->value[0].value - 0.5) < 1e-3 && fabs(fit->value[1].value - 7.0) < 1e-3);
     assert_true(fabs(fit->value[3].value - 0.05) < 1e-4);
+    assert_int_equal(fit->ends, 0);
+    lac_outlook_free(o);
+}
+
+// A power beyond 0.95, and the log law, of which a block is the limit of large b/a, are not found:
+// the best stands at the end of what is searched, and that is told.
+static void ends_of_ranges_are_told(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        const double z = (tc - times[i]) / (tc - times[0]);
+        displacement[i] = 1.0 - pow(z, 1.2) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
+    }
+    lac_outlook *o = look(N, false, times[0]);
+    const lac_finding *fit = &find(o, "lppls")->fit;
+    assert_true(fit->ends >= 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value > 0.94);
+    lac_outlook_free(o);
+    for (size_t i = 0; i < N; i++) {
+        displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
+    }
+    o = look(N, false, times[0]);
+    fit = &find(o, "block")->fit;
+    assert_true(fit->ends == 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value == 3.0);
+    assert_int_equal(find(o, "log")->fit.ends, 0);
     lac_outlook_free(o);
 }
 
@@ -159,7 +184,7 @@ static void a_block_is_found(void **state)
         lac_outlook *o = look(N, true, times[0]);
         const lac_finding *fit = &find(o, "block")->fit;
         assert_true(fabs(off(o, "block")) < 3e-5);
-        assert_true(fit->value[0].value == 2.0);
+        assert_true(fit->value[0].value == 2.0 && fit->ends == 0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
         // exact readings leave nothing open
         assert_true(fit->posterior);
@@ -193,6 +218,101 @@ static void inverse_velocity_is_late_on_a_block(void **state)
     lac_outlook_free(o);
 }
 
+// Settlement towards failure is forecast as uplift towards it is, and said.
+static void what_falls_fails_as_what_rises(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        displacement[i] = scale * log((tc - times[i]) / (tc - times[0]));
+    }
+    lac_outlook *o = look(N, false, NAN);
+    assert_true(o->motion->falling && o->accelerating);
+    assert_int_equal(o->motion->resets + o->motion->outliers, 0);
+    assert_true(fabs(off(o, "saito")) < 1e-6 && fabs(off(o, "log")) < 1e-6);
+    lac_outlook_free(o);
+}
+
+// A line that is rounded does not accelerate at any reading, whatever its digits, steps and rate.
+static void a_rounded_line_does_not_accelerate(void **state)
+{
+    (void)state;
+    static const double rates[] = {0.7, 1.0 / 3.0, 1.41421356, 0.123, 7.77};
+    static const double digits[] = {0.0, 1e-6, 1e-3, 1e-1};
+    for (size_t k = 0; k < 40; k++) {
+        const double digit = digits[k / 2 % 4];
+        const double rate = (k % 2 == 0 ? 1.0 : -1.0) * rates[k / 8];
+        for (size_t i = 0; i < N; i++) {
+            const double t = (double)i + (k % 3 == 0 ? 0.4 * sin(7.0 * (double)i) : 0.0);
+            times[i] = 3600.0 * t;
+            displacement[i] = 1000.0 + rate * t;
+            displacement[i] =
+                digit > 0.0 ? digit * round(displacement[i] / digit) : displacement[i];
+        }
+        for (size_t n = 8; n <= N; n++) {
+            const lac_readings readings = {
+                .n = n, .time = times, .displacement = displacement, .displacement_digit = digit};
+            const lac_forecast_def def = lac_forecast_default();
+            lac_outlook *o = NULL;
+            assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+            assert_false(o->asked);
+            lac_outlook_free(o);
+        }
+    }
+}
+
+// --since takes the onset's place: seven velocities and their acceleration are not asked for then.
+static void since_replaces_the_gate_of_the_onset(void **state)
+{
+    (void)state;
+    fill_times(N);
+    for (size_t i = 0; i < N; i++) {
+        displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
+    }
+    displacement[N - 4] += 0.05; // one bad reading, and the last three velocities are low
+    lac_outlook *o = look(N, false, NAN);
+    assert_true(!o->asked && strstr(o->forecast[0].fit.reason, "no acceleration") != NULL);
+    lac_outlook_free(o);
+    o = look(N, false, times[0]);
+    assert_true(o->asked && !o->accelerating);
+    assert_true(fabs(off(o, "log")) < 0.2);
+    lac_outlook_free(o);
+    o = look(6, false, times[0]); // five velocities are enough for inv
+    assert_true(o->asked);
+    assert_null(strstr(find(o, "inv")->fit.reason, "too few"));
+    lac_outlook_free(o);
+}
+
+// The noise gate looks over what the velocity is smoothed over: three steps drown in the noise that
+// twenty stand out of.
+static void smoothing_widens_the_noise_gate(void **state)
+{
+    (void)state;
+    lac_forecast_def def = lac_forecast_default();
+    double sigma[N];
+    lac_outlook *o = NULL;
+    for (size_t i = 0; i < N; i++) {
+        const double t = (double)i / N;
+        times[i] = 3600.0 * (double)i;
+        displacement[i] = t + 0.5 * t * t; // the last 3 intervals: 0.098
+        sigma[i] = 0.03;                   // 3 errors of a difference: 0.127
+    }
+    const lac_readings readings = {
+        .n = N, .time = times, .displacement = displacement, .sigma = sigma};
+    assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+    assert_non_null(strstr(o->forecast[0].fit.reason, "noise floor: the last 3 intervals"));
+    lac_outlook_free(o);
+    const lac_motion_def how[] = {{.smoothing = LAC_SMOOTH_AVERAGE, .points = 5},
+                                  {.smoothing = LAC_SMOOTH_SAVGOL, .points = 6, .order = 1},
+                                  {.smoothing = LAC_SMOOTH_WINDOW, .window = 5.5 * 3600.0}};
+    for (size_t k = 0; k < 3; k++) { // five intervals: 0.162
+        def.motion = how[k];
+        assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+        assert_true(o->asked);
+        lac_outlook_free(o);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -200,8 +320,13 @@ int main(void)
         cmocka_unit_test(secants_make_inverse_velocity_early),
         cmocka_unit_test(other_exponents_are_found),
         cmocka_unit_test(oscillations_are_found),
+        cmocka_unit_test(ends_of_ranges_are_told),
         cmocka_unit_test(a_block_is_found),
         cmocka_unit_test(inverse_velocity_is_late_on_a_block),
+        cmocka_unit_test(what_falls_fails_as_what_rises),
+        cmocka_unit_test(a_rounded_line_does_not_accelerate),
+        cmocka_unit_test(since_replaces_the_gate_of_the_onset),
+        cmocka_unit_test(smoothing_widens_the_noise_gate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

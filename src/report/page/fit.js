@@ -73,7 +73,7 @@ function estimateTable(fit) {
   const e = fit.estimates, sampled = e.some((one) => one.median !== undefined);
   const words = (one, v) => quantity(v, one.unit);
   const error = (one) => (one.log_error !== null ? `a factor of ${number(Math.exp(one.log_error), 3)}` : words(one, one.error));
-  const columns = [["Estimate", (i) => e[i].key], ["Best fit", (i) => words(e[i], e[i].best)]];
+  const columns = [["Estimate", (i) => e[i].key], ["Best fit", (i) => `${words(e[i], e[i].best)}${e[i].limit !== null ? `, at the end of its range, ${words(e[i], e[i].limit)}` : ""}`]];
   if (sampled) columns.push(["Median", (i) => words(e[i], e[i].median)], ["90 %", (i) => `${words(e[i], e[i].low90)} to ${words(e[i], e[i].high90)}`], ["R-hat", (i) => number(e[i].rhat)]);
   else columns.push(["Standard error", (i) => error(e[i])]);
   return element("div", { class: "plain" }, bareTable(sampled ? "What was fitted, and its posterior" : "What was fitted", e.length, columns));

@@ -3,7 +3,7 @@
 "use strict";
 
 // One method at one time of issue, as the data hold it.
-const ISSUED = 0, LEFT = 1, LOW90 = 2, LOW50 = 3, HIGH50 = 4, HIGH90 = 5, REASON = 6;
+const ISSUED = 0, LEFT = 1, LOW90 = 2, LOW50 = 3, HIGH50 = 4, HIGH90 = 5, REASON = 6, ENDS = 7;
 
 const forecastState = { issue: 0, method: -1 };
 
@@ -38,6 +38,8 @@ function leftWords(f, one, key) {
   return page.clock.dated ? date(page.clock.start + f.issue[forecastState.issue] + one[key]) : span(one[key], 3);
 }
 
+const atEnds = (keys) => (keys.length ? `; the best fit's ${keys.join(" and ")} at the end of the range` : "");
+
 function methodRows(f) {
   const rows = f.forecast[forecastState.issue];
   const cell = (words) => (m) => (rows[m][ISSUED] ? words(rows[m]) : "–");
@@ -45,7 +47,7 @@ function methodRows(f) {
   const words = `Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}${page.clock.dated ? "; dates in UTC" : "; times after issue"}`;
   const table = bareTable(words, rows.length, [["Method", (m) => f.methods[m].name],
     ["Failure", cell((one) => leftWords(f, one, LEFT))], ["50 % interval", between(LOW50, HIGH50)], ["90 % interval", between(LOW90, HIGH90)],
-    ["What it is, or why it issues none", (m) => (rows[m][ISSUED] ? f.methods[m].summary : rows[m][REASON]), "text"]]);
+    ["What it is, or why it issues none", (m) => `${rows[m][ISSUED] ? f.methods[m].summary : rows[m][REASON]}${atEnds(rows[m][ENDS])}`, "text"]]);
   table.querySelectorAll("tbody tr").forEach((row, m) => row.classList.toggle("refused", !rows[m][ISSUED]));
   return table;
 }

@@ -120,6 +120,7 @@ function motionSection(data) {
 function seriesNote(series) {
   const parts = [`${page.data.fit?.name === series.name ? "Readings of " : ""}${series.name}: ${page.data.fit?.name === series.name ? count(series.readings) : many(series.readings, "reading")}, ${count(series.outside)} outside the run.`];
   if (series.rate_rms_log10 !== null) parts.push(`Measured and modelled rates differ by a factor of ${number(10 ** series.rate_rms_log10, 2)} rms over ${many(series.rate_readings, "reading")}.`);
+  if (series.falling) parts.push("The readings fall: their rate is that of their negative.");
   if (series.attribution) parts.push(series.attribution);
   return element("p", { class: "note" }, parts.join(" "));
 }
