@@ -18,6 +18,21 @@ typedef enum lac_formulation {
     LAC_FORMULATION_INERTIA,  ///< v on a logarithmic scale, and slip, where a block has mass
 } lac_formulation;
 
+/// What radiation takes off the traction of cell i: cell v_i + mean times the mean slip rate over
+/// the contact cells; docs/theory/momentum.md eq. 1.
+typedef struct lac_damping {
+    double cell; ///< eta = G/(2 cs) [Pa s/m]
+    double mean; ///< eta (L^2/(n r^2) - 1): uniform slip is damped over the nominal area; -eta: it
+                 ///< is not, where the block has mass [Pa s/m]
+} lac_damping;
+
+/// Damping of the cells of a domain.
+/// @param eta      G/(2 cs) [Pa s/m]; 0: none
+/// @param massive  the sliding block has mass
+/// @return on full contact without mass `mean` is 0; of a single cell with mass both are 0
+/// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
+lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
+
 /// What a creep problem is made from; everything pointed at must outlive the problem, except the
 /// initial arrays, which are copied.
 typedef struct lac_problem_def {
@@ -25,7 +40,7 @@ typedef struct lac_problem_def {
     const lac_friction *friction; ///< of domain->n cells
     const lac_transfer *transfer;
     lac_load_set loads;
-    double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none
+    double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none; lac_damping_over spreads it
     double mass;             ///< of the sliding block, per nominal area [kg/m2]; 0: no inertia
     double columns;          ///< part of it that stands on the cells as free columns, (0, 1]
     const double *log_rate;  ///< [n] ln v at the start
@@ -46,8 +61,8 @@ typedef struct lac_observation {
     double shear_force;      ///< Q [N]
     double normal_force;     ///< P, total [N]
     double effective_force;  ///< P - u L^2 [N]
-    double balance_residual; ///< max |q - K slip - p f - eta v - inertia| / (f0 p) [1]
-    double rate_drift; ///< |sum (q - K slip - p f - eta v - inertia)| / sum (a p + eta |v|): how
+    double balance_residual; ///< max |q - K slip - p f - damping - inertia| / (f0 p) [1]
+    double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
                        ///< far the mean slip rate is off the balance, relative to itself [1]
     size_t fastest; ///< cell with the largest rate
 } lac_observation;
@@ -182,8 +197,8 @@ typedef struct lac_problem_parts {
     const double *traction; ///< [n] at t = 0 [Pa]
     const lac_friction *friction;
     const lac_transfer *transfer;
-    double damping; ///< eta [Pa s/m]
-    bool linear;    ///< the loads are linear in time between their breaks
+    lac_damping damping;
+    bool linear; ///< the loads are linear in time between their breaks
 } lac_problem_parts;
 
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem);
@@ -199,6 +214,26 @@ typedef struct lac_problem_load {
 
 /// @return false where the effective normal pressure is not positive
 bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load *load);
+
+/// What counts as failure: the first of the mean slip rate rising through `rate`, and the mean
+/// slip, of either sign, coming to `slip`.
+typedef struct lac_failure {
+    double rate;  ///< [m/s]
+    bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
+    double slip;  ///< [m]
+} lac_failure;
+
+/// The one definition of failure, for runs, fits, forecasts and trades; docs/theory/creep.md.
+/// Weakening leaves (b - a) p ln(rate/rate at the start) to drive a joint, p the effective normal
+/// force at the start over the nominal area; radiation holds that at a speed of as much over eta.
+/// Where this is below the rate, a p/eta counts instead: from there on damping, not friction, holds
+/// the joint. So it is only where uniform slip is damped (a block with mass is not), nothing else
+/// holds it (a spring, rock that stays behind), and the joint starts slower.
+/// @param rate  asked for [m/s]; INFINITY: none
+/// @param slip  asked for [m]; INFINITY: none; NaN or 0: the longer side of the interface, of one
+///              block 10 m
+/// @source derived from Rice (1993), doi 10.1029/93JB00191: the damping of plane waves
+lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip);
 
 /// Whether the effective normal pressure is positive at time t.
 bool lac_problem_pressed(const lac_problem *problem, double t);
@@ -240,7 +275,8 @@ typedef struct lac_initial_def {
 ///         the first cell that fails
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
                              const lac_friction *friction, const lac_load_set *loads,
-                             double damping, double *log_rate, double *log_state, lac_error *err);
+                             lac_damping damping, double *log_rate, double *log_state,
+                             lac_error *err);
 
 LAC_END_C
 

@@ -146,7 +146,8 @@ typedef struct lac_run_def {
     double first_step;   ///< [s]; NaN: from the problem's time scales, which also bound it
     int64_t max_steps;   ///< of the whole run
     double end;          ///< [s]
-    double failure_rate; ///< mean slip rate that is failure [m/s]
+    double failure_rate; ///< mean slip rate that is failure [m/s]; INFINITY: none is
+    double failure_slip; ///< mean slip that is failure [m]; both as lac_problem_failure takes them
     double stop_slip;    ///< end the run at this mean slip [m]; NaN: no
     double stop_rate;    ///< end the run at this largest slip rate of a cell [m/s]; NaN: no
     lac_cadence record;
@@ -162,11 +163,22 @@ typedef struct lac_run_def {
 } lac_run_def;
 
 /// Why a run ended.
-typedef enum lac_end { LAC_END_TIME = 0, LAC_END_FAILURE, LAC_END_STOP, LAC_END_INTERRUPT } lac_end;
+typedef enum lac_end {
+    LAC_END_TIME = 0,
+    LAC_END_FAILURE, ///< the mean slip rate rose through that of failure
+    LAC_END_SLIP,    ///< the mean slip came to that of failure
+    LAC_END_STOP,
+    LAC_END_INTERRUPT,
+    LAC_END_ERROR, ///< the computation broke
+} lac_end;
+
+/// One word for it: end, rate, slip, stop_when, interrupted, error.
+const char *lac_end_name(lac_end end);
 
 typedef struct lac_run_result {
     lac_end end;
-    bool failed;                          ///< the mean rate crossed failure_rate
+    lac_failure failure;                  ///< what counted as it
+    bool failed;                          ///< by rate or slip
     double failure_origin, failure_local; ///< time of failure [s], NaN if none
     double time;                          ///< reached [s]
     int64_t steps, rhs_evaluations, newton_iterations, linear_solves;
@@ -177,7 +189,8 @@ typedef struct lac_run_result {
     double rate_drift;       ///< worst over the records
 } lac_run_result;
 
-/// A def with BDF, rtol 1e-6, every step recorded, no snapshots; `end` is the caller's.
+/// A def with BDF, rtol 1e-6, every step recorded, no snapshots, failure at 1 m/s and at no slip
+/// (a case has that of its interface); `end` is the caller's.
 lac_run_def lac_run_default(void);
 
 /// What a fidelity is called in a case: "ode" ...

@@ -22,7 +22,9 @@ typedef struct lac_follow_def {
     const lac_nudge *nudge; ///< [nudges]; NULL: none
     double rtol;            ///< on slip rate, state and their sensitivities
     double end;             ///< [s]
-    double failure_rate;    ///< mean slip rate that counts as failure, which ends it [m/s]
+    double failure_rate;    ///< mean slip rate and
+    double failure_slip;    ///< mean slip that count as failure, which ends it [m/s], [m]; both as
+                            ///< lac_problem_failure takes them
     int64_t max_steps;
     size_t n;
     const double *time; ///< [n] rising, within [0, end] [s]

@@ -259,7 +259,9 @@ static const lac_param time_rows[] = {
      .max = 1e15,
      .offset = FIELD(run.end),
      .doc = "of the run, since its start"},
-    {.key = "failure", .doc = "{mean_slip_rate: ...}: what counts as failure", OWN},
+    {.key = "failure",
+     .doc = "{mean_slip_rate: ..., mean_slip: ...}: what counts as failure, the first of them",
+     OWN},
     {.key = "stop_when", .doc = "{mean_slip: ..., max_slip_rate: ...}: other limits", OWN},
 };
 
@@ -273,7 +275,16 @@ static const lac_param failure_rows[] = {
      .max = 1e4,
      .flags = LAC_ABOVE_MIN,
      .offset = FIELD(run.failure_rate),
-     .doc = "mean over the contact cells whose first upward crossing is failure"},
+     .doc = "mean over the contact cells whose first upward crossing is failure; where damping "
+            "holds the joint below it, a p/eta counts instead"},
+    {.key = "mean_slip",
+     .unit = "m",
+     .fallback = NAN,
+     .min = 0,
+     .max = 1e9,
+     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
+     .offset = FIELD(run.failure_slip),
+     .doc = "mean slip that is failure; if absent the interface's size, of one block 10 m"},
 };
 
 static const lac_param stop_rows[] = {

@@ -35,17 +35,21 @@ static double apparent_friction(const lac_record *record)
     return record->seen.shear_force / record->seen.normal_force;
 }
 
+// Whether the computation broke, or its file is not whole.
+static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "failed") == 0; }
+
 static double failure_time(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->result;
-    return result->failed ? result->failure_origin + result->failure_local : NAN;
+    bool known = result->failed && !broke(outcome);
+    return known ? result->failure_origin + result->failure_local : NAN;
 }
 
 // "" where the run has no date or no failure.
 static const char *failure_date(const cli_outcome *outcome, char *text, size_t size)
 {
     text[0] = '\0';
-    if (outcome->result.failed && outcome->source->dated) {
+    if (!isnan(failure_time(outcome)) && outcome->source->dated) {
         (void)lac_date_format(outcome->source->start_date + failure_time(outcome), text, size);
     }
     return text;
@@ -63,43 +67,34 @@ static const char *fidelity(const cli_outcome *outcome)
 
 static const char *end_reason(const cli_outcome *outcome)
 {
-    if (strcmp(outcome->status, "failed") == 0) {
-        return "error";
-    }
-    switch (outcome->result.end) {
-    case LAC_END_TIME:
-        return "end";
-    case LAC_END_FAILURE:
-        return "failure";
-    case LAC_END_STOP:
-        return "stop_when";
-    case LAC_END_INTERRUPT:
-        break;
-    }
-    return "interrupt";
+    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->result.end);
 }
 
 static void print_failure(const cli_outcome *outcome)
 {
-    char time[64], date[32];
-    if (outcome->result.failed) {
+    const lac_run_result *result = &outcome->result;
+    char time[64], date[32], rate[64];
+    if (result->failed) {
+        bool by_slip = result->end == LAC_END_SLIP;
         (void)lac_units_format(failure_time(outcome), "s", time, sizeof time);
         (void)failure_date(outcome, date, sizeof date);
-        cli_row("failure", "after %s%s%s", time, date[0] != '\0' ? ", on " : "", date);
-        return;
-    }
-    (void)lac_units_format(outcome->result.time, "s", time, sizeof time);
-    if (strcmp(outcome->status, "complete") != 0) {
-        cli_row("failure", "none by %s, where the run was %s", time,
-                outcome->status[0] == 'f' ? "broken off" : "interrupted");
-    } else if (outcome->result.end == LAC_END_STOP) {
-        cli_row("failure", "none; a limit of time.stop_when was reached after %s", time);
+        cli_row("failure", "after %s%s%s%s", time, date[0] != '\0' ? ", on " : "", date,
+                by_slip ? ", by slip (time.failure.mean_slip)" : "");
     } else {
-        // Damping can hold the rate below the limit while the joint has long gone.
-        bool gone = outcome->result.mean_slip > outcome->source->interface.size;
-        cli_row("failure", "none by the end, after %s%s", time,
-                gone ? ", but it slid its own length: is time.failure.mean_slip_rate out of reach?"
-                     : "");
+        (void)lac_units_format(result->time, "s", time, sizeof time);
+        if (strcmp(outcome->status, "complete") != 0) {
+            cli_row("failure", "none by %s, where the run was %s", time,
+                    broke(outcome) ? "broken off" : "interrupted");
+        } else if (result->end == LAC_END_STOP) {
+            cli_row("failure", "none; a limit of time.stop_when was reached after %s", time);
+        } else {
+            cli_row("failure", "none by the end, after %s", time);
+        }
+    }
+    if (result->failure.lowered) {
+        (void)lac_units_format(result->failure.rate, "m/s", rate, sizeof rate);
+        cli_row("failure rate", "%s, a p/eta: damping holds the joint below that of the case",
+                rate);
     }
 }
 
@@ -154,10 +149,16 @@ static void write_failure(cli_json *json, const cli_outcome *outcome)
 {
     char date[32];
     (void)failure_date(outcome, date, sizeof date);
-    cli_json_boolean(json, "failed", outcome->result.failed);
+    if (broke(outcome)) {
+        cli_json_null(json, "failed");
+    } else {
+        cli_json_boolean(json, "failed", outcome->result.failed);
+    }
     cli_json_number(json, "failure_time_s", failure_time(outcome));
     cli_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
     cli_json_text(json, "ended_by", end_reason(outcome));
+    cli_json_number(json, "failure_rate_m_s", outcome->result.failure.rate);
+    cli_json_number(json, "failure_slip_m", outcome->result.failure.slip);
     cli_json_number(json, "time_s", outcome->result.time);
 }
 

@@ -110,6 +110,7 @@ static lac_follow_def follow_of(const lac_fit_model *model, double end, size_t n
                             .rtol = fmin(model->rtol, model->fit->source->run.rtol),
                             .end = end,
                             .failure_rate = model->fit->source->run.failure_rate,
+                            .failure_slip = model->fit->source->run.failure_slip,
                             .max_steps = MOST_STEPS,
                             .n = n,
                             .time = time};

@@ -11,9 +11,11 @@ struct lac_micro {
     lac_micro_rules rules;
     lac_micro_tree tree;
     lac_micro_load load;
-    double t, age;     // time reached, and that of the last shift [s]
-    double step, peak; // the last step of any cell [s]; the largest rate [m/s]
-    bool at_limit;     // of rate or slip
+    double mean_damping; // of the mean slip rate [Pa s/m]
+    double common;       // the part of it that a cell's own rate makes: over the cells [Pa s/m]
+    double t, age;       // time reached, and that of the last shift [s]
+    double step, peak;   // the last step of any cell [s]; the largest rate [m/s]
+    bool at_limit;       // of rate or slip
     lac_micro_counts counts;
 };
 
@@ -70,9 +72,12 @@ lac_status lac_micro_create(const lac_micro_def *def, lac_micro **out, lac_error
     if (m == NULL) {
         return lac_fail_memory(err);
     }
+    double n = (double)lac_hierarchy_cells(def->hierarchy);
+    m->mean_damping = def->mean_damping;
+    m->common = def->mean_damping / n;
     m->rules = (lac_micro_rules){.aging = strcmp(def->friction->law->about.name, "aging") == 0,
                                  .regularised = def->friction->form == LAC_FORM_REGULARISED,
-                                 .damping = def->damping,
+                                 .damping = def->damping + def->mean_damping / n,
                                  .tolerance = def->tolerance,
                                  .wake = def->wake};
     status = lac_micro_tree_create(def->hierarchy, def->k, &m->tree, err);
@@ -144,7 +149,7 @@ static void plan(const lac_micro *m, lac_micro_cell *c, double rate, double self
 }
 
 // What acts on a cell from its own time to t. E holds what the cell has told; its own part of that
-// is taken off, so that what is left of the balance is K_ii slip.
+// is taken off, so that what is left of the balance is K_ii slip and all that its own rate damps.
 static lac_micro_span span_to(const lac_micro *m, const lac_micro_cell *c,
                               const lac_micro_view *view, double t)
 {
@@ -152,11 +157,13 @@ static lac_micro_span span_to(const lac_micro *m, const lac_micro_cell *c,
     double self = m->tree.node[c->parent].self;
     double h = t - c->t;
     double even = 0.5 * (c->outer + outer);
+    double damped = m->common * c->told;
     bool told_apart = h > 1e-9 * (m->age + t);
     return (lac_micro_span){.length = h,
                             .skew = told_apart ? (view->area - c->area) / h - even : 0.0,
-                            .pull0 = traction_at(m, c, c->t) + c->outer - self * c->slip,
-                            .pull1 = traction_at(m, c, t) + outer - self * (c->slip + c->told * h),
+                            .pull0 = traction_at(m, c, c->t) + c->outer - self * c->slip + damped,
+                            .pull1 = traction_at(m, c, t) + outer - self * (c->slip + c->told * h) +
+                                     damped,
                             .pressure0 = pressure_at(m, c, c->t),
                             .pressure1 = pressure_at(m, c, t),
                             .own = c->stiffness - self};
@@ -179,7 +186,7 @@ void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *tra
     m->t = m->step = m->age = m->peak = 0.0;
     m->counts = (lac_micro_counts){0};
     tree->openings = 0;
-    lac_micro_tree_anchor(tree, load->k_mean);
+    lac_micro_tree_anchor(tree, load->k_mean, m->mean_damping);
     for (uint32_t i = 0; i < tree->n; i++) {
         lac_micro_cell *c = &tree->cell[i];
         c->traction = traction[i];
@@ -202,6 +209,9 @@ void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *tra
         plan(m, c, view.rate - self * c->v, self);
     }
     lac_micro_tree_fill(tree);
+    for (uint32_t i = 0; m->mean_damping != 0.0 && i < tree->n; i++) {
+        tree->cell[i].outer = lac_micro_tree_view(tree, tree->cell[i].parent, 0.0).outer;
+    }
     lac_micro_tree_settle(tree, 0.0);
 }
 
@@ -230,6 +240,11 @@ static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
     c->reach =
         woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v) : 4.0 * c->reach;
     plan(m, c, view.rate - self * rate, self);
+    // What the cell's own rate does to E wakes others, not the cell.
+    double damped = m->common * (rate - c->told);
+    c->outer += damped;
+    c->high += fmax(damped, 0.0);
+    c->low += fmin(damped, 0.0);
     lac_micro_tree_add(tree, i, t, jump, c->told - rate);
     return LAC_OK;
 }

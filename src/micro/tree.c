@@ -110,10 +110,11 @@ void lac_micro_tree_clear(lac_micro_tree *tree)
     *tree = (lac_micro_tree){0};
 }
 
-void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean)
+void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean, double damping)
 {
     lac_micro_node *root = &tree->node[tree->nodes - 1];
     root->weight = root->below - k_mean;
+    root->damping = damping;
     for (uint32_t j = tree->nodes; j-- > 0;) {
         lac_micro_node *node = &tree->node[j];
         double above = node->parent == LAC_MICRO_NONE ? 0.0 : tree->node[node->parent].self;
@@ -132,10 +133,14 @@ static double area_at(const lac_micro_node *node, double t)
     return node->area + (node->sum + 0.5 * node->rate * h) * h * node->share;
 }
 
+// Mean rate, as told.
+static double rate_of(const lac_micro_node *node) { return node->rate * node->share; }
+
 // Change of a block's part of E, and of what was handed down to it, since it was last opened.
 static double pending_at(const lac_micro_node *node, double t)
 {
-    return node->received + node->weight * (mean_at(node, t) - node->opened);
+    double damped = node->damping * (rate_of(node) - node->heard);
+    return node->received + node->weight * (mean_at(node, t) - node->opened) - damped;
 }
 
 lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t)
@@ -144,8 +149,9 @@ lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, 
     for (uint32_t j = parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
         const lac_micro_node *node = &tree->node[j];
         double mean = mean_at(node, t);
-        view.outer += node->weight * mean;
-        view.area += node->weight * area_at(node, t);
+        double gone = node->gone + rate_of(node) * (t - node->t);
+        view.outer += node->weight * mean - node->damping * rate_of(node);
+        view.area += node->weight * area_at(node, t) - node->damping * gone;
         view.rate += node->weight * node->rate * node->share;
     }
     return view;
@@ -207,6 +213,7 @@ static void hand_down(lac_micro_tree *tree, lac_micro_node *node, double t)
 {
     double pending = pending_at(node, t);
     node->opened = mean_at(node, t);
+    node->heard = rate_of(node);
     node->received = 0.0;
     for (uint32_t k = node->first; k < node->first + node->children; k++) {
         uint32_t item = tree->child[k];
@@ -240,6 +247,7 @@ void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double sl
     for (uint32_t j = tree->cell[cell].parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
         lac_micro_node *node = &tree->node[j];
         node->area = area_at(node, t);
+        node->gone += rate_of(node) * (t - node->t);
         node->sum += node->rate * (t - node->t) + slip;
         node->t = t;
         path[depth++] = node;
@@ -268,7 +276,7 @@ void lac_micro_tree_fill(lac_micro_tree *tree)
 {
     for (uint32_t j = 0; j < tree->nodes; j++) {
         lac_micro_node *node = &tree->node[j];
-        node->sum = node->rate = node->t = node->area = node->received = 0.0;
+        node->sum = node->rate = node->t = node->area = node->received = node->gone = 0.0;
         for (uint32_t k = node->first; k < node->first + node->children; k++) {
             uint32_t item = tree->child[k];
             bool leaf = item < tree->n;
@@ -276,6 +284,7 @@ void lac_micro_tree_fill(lac_micro_tree *tree)
             node->rate += leaf ? tree->cell[item].told : node_of(tree, item)->rate;
         }
         node->opened = mean_at(node, 0.0);
+        node->heard = rate_of(node);
     }
 }
 

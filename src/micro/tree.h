@@ -14,6 +14,9 @@ typedef struct lac_micro_node {
     double sum, rate; // of the cells' slip at t, as told [m], [m/s]
     double t;         // [s]
     double area;      // integral of the mean slip over time up to t [m s]
+    double damping;   // of its mean rate, at the root: what that takes off E [Pa s/m]
+    double heard;     // mean rate when it was last opened [m/s]
+    double gone;      // integral of the mean rate over time up to t [m]
     double opened;    // mean slip when it was last opened [m]
     double received;  // change of E handed down since then [Pa]
     double low, high; // change of E that opens it, since then [Pa]
@@ -45,8 +48,8 @@ lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_mi
                                  lac_error *err);
 void lac_micro_tree_clear(lac_micro_tree *tree);
 
-// Sets the stiffness of the mean slip.
-void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean);
+// Sets the stiffness of the mean slip, and the damping of the mean rate.
+void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean, double damping);
 
 // What the blocks do to a cell at time t; eq. 2.
 typedef struct lac_micro_view {

@@ -28,9 +28,16 @@ const char *lac_formulation_name(lac_formulation formulation)
     return lac_formulation_kind_of(formulation)->name;
 }
 
+// Arrays of n that a matrix leaning to the mean needs: slip as an unknown makes none.
+static size_t leaning(const lac_problem *problem)
+{
+    return problem->mean_damping != 0.0 && !problem->kind->has_slip ? 2 : 0;
+}
+
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
 {
     size_t n = problem->n;
+    double *scratch = work + (problem->kind->arrays + leaning(problem)) * n;
     return (lac_workspace){.v = work,
                            .kv = work + n,
                            .diagonal = work + 2 * n,
@@ -38,44 +45,24 @@ lac_workspace lac_problem_split(const lac_problem *problem, double *work)
                            .guess = work + 4 * n,
                            .bend = work + 4 * n,
                            .slope = work + 5 * n,
-                           .scratch = work + problem->kind->arrays * n};
+                           .lean = work + problem->kind->arrays * n,
+                           .scratch = scratch,
+                           .mean = scratch + problem->transfer.kind->work(problem->transfer.state)};
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
-    return problem->kind->arrays * problem->n +
-           problem->transfer.kind->work(problem->transfer.state);
+    return (problem->kind->arrays + leaning(problem)) * problem->n +
+           problem->transfer.kind->work(problem->transfer.state) + 1;
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
 {
     if (problem->kind->solved) {
-        memset(lac_problem_split(problem, work).guess, 0, problem->n * sizeof *work);
+        lac_workspace ws = lac_problem_split(problem, work);
+        memset(ws.guess, 0, problem->n * sizeof *work);
+        *ws.mean = 0.0;
     }
-}
-
-lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, const double *traction,
-                                   const double *w, const lac_workspace *ws, bool keep)
-{
-    size_t n = problem->n;
-    double total = 0.0;
-    double *u = keep ? ws->guess : ws->u;
-    if (!keep) {
-        memcpy(u, ws->guess, n * sizeof *u);
-    }
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        lac_friction_balance balance = {.first = first,
-                                        .n = length,
-                                        .w = w + first,
-                                        .traction = traction + first,
-                                        .pressure = problem->pressure + first,
-                                        .share = share,
-                                        .damping = problem->damping};
-        lac_friction_rates(problem->friction, &balance, u + first, ws->v + first);
-        total += lac_vsum(length, ws->v + first);
-    }
-    return (lac_motion){.u = u, .v = ws->v, .mean = total / (double)n};
 }
 
 size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
@@ -105,6 +92,8 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
                               double *wdot)
 {
     double total = 0.0;
+    double damped = problem->mean_damping;
+    double common = damped != 0.0 ? damped * motion->mean : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
@@ -113,7 +102,7 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
             size_t k = first + i;
             double v = motion->v[k];
             double held = copysign(problem->pressure[k] * drive->share * s.f[i], v);
-            traction[k] -= held + problem->damping * v;
+            traction[k] -= held + problem->damping * v + common;
             part += traction[k];
         }
         if (wdot != NULL) {

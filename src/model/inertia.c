@@ -117,8 +117,9 @@ static double slope(const lac_problem *problem, double v)
     return problem->slow == 0.0 ? v : hypot(v, 2.0 * problem->slow);
 }
 
-// q - K slip - p f - eta v of every cell, in ws->kv; gives back the mean. What is left of a balance
-// is rounding and taken for none: over a small mass it would be an acceleration without bounds.
+// q - K slip - p f - damping of every cell, in ws->kv; gives back the mean. What is left of a
+// balance is rounding and taken for none: over a small mass it would be an acceleration without
+// bounds.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
 static double find_forces(const lac_problem *problem, const lac_drive *drive,
                           const lac_motion *motion, const double *y, double *wdot,
@@ -220,7 +221,7 @@ static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
     double kappa = (1.0 - problem->columns) * problem->mass / at->gamma / at->gamma;
-    double mean = at->drive->spring_stiffness + kappa;
+    double mean = at->drive->spring_stiffness + kappa + problem->mean_damping / at->gamma;
     double *shares = ws->kv; // both used up
     double *ones = ws->u;
     bool good = transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);

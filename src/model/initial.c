@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <float.h>
 #include <math.h>
 
 #include "base/vsum.h"
@@ -152,28 +153,111 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     return LAC_OK;
 }
 
-lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
-                             const lac_friction *friction, const lac_load_set *loads,
-                             double damping, double *log_rate, double *log_state, lac_error *err)
-{
+// What the cells start from, all together.
+typedef struct start_cells {
+    const lac_initial_def *initial;
+    const lac_domain *domain;
+    const lac_friction *friction;
     start_load load;
-    lac_status status = load_at_start(loads, domain, &load, err);
-    for (size_t i = 0; status == LAC_OK && i < domain->n; i++) {
-        double p = domain->pressure[i];
-        double shaped = load.shape == NULL ? 0.0 : load.shape[i] * load.elastic;
-        double q = p * load.ratio + load.spring + shaped;
-        start_cell c = {friction, i, p * load.share, q, damping};
-        double rate = initial->rates != NULL ? initial->rates[i] : initial->slip_rate;
-        double value = initial->states != NULL ? initial->states[i] : initial->state_value;
+    lac_damping damping;
+    double *log_rate, *log_state; // [n]
+} start_cells;
+
+static double given_rate(const start_cells *s, size_t i)
+{
+    return s->initial->rates != NULL ? s->initial->rates[i] : s->initial->slip_rate;
+}
+
+static double given_state(const start_cells *s, size_t i)
+{
+    return s->initial->states != NULL ? s->initial->states[i] : s->initial->state_value;
+}
+
+// A cell from whose traction damping of the mean takes `drag`.
+static start_cell cell_at(const start_cells *s, size_t i, double drag)
+{
+    const start_load *load = &s->load;
+    double p = s->domain->pressure[i];
+    double shaped = load->shape == NULL ? 0.0 : load->shape[i] * load->elastic;
+    double q = p * load->ratio + load->spring + shaped;
+    return (start_cell){s->friction, i, p * load->share, q - drag, s->damping.cell};
+}
+
+// Every cell's rate and state; gives back the mean rate.
+static double start_all(const start_cells *s, double mean)
+{
+    double total = 0.0;
+    double drag = s->damping.mean != 0.0 ? s->damping.mean * mean : 0.0;
+    for (size_t i = 0; i < s->domain->n; i++) {
+        start_cell c = cell_at(s, i, drag);
+        double rate = given_rate(s, i);
+        double value = given_state(s, i);
         if (isnan(rate)) {
-            rate_from_load(&c, initial->state, value, &log_rate[i], &log_state[i]);
+            rate_from_load(&c, s->initial->state, value, &s->log_rate[i], &s->log_state[i]);
         } else {
-            log_rate[i] = log(rate);
-            state_from_rate(&c, initial->state, log_rate[i], value, &log_state[i]);
+            s->log_rate[i] = log(rate);
+            state_from_rate(&c, s->initial->state, s->log_rate[i], value, &s->log_state[i]);
         }
-        if (!isfinite(log_rate[i]) || !isfinite(log_state[i]) || !isfinite(exp(log_state[i]))) {
-            status = cannot_start(&c, rate, value, log_state[i], err);
+        total += exp(s->log_rate[i]);
+    }
+    return total / (double)s->domain->n;
+}
+
+// The mean rate that damps the cells is the one that they have then: secants from none, as the slow
+// steady rate that is wanted rises with drag, and others fall. Where cells find none there was too
+// much.
+static double start_together(const start_cells *s)
+{
+    double mean = 0.0;
+    double found = start_all(s, mean);
+    double slope = 0.0;
+    for (int k = 0; s->damping.mean != 0.0 && isfinite(found) && k < 200; k++) {
+        double next = mean + (found - mean) / (1.0 - fmin(slope, 0.5));
+        double then = start_all(s, next);
+        for (int j = 0; !isfinite(then) && j < 60; j++) {
+            next = 0.5 * (mean + next);
+            then = start_all(s, next);
+        }
+        slope = (then - found) / (next - mean);
+        slope = isfinite(slope) ? slope : 0.0;
+        mean = next;
+        found = then;
+        if (fabs(found - mean) <= 4.0 * DBL_EPSILON * fabs(found)) {
+            break;
         }
     }
-    return status;
+    return found - mean;
+}
+
+lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
+                             const lac_friction *friction, const lac_load_set *loads,
+                             lac_damping damping, double *log_rate, double *log_state,
+                             lac_error *err)
+{
+    start_cells s = {.initial = initial,
+                     .domain = domain,
+                     .friction = friction,
+                     .damping = damping,
+                     .log_rate = log_rate,
+                     .log_state = log_state};
+    lac_status status = load_at_start(loads, domain, &s.load, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    double off = start_together(&s);
+    double fastest = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        if (!isfinite(log_rate[i]) || !isfinite(log_state[i]) || !isfinite(exp(log_state[i]))) {
+            start_cell c = cell_at(&s, i, 0.0);
+            return cannot_start(&c, given_rate(&s, i), given_state(&s, i), log_state[i], err);
+        }
+        fastest = fmax(fastest, exp(log_rate[i]));
+    }
+    if (damping.mean != 0.0 && !(fabs(off) <= 1e-9 * fastest)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "no slip rate of the cells carries the load with the damping of their "
+                        "mean, %g Pa s/m: it would be above %g m/s",
+                        damping.mean, fastest);
+    }
+    return LAC_OK;
 }

@@ -2,6 +2,8 @@
 #ifndef LACUNA_MODEL_INTERNAL_H
 #define LACUNA_MODEL_INTERNAL_H
 
+#include <math.h>
+
 #include "lacuna/problem.h"
 
 struct lac_problem {
@@ -12,8 +14,10 @@ struct lac_problem {
     lac_load_set loads;
     const struct lac_formulation_kind *kind;
     double damping;       // eta [Pa s/m]
+    double mean_damping;  // what the mean slip rate is damped by besides [Pa s/m]; 0: nothing
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
+    double length;        // a slip that is long gone: the longer side; of one block 10 m
     double mean_pressure; // P/L^2 [Pa]
     double sum_pressure;  // sum of p_i [Pa]
     double spring_share;  // L^2/(n r^2): nominal stress of a spring -> traction of a cell
@@ -56,10 +60,12 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 // The parts of lac_problem_work, [n] each but the last.
 typedef struct lac_workspace {
     double *v, *kv, *diagonal;
-    double *u;       // ln|v|, where it is not an unknown
-    double *guess;   // where ln|v| is solved for: where the next solve begins
-    double *bend;    // with inertia: what a step does to dv/dx, in the place of guess
-    double *slope;   // with inertia: dv/dx
+    double *u;     // ln|v|, where it is not an unknown
+    double *guess; // where ln|v| is solved for: where the next solve begins
+    double *bend;  // with inertia: what a step does to dv/dx, in the place of guess
+    double *slope; // with inertia: dv/dx
+    double *lean;  // [2n] where damping of the mean counts: lac_problem_solve_leaning
+    double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
 } lac_workspace;
 
@@ -133,7 +139,7 @@ double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, c
 // @param force  [n] of every cell [Pa]; overwritten
 void lac_inertia_unexplained(const lac_problem *problem, double *force);
 
-// force = traction - p f - eta v of every cell: the traction is overwritten. Gives back the sum.
+// force = traction - p f - damping of every cell: the traction is overwritten. Gives back the sum.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
 double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive,
                               const lac_motion *motion, const double *w, double *traction,
@@ -152,6 +158,34 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
 
 // v = exp(u) of every cell, and its sum in a fixed order.
 double lac_problem_exp_sum(size_t n, const double *u, double *v);
+
+// How far a search for the mean rate has come: of cells that all slip the slower the faster their
+// mean is taken to be.
+typedef struct lac_mean_search {
+    double mean;      // taken to be [m/s]
+    double low, high; // it lies between
+} lac_mean_search;
+
+static inline lac_mean_search lac_mean_search_from(double mean)
+{
+    return (lac_mean_search){.mean = mean, .low = -INFINITY, .high = INFINITY};
+}
+
+// Takes the search on. @param found, slope  the mean rate of the cells then, and how much of it
+// they lose as the one that is taken rises. @return by how much it moves; 0: nothing is left to
+// find
+double lac_mean_search_on(lac_mean_search *search, double found, double slope);
+
+// dv/dtau of a block of cells that friction and their own damping hold, 1/(p f_u/|v| + eta)
+// [m/s/Pa].
+void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
+                    double *ease);
+
+// (D + K + k_mean P + 1 lean^T/n) x = b, in O(n) as the transfer's solve.
+// @param lean  [2n] the first n are the vector; the others are scratch
+// @return false where the transfer's solve fails
+bool lac_problem_solve_leaning(const lac_problem *problem, double k_mean, const double *diagonal,
+                               double *lean, double *b, double *scratch);
 
 // Solves for the rates that carry the tractions, into ws->v and ws->guess, or ws->u where they are
 // not kept.

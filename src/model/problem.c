@@ -14,6 +14,10 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
     problem->pressure = domain->pressure;
     problem->cell_area = lac_grid_cell_area(&domain->grid);
     problem->nominal_area = lac_grid_area(&domain->grid);
+    const lac_grid *grid = &domain->grid;
+    problem->length = lac_grid_cells(grid) == 1
+                          ? 10.0
+                          : lac_grid_extent(grid, (double)grid->nx, (double)grid->ny);
     problem->sum_pressure = lac_vsum(domain->n, domain->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
@@ -37,6 +41,15 @@ static void fill_traction(lac_problem *problem, double share)
         double u = problem->log_rate0[i];
         double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
         problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
+    }
+    if (problem->mean_damping != 0.0) {
+        double total = 0.0;
+        for (size_t i = 0; i < problem->n; i++) {
+            total += exp(problem->log_rate0[i]);
+        }
+        for (size_t i = 0; i < problem->n; i++) {
+            problem->traction0[i] += problem->mean_damping * (total / (double)problem->n);
+        }
     }
     problem->sum_traction0 = lac_vsum(problem->n, problem->traction0);
 }
@@ -118,7 +131,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->friction = def->friction;
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
-    problem->damping = def->damping;
+    lac_damping damping = lac_damping_over(def->domain, def->damping, def->mass > 0.0);
+    problem->damping = damping.cell;
+    problem->mean_damping = damping.mean;
     problem->kind = lac_formulation_kind_of(def->formulation);
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 

@@ -46,8 +46,8 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
         ws->kv[i] = b[i];
         b[i] = rhs;
     }
-    if (!transfer->kind->solve(transfer->state, drive->spring_stiffness, ws->diagonal, b, b,
-                               ws->scratch)) {
+    double stiff = drive->spring_stiffness + problem->mean_damping / gamma;
+    if (!transfer->kind->solve(transfer->state, stiff, ws->diagonal, b, b, ws->scratch)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

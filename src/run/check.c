@@ -88,6 +88,13 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
     return LAC_OK;
 }
 
+void lac_check_failure(const lac_problem *problem, lac_run_def *def, lac_failure *failure)
+{
+    *failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
+    def->failure_rate = failure->rate;
+    def->failure_slip = failure->slip;
+}
+
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
     lac_status status = check_beyond(def->beyond, err);
@@ -109,6 +116,11 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     if (!(def->rtol > 0.0) || !(def->failure_rate > 0.0)) {
         return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
                         def->rtol, def->failure_rate);
+    }
+    if (def->failure_slip < 0.0) { // NaN, not given, passes
+        return lac_fail(err, LAC_EINPUT,
+                        "failure slip %g m must be positive, or 0 for the joint's own",
+                        def->failure_slip);
     }
     const lac_cadence *every[] = {&def->record, &def->snapshot, &def->checkpoint};
     for (size_t i = 0; i < 3; i++) {
@@ -162,7 +174,10 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
     if (def->fidelity == LAC_FIDELITY_EVENTS) {
         LAC_TRY(lac_engine_events_check(problem, err));
     }
-    status = lac_check_start(problem, def, y, y + unknowns, err);
+    lac_run_def own = *def;
+    lac_failure failure;
+    lac_check_failure(problem, &own, &failure);
+    status = lac_check_start(problem, &own, y, y + unknowns, err);
 out:
     free(y);
     return status;

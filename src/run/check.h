@@ -4,6 +4,9 @@
 
 #include "lacuna/run.h"
 
+// Puts what counts as failure of the problem into the def, and into `failure`.
+void lac_check_failure(const lac_problem *problem, lac_run_def *def, lac_failure *failure);
+
 // Whether a run can be asked for like this.
 lac_status lac_check_def(const lac_run_def *def, lac_error *err);
 

@@ -12,6 +12,7 @@ lac_run_def lac_run_default(void)
                          .max_steps = 10000000,
                          .end = NAN,
                          .failure_rate = 1.0,
+                         .failure_slip = INFINITY,
                          .stop_slip = NAN,
                          .stop_rate = NAN,
                          .record = {.time = NAN, .steps = 1, .per_decade = NAN},
@@ -29,6 +30,17 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
     }
     bool forwards = form == LAC_FORM_PLAIN;
     return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}
+
+const char *lac_end_name(lac_end end)
+{
+    static const char *const names[] = {[LAC_END_TIME] = "end",
+                                        [LAC_END_FAILURE] = "rate",
+                                        [LAC_END_SLIP] = "slip",
+                                        [LAC_END_STOP] = "stop_when",
+                                        [LAC_END_INTERRUPT] = "interrupted",
+                                        [LAC_END_ERROR] = "error"};
+    return names[end];
 }
 
 const char *lac_fidelity_name(lac_fidelity fidelity)

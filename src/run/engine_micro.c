@@ -86,7 +86,8 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
                                .k = k,
                                .friction = parts.friction,
                                .pressure = parts.pressure,
-                               .damping = parts.damping,
+                               .damping = parts.damping.cell,
+                               .mean_damping = parts.damping.mean,
                                .tolerance = tolerance_of(engine->def),
                                .wake = engine->def->wake};
     LAC_TRY(lac_micro_create(&def, &c->micro, err));
@@ -196,6 +197,9 @@ static double move_origin(lac_engine *engine, double by)
     return by;
 }
 
+// The mean slip that ends the run; INFINITY: none.
+static double slip_limit(const lac_run_def *def) { return fmin(def->stop_slip, def->failure_slip); }
+
 static lac_micro_limits limits_of(lac_engine *engine, double stop)
 {
     const lac_run_def *def = engine->def;
@@ -205,7 +209,7 @@ static lac_micro_limits limits_of(lac_engine *engine, double stop)
     return (lac_micro_limits){.stop = stop,
                               .mean_rate = c->too_early ? INFINITY : def->failure_rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
-                              .mean_slip = def->stop_slip + c->lack,
+                              .mean_slip = slip_limit(def) + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
                               .seen = c->rate != NULL ? tell : NULL,
                               .context = engine};
@@ -219,10 +223,11 @@ static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
     double max;
     lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
     double slip = lac_engine_mean_slip(engine, engine->slip);
-    if (slip < engine->def->stop_slip && !(mean >= limits->mean_rate)) {
+    double most = slip_limit(engine->def);
+    if (slip < most && isfinite(most) && !(mean >= limits->mean_rate)) {
         c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
     }
-    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= engine->def->stop_slip);
+    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= most);
 }
 
 static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)

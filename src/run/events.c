@@ -15,6 +15,9 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
     if (kind == LAC_CROSSING_SLIP) {
         return lac_engine_mean_slip(engine, slip) - def->stop_slip;
     }
+    if (kind == LAC_CROSSING_GONE) {
+        return fabs(lac_engine_mean_slip(engine, slip)) - def->failure_slip;
+    }
     lac_problem_speed(engine->problem, lac_engine_clock(engine, t), y, &mean, &max, engine->work);
     return kind == LAC_CROSSING_FAILURE ? log(mean / def->failure_rate) : log(max / def->stop_rate);
 }
@@ -87,6 +90,8 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
     case LAC_CROSSING_SLIP:
         return !isnan(def->stop_slip) &&
                past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
+    case LAC_CROSSING_GONE:
+        return past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
     case LAC_CROSSING_NONE:
         break;
     }
@@ -124,7 +129,7 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double 
     lac_status status = LAC_OK;
     *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
-    for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_SLIP; kind++) {
+    for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_GONE; kind++) {
         if (crossed(engine, def, kind, mean_before)) {
             *found = kind;
             LAC_TRY(take_back(engine, def, kind, err));

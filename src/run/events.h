@@ -9,6 +9,7 @@ typedef enum lac_crossing_kind {
     LAC_CROSSING_FAILURE, // mean slip rate
     LAC_CROSSING_RATE,    // largest slip rate
     LAC_CROSSING_SLIP,    // mean slip
+    LAC_CROSSING_GONE,    // mean slip, of failure
 } lac_crossing_kind;
 
 // Looks for the first limit crossed upwards within the step just made; where one was, the

@@ -268,25 +268,44 @@ static double log_rate_at(lac_follower *f, double t)
                : log(fabs(lac_follower_rate(f, f->def->problem, t, lac_vector_data(f->seen))));
 }
 
-// The crossing of the failure rate between two times of the last step, by bisection: the rate is
-// smooth there, and no step is long.
-static double find_crossing(lac_follower *f, double low, double high)
+static double slip_at(lac_follower *f, double t)
 {
-    double limit = log(f->def->failure_rate);
+    return CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS
+               ? NAN
+               : fabs(lac_vector_data(f->seen)[f->m - 1]);
+}
+
+// The crossing of the failure rate, or slip, between two times of the last step, by bisection: both
+// are smooth there, and no step is long.
+static double find_crossing(lac_follower *f, bool by_slip, double low, double high)
+{
+    double limit = by_slip ? f->failure.slip : log(f->failure.rate);
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
         if (!(middle > low && middle < high)) {
             break;
         }
-        bool past = log_rate_at(f, middle) >= limit;
+        bool past = (by_slip ? slip_at(f, middle) : log_rate_at(f, middle)) >= limit;
         low = past ? low : middle;
         high = past ? middle : high;
     }
     return high;
 }
 
-// dt_f/dp = -(dg/dp)/(dg/dt), g the logarithm of the mean rate.
-static lac_status find_failure(lac_follower *f, double t, double step, lac_error *err)
+// d ln(failure rate)/dp of the k-th nudge: a parameter moves what counts as failure where that is
+// a p/eta.
+static double limit_by(const lac_follower *f, size_t k)
+{
+    const lac_nudge *nudge = &f->def->nudge[k];
+    double rate = f->def->failure_rate;
+    double slip = f->def->failure_slip;
+    double high = lac_problem_failure(nudge->high, rate, slip).rate;
+    double low = lac_problem_failure(nudge->low, rate, slip).rate;
+    return f->failure.lowered ? log(high / low) / (2.0 * nudge->step) : 0.0;
+}
+
+// dt_f/dp = -(dg/dp)/(dg/dt), g the logarithm of the mean rate over that of failure, or the slip.
+static lac_status find_failure(lac_follower *f, bool by_slip, double t, double step, lac_error *err)
 {
     lac_follow *out = f->out;
     out->failed = true;
@@ -302,9 +321,12 @@ static lac_status find_failure(lac_follower *f, double t, double step, lac_error
                         out->failure_time);
     }
     const double *y = lac_vector_data(f->seen);
+    double rate = lac_follower_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < f->def->nudges; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
-        out->failure_by[k] = -lac_follower_rate_by(f, k, t, y, s) / growth;
+        out->failure_by[k] = by_slip
+                                 ? -s[f->m - 1] / rate
+                                 : (limit_by(f, k) - lac_follower_rate_by(f, k, t, y, s)) / growth;
     }
     return LAC_OK;
 }
@@ -315,15 +337,18 @@ static lac_status look_back(lac_follower *f, double t, bool *done, lac_error *er
     const lac_follow_def *def = f->def;
     lac_status status = LAC_OK;
     sunrealtype step = 0.0;
-    double limit = log(def->failure_rate);
     (void)CVodeGetLastStep(f->mem, &step);
     double now = log_rate_at(f, t);
     if (isnan(now)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate at t = %.17g s", f->origin + t);
     }
-    if (f->before < limit && now >= limit) {
-        t = find_crossing(f, t - step, t);
-        LAC_TRY(find_failure(f, t, step, err));
+    bool by_slip = slip_at(f, t) >= f->failure.slip;
+    bool by_rate = f->before < log(f->failure.rate) && now >= log(f->failure.rate);
+    if (by_slip || by_rate) {
+        double gone = by_slip ? find_crossing(f, true, t - step, t) : INFINITY;
+        double fast = by_rate ? find_crossing(f, false, t - step, t) : INFINITY;
+        t = fmin(gone, fast);
+        LAC_TRY(find_failure(f, gone < fast, t, step, err));
         *done = true;
     }
     f->before = now;
@@ -367,7 +392,7 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
 // Whether a jump of the loads was the failure itself, whose time no parameter of a state moves.
 static bool fell(lac_follower *f, double at)
 {
-    if (f->before < log(f->def->failure_rate)) {
+    if (f->before < log(f->failure.rate)) {
         return false;
     }
     f->out->failed = true;
@@ -426,7 +451,8 @@ lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error 
     out->steps = 0;
     LAC_TRY(allocate(&f, err));
     LAC_TRY(start(&f, err));
-    if (f.before >= log(def->failure_rate)) {
+    f.failure = lac_problem_failure(def->problem, def->failure_rate, def->failure_slip);
+    if (f.before >= log(f.failure.rate)) {
         out->failed = true;
         out->failure_time = 0.0;
         goto out;

@@ -20,6 +20,7 @@ typedef struct lac_follower {
     double *probe;        // [3 m]
     double *scale;        // [m] what each component is worth an e-fold of rate or state
     double slip_scale;    // slip that counts as an e-fold does [m]
+    lac_failure failure;  // what counts as it
     double origin, limit;
     double before;      // ln of the mean rate before the step
     double rtol;        // what a step is held to: lac_engine_rtol

@@ -252,7 +252,9 @@ static lac_status look_for_end(run *r, double mean_before, lac_error *err)
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
-        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE : LAC_END_STOP;
+        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE
+                 : crossing == LAC_CROSSING_GONE  ? LAC_END_SLIP
+                                                  : LAC_END_STOP;
     } else if (engine->t >= lac_engine_inner(engine, r->def->end)) {
         r->done = true;
         r->end = LAC_END_TIME;
@@ -435,7 +437,7 @@ out:
     return status;
 }
 
-static void finish(run *r)
+static void finish(run *r, lac_status status)
 {
     lac_run_result *result = r->result;
     lac_engine *engine = r->engine;
@@ -449,9 +451,9 @@ static void finish(run *r)
     result->nonlinear_fails = counts.nonlinear_fails;
     result->restarts += counts.restarts;
     result->time = lac_engine_time(engine);
-    result->end = r->end;
+    result->end = status == LAC_OK || status == LAC_EINTERRUPT ? r->end : LAC_END_ERROR;
     result->mean_slip = lac_engine_mean_slip(engine, engine->slip);
-    if (r->done && r->end == LAC_END_FAILURE) {
+    if (result->end == LAC_END_FAILURE || result->end == LAC_END_SLIP) {
         result->failed = true;
         result->failure_origin = engine->origin;
         result->failure_local = engine->base + engine->t;
@@ -462,10 +464,12 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                    lac_run_result *result, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *result = (lac_run_result){.failure_origin = NAN, .failure_local = NAN};
-    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
+    *result = (lac_run_result){.end = LAC_END_ERROR, .failure_origin = NAN, .failure_local = NAN};
+    lac_run_def own = *def;
+    run r = {.problem = problem, .def = &own, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
-    LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
+    lac_check_failure(problem, &own, &result->failure);
+    LAC_TRY(lac_engine_create(problem, &own, &r.engine, err));
     r.engine->sink = sink;
     LAC_TRY(allocate_output(&r, err));
     LAC_TRY(def->resume != NULL ? take_up(&r, err) : begin(&r, err));
@@ -475,7 +479,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     }
 out:
     if (r.engine != NULL) {
-        finish(&r);
+        finish(&r, status);
     }
     free(r.between);
     free(r.fields);

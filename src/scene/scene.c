@@ -94,7 +94,8 @@ static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, 
     LAC_TRY(spread_initial(&c->initial_spread, place, &state, err));
     initial.rates = rate.values;
     initial.states = state.values;
-    status = lac_initial_solve(&initial, domain, scene->friction, &scene->loads, scene->damping,
+    status = lac_initial_solve(&initial, domain, scene->friction, &scene->loads,
+                               lac_damping_over(domain, scene->damping, lac_inertia_mass(c) > 0.0),
                                start, start + domain->n, err);
     if (status != LAC_OK) {
         (void)lac_fail_within(err, status, "initial");

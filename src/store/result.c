@@ -4,13 +4,6 @@
 #include "base/date.h"
 #include "store/store.h"
 
-static const char *const end_names[] = {
-    [LAC_END_TIME] = "end of the time asked for",
-    [LAC_END_FAILURE] = "failure: the mean slip rate crossed the case's limit",
-    [LAC_END_STOP] = "a limit on slip or slip rate",
-    [LAC_END_INTERRUPT] = "interrupted",
-};
-
 static lac_status put_date(const lac_store *s, const char *name, double seconds, lac_error *err)
 {
     char date[32];
@@ -19,7 +12,23 @@ static lac_status put_date(const lac_store *s, const char *name, double seconds,
 
 static lac_status put_failure(const lac_store *s, const lac_run_result *r, lac_error *err)
 {
-    lac_status status = lac_nc_integer(&s->file, NC_GLOBAL, "failed", r->failed ? 1 : 0, err);
+    lac_status status = LAC_OK;
+    if (r->end == LAC_END_ERROR) {
+        return status; // nobody knows
+    }
+    LAC_TRY(lac_nc_integer(&s->file, NC_GLOBAL, "failed", r->failed ? 1 : 0, err));
+    if (isfinite(r->failure.rate)) {
+        LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "failure_rate_m_s", r->failure.rate, err));
+    }
+    if (r->failure.lowered) {
+        LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "failure_rate_comment",
+                            "a p/eta at the start: radiation damping holds the joint below "
+                            "time.failure.mean_slip_rate",
+                            err));
+    }
+    if (isfinite(r->failure.slip)) {
+        LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "failure_slip_m", r->failure.slip, err));
+    }
     if (status != LAC_OK || !r->failed) {
         return status;
     }
@@ -67,7 +76,7 @@ static lac_status put_run(const lac_store *s, const lac_run_result *r, lac_error
     };
     lac_status status = LAC_OK;
     LAC_TRY(put_failure(s, r, err));
-    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "ended_by", end_names[r->end], err));
+    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "ended_by", lac_end_name(r->end), err));
     for (size_t i = 0; i < sizeof reals / sizeof reals[0]; i++) {
         if (isfinite(reals[i].value)) {
             LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, reals[i].name, reals[i].value, err));

@@ -74,6 +74,22 @@ class Extremes(unittest.TestCase):
         self.assertRegex(lines[0], r"t = [-+0-9.e]+ s")
         self.assertEqual(self.scan(), "failed")
 
+    def test_a_run_that_broke_has_not_failed(self):
+        """A step of pore pressure to nearly all of the normal one, undamped: the mean rate passes
+        that of failure on its way out of the numbers. Nobody knows what the joint does."""
+        step = ", pore_pressure: [{step: {value: 780000, at: 100}}]"
+        done = self.run_case(shear=step, formulation="traction")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("leaves the numbers", done.stderr)
+        said = json.loads(done.stdout)
+        self.assertEqual((said["status"], said["ended_by"]), ("failed", "error"))
+        for key in ("failed", "failure_time_s", "failure_date"):
+            self.assertIsNone(said[key], key)
+        self.assertEqual(self.scan(), "failed")
+        with netCDF4.Dataset(self.output) as file:
+            self.assertEqual(file.ended_by, "error")
+            self.assertFalse({"failed", "failure_time_s"} & set(file.ncattrs()))
+
     def test_state_beyond_numbers(self):
         """ln theta that no double holds e^ of is refused, not written as infinity."""
         done = self.run_case(v=1e-9, state=None, shear=", shear: [{ratio: 30}]")

@@ -26,6 +26,21 @@ SHORT = ["--set", "fit.starts=8", "--set", "fit.burn=20", "--set", "fit.steps=30
          "--set", "fit.walkers=16", "--set", "fit.rounds=0"]
 BEST = ["--set", "fit.steps=0", "--set", "fit.starts=8"]
 
+SLID = """lacuna: 1
+load: {normal: {pressure: "3 MPa"}}
+material: {shear_modulus: "4 GPa", poisson: 0.25, density: "2500 kg/m3"}
+friction: {aging: {f0: 0.4, a: 0.010, b: 0.0135, dc: "30 cm", v0: "1 cm/week"}}
+initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.5}}
+time: {start: "1963-05-15T00:00:00Z", end: "2 year"}
+fit:
+  parameters:
+    friction.aging.dc: {range: ["1 cm", "10 m"]}
+    initial.slip_rate: {range: ["0.1 mm/day", "10 mm/day"]}
+    initial.state.ratio_to_steady: {range: [0.05, 0.999]}
+  time: date
+  velocity: "rate_cm_per_day:cm/day"
+"""
+
 
 class Fit(unittest.TestCase):
     def setUp(self):
@@ -203,6 +218,32 @@ class Fit(unittest.TestCase):
         begin = numpy.datetime64("2015-06-13T09:40")
         fails = begin + numpy.timedelta64(round(said["best_failure_time_s"]), "s")
         self.assertLess(abs(fails - numpy.datetime64("2015-07-04T05:00")), numpy.timedelta64(3, "h"))
+
+    def test_a_joint_that_slid_away(self):
+        """Damping holds the fitted block at a tenth of the failure rate that the case names: it has
+        failed when damping, not friction, holds it, or when it has slid its own length."""
+        case = os.path.join(self.folder, "case.yaml")
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(SLID)
+        said = self.fit(case, "cases/data/vajont_anchors.csv", *BEST)
+        self.assertIsNotNone(said["best_failure_time_s"])
+        run = self.run_program("run", case, "-o", self.out, "--force", "--json")
+        run = json.loads(run.stdout)
+        self.assertEqual((run["failed"], run["ended_by"]), (True, "rate"))
+        eta = 0.5 * (4e9 * 2500) ** 0.5
+        self.assertAlmostEqual(run["failure_rate_m_s"] / (0.01 * 3e6 / eta), 1, places=9)
+        with netCDF4.Dataset(self.out) as file:
+            self.assertEqual(file.ended_by, "rate")
+            self.assertEqual(file.failure_rate_m_s, run["failure_rate_m_s"])
+            self.assertIn("a p/eta", file.failure_rate_comment)
+        by_slip = self.run_program("run", case, "-o", self.out, "--force", "--json", "--set",
+                                   "time.failure.mean_slip=1 m")
+        by_slip = json.loads(by_slip.stdout)
+        self.assertEqual((by_slip["failed"], by_slip["ended_by"]), (True, "slip"))
+        self.assertAlmostEqual(by_slip["mean_slip_m"], 1, places=9)
+        self.assertLess(by_slip["failure_time_s"], run["failure_time_s"])
+        said_run = self.run_program("run", case, "-o", self.out, "--force")
+        self.assertIn("a p/eta: damping holds the joint below that of the case", said_run.stdout)
 
     def test_wrong_requests(self):
         """Each says in one line what is wrong, and leaves no file."""

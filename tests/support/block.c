@@ -84,7 +84,8 @@ void block_create(const block_def *def, block *out)
                                .state_value = aged ? def->theta : def->x};
     double u;
     double w;
-    must(lac_initial_solve(&initial, out->domain, out->friction, &out->loads, def->damping, &u, &w,
+    must(lac_initial_solve(&initial, out->domain, out->friction, &out->loads,
+                           lac_damping_over(out->domain, def->damping, def->mass > 0.0), &u, &w,
                            &err),
          &err);
     lac_problem_def problem = {.domain = out->domain,

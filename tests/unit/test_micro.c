@@ -50,7 +50,7 @@ static void make(uint64_t seed, scene *s)
         s->dense[i] += s->k_mean / (double)n;
     }
     assert_int_equal(lac_micro_tree_create(s->hierarchy, k, &s->tree, &err), LAC_OK);
-    lac_micro_tree_anchor(&s->tree, s->k_mean);
+    lac_micro_tree_anchor(&s->tree, s->k_mean, 0.0);
     s->slip = new_doubles(n);
     s->since = new_doubles(n);
     s->seen = new_doubles(n);

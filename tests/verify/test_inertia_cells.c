@@ -97,6 +97,16 @@ static double friction(const dense *d, double v, double w)
     return def->f0 + def->a * log(v / def->v0) + def->b * (log(def->v0 / def->dc) + w);
 }
 
+// Waves take off a cell what its rate is besides the mean: a block gives none of its own away.
+static double damped(const dense *d, const double *v, size_t i)
+{
+    double mean = 0.0;
+    for (size_t j = 0; j < d->n; j++) {
+        mean += v[j] / (double)d->n;
+    }
+    return d->def->damping * (v[i] - mean);
+}
+
 static void make_dense(const tree_def *def, const tree *t, dense *d)
 {
     const lac_domain *domain = t->domain;
@@ -112,7 +122,7 @@ static void make_dense(const tree_def *def, const tree *t, dense *d)
     for (size_t i = 0; i < d->n; i++) {
         d->p[i] = domain->pressure[i];
         sum += d->p[i];
-        d->traction0[i] = d->p[i] * friction(d, v[i], log(def->state)) + def->damping * v[i];
+        d->traction0[i] = d->p[i] * friction(d, v[i], log(def->state)) + damped(d, v, i);
     }
     double area = (double)(domain->grid.nx * domain->grid.ny) / (double)d->n;
     for (size_t i = 0; i < d->n; i++) {
@@ -141,7 +151,7 @@ static int rates(double t, const double y[], double ydot[], void *params)
     size_t n = d->n;
     double force[MOST];
     for (size_t i = 0; i < n; i++) {
-        force[i] = d->traction0[i] + d->p[i] * ratio_rate * t - d->def->damping * y[i] -
+        force[i] = d->traction0[i] + d->p[i] * ratio_rate * t - damped(d, y, i) -
                    d->p[i] * friction(d, y[i], y[n + i]);
         for (size_t j = 0; j < n; j++) {
             force[i] -= d->k[i][j] * y[2 * n + j];
@@ -180,7 +190,7 @@ static lac_status look(void *context, const lac_snapshot *now, lac_error *err)
         s->slip[i] = now->slip[i];
         s->rate[i] = v;
         s->state[i] = now->state[i];
-        power += v * (now->traction[i] - d->def->damping * v -
+        power += v * (now->traction[i] - damped(d, now->slip_rate, i) -
                       d->p[i] * friction(d, v, log(now->state[i])));
         for (size_t j = 0; j < s->n; j++) {
             s->kinetic += 0.5 * v * d->m[i][j] * now->slip_rate[j];

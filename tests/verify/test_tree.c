@@ -24,8 +24,8 @@ static lac_run_result run_tree(const tree_def *def, lac_method method, double rt
     how.method = method;
     how.rtol = rtol;
     how.end = 1e10;
-    how.failure_rate = 1e3;
-    how.stop_rate = 0.5;
+    how.failure_rate = INFINITY;
+    how.stop_rate = 0.05;
     if (sink == NULL) {
         how.record.steps = 0;
     }
