@@ -9,6 +9,7 @@
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
+#include "series/time_format.h"
 
 enum { LONGEST_UNIT = 128, MOST_READINGS = 100000000 };
 
@@ -127,9 +128,10 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
         }
     }
     s->time_unit = s->dated ? 0.0 : scale;
-    if (!s->dated && strlen(unit) < sizeof s->time_name) {
-        (void)strcpy(s->time_name, unit[0] != '\0' ? unit : "s");
-    }
+    lac_time_unit_name(s->dated          ? ""
+                       : unit[0] == '\0' ? "s"
+                                         : unit,
+                       s->time_name, sizeof s->time_name);
     LAC_TRY(read_numbers(file, var, name, &s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;

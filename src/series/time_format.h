@@ -3,6 +3,7 @@
 #define LACUNA_SERIES_TIME_FORMAT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "lacuna/error.h"
 
@@ -25,6 +26,10 @@ typedef struct lac_time_format {
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err);
+
+/// The name of a unit of time, to stand behind a number.
+/// @param name  "" where the unit is longer
+void lac_time_unit_name(const char *unit, char *name, size_t size);
 
 /// Reads one time.
 /// @param mark     decimal mark of numbers

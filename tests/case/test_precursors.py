@@ -312,6 +312,8 @@ class Precursors(unittest.TestCase):
         text = self.call("log.csv", "--displacement", "d:m", "--time-format", "hour").stdout
         self.assertRegex(text, r"readings +36 from 0 hour to 35 hour\n")
         self.assertRegex(self.call("log.csv", "--displacement", "d:m").stdout, "from 0 s to 35 s")
+        self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "day.second/second").stdout,
+                         "from 0 s to 5 week")  # too long a name to stand behind a number
 
     def test_a_time_after_the_year_9999_is_said(self):
         self.write("far.csv", "t,d\n" + "".join(f"{9900 + i}-01-01,{-0.3 * math.log(1 - i / 110):.6f}\n"
