@@ -64,7 +64,7 @@ typedef struct lac_observation {
     double balance_residual; ///< max |q - K slip - p f - damping - inertia| / (f0 p) [1]
     double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
                        ///< far the mean slip rate is off the balance, relative to itself [1]
-    size_t fastest; ///< cell with the largest rate
+    size_t fastest;    ///< cell with the largest rate
 } lac_observation;
 
 /// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate

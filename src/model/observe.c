@@ -46,7 +46,6 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     lac_problem_pull(problem, &drive, slip, traction, lac_problem_split(problem, work).scratch);
 }
 
-// Worst relative error of the balance: |q - K slip - p f - eta v - inertia| / (f0 p).
 // How far the cells are off their balance, each and together.
 // @param traction  q - K slip; overwritten
 static void measure_balance(const lac_problem *problem, const lac_drive *drive,

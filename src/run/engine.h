@@ -78,8 +78,8 @@ bool lac_engine_at(lac_engine *engine, double t, double *seen);
 void lac_engine_count(lac_engine *engine);
 
 // What a step is held to after a method of many steps has begun anew so often. It begins with short
-// steps of low order, whose errors, about rtol together, have one sign and are not forgotten. Shares
-// that fall as 1/k let their sum grow as log k, not as k.
+// steps of low order, whose errors, about rtol together, have one sign and are not forgotten.
+// Shares that fall as 1/k let their sum grow as log k, not as k.
 double lac_engine_rtol(double rtol, int64_t beginnings);
 
 // The loads' time at an integrator's time: within a segment they are seen from below its end.

@@ -273,6 +273,23 @@ class Precursors(unittest.TestCase):
         f = self.of(self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--since", "0 s"), "block")
         self.assertIn("too vague", f["reason"])  # not sure to 1e-6, as of numbers without a last digit
 
+    def test_numbers_of_netcdf_have_a_last_digit_too(self):
+        law = numpy.array([float(row.split(",")[1]) for row in LOG_LAW[1:]])
+        for kind, scale, digit in (("f8", None, numpy.finfo("f8").eps * law.max()), ("f4", None, numpy.finfo("f4").eps * law.max()),
+                                   ("i2", 0.002, 0.002)):
+            with netCDF4.Dataset(os.path.join(self.folder, "law.nc"), "w") as data:
+                data.createDimension("time", len(law))
+                time, moved = data.createVariable("time", "f8", "time"), data.createVariable("d", kind, "time")
+                time.units, time[:] = "days since 2020-01-01", numpy.arange(len(law))
+                if scale is not None:
+                    moved.scale_factor = scale
+                moved[:] = law
+                if kind == "f4":
+                    moved.units = "m"
+            answer = self.ask("law.nc", "--displacement", "d")
+            self.assertAlmostEqual(answer["series"]["resolution_m"] / digit, 1, places=5)
+            self.assertEqual(answer["series"]["warnings"], [] if kind == "f4" else ["d: no unit is named: taken as m"])
+
     def test_what_is_taken_is_said(self):
         data = ("log.csv", "--displacement", "d")
         done = self.call(*data, "--json")
@@ -313,7 +330,7 @@ class Precursors(unittest.TestCase):
         self.assertRegex(text, r"readings +36 from 0 hour to 35 hour\n")
         self.assertRegex(self.call("log.csv", "--displacement", "d:m").stdout, "from 0 s to 35 s")
         self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "day.second/second").stdout,
-                         "from 0 s to 35 day")  # too long a name to stand behind a number
+                         "from 0 s to 5 week")  # too long a name to stand behind a number
 
     def test_a_time_after_the_year_9999_is_said(self):
         self.write("far.csv", "t,d\n" + "".join(f"{9900 + i}-01-01,{-0.3 * math.log(1 - i / 110):.6f}\n"
