@@ -32,10 +32,10 @@ typedef struct lac_store_def {
     const lac_domain *domain;
     const lac_hierarchy *hierarchy;
     const lac_transfer *transfer; ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;     ///< LAC_FIELD_*; 0: no snapshots
-    bool single;         ///< records and fields but times are written as floats
-    int64_t compression; ///< deflate level of the snapshots, 0 to 9
-    int64_t sync_every;  ///< records between syncs
+    unsigned fields;              ///< LAC_FIELD_*; 0: no snapshots
+    bool single;                  ///< records and fields but times are written as floats
+    int64_t compression;          ///< deflate level of the snapshots, 0 to 9
+    int64_t sync_every;           ///< records between syncs
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
     bool events;            ///< a catalogue of events comes along

@@ -19,8 +19,8 @@ const char *lac_law_fault(const void *params);
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];
 
-// A thousandth of a proton [m], far below any contact: as far down as runs were measured to be right
-// (docs/limits.md).
+// A thousandth of a proton [m], far below any contact: as far down as runs were measured to be
+// right (docs/limits.md).
 #define LAC_LEAST_DC 1e-18
 
 // First rows of every law's parameter table, in the order of LAC_F0, LAC_A ...; rows of the law's

@@ -41,8 +41,7 @@ static const char text[] =
     "analysis: {rg: {critical_fraction: 0.5}}\n"
     "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
 
-static lac_status store_run(lac_case *c, const lac_scene *scene, const char *path,
-                            lac_error *err)
+static lac_status store_run(lac_case *c, const lac_scene *scene, const char *path, lac_error *err)
 {
     lac_store *store = NULL;
     lac_analysis *analysis = NULL;
