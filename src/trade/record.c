@@ -98,7 +98,8 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
         const char *name, *unit, *long_name;
         double value;
     } table[] = {
-        {"failed", "1", "whether the joint failed, by its mean slip rate or its mean slip", result->failed},
+        {"failed", "1", "whether the joint failed, by its mean slip rate or its mean slip",
+         result->failed},
         {"failure_time", "s", "time of failure since the start of the run",
          result->failure_origin + result->failure_local},
         {"steps", "1", "steps of the integrator", (double)result->steps},
