@@ -215,6 +215,10 @@ typedef struct lac_problem_load {
 /// @return false where the effective normal pressure is not positive
 bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load *load);
 
+/// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
+/// failure.
+#define LAC_NO_FAILURE_RATE 1e3
+
 /// What counts as failure: the first of the mean slip rate rising through `rate`, and the mean
 /// slip, of either sign, coming to `slip`.
 typedef struct lac_failure {
@@ -229,7 +233,7 @@ typedef struct lac_failure {
 /// Where this is below the rate, a p/eta counts instead: from there on damping, not friction, holds
 /// the joint. So it is only where uniform slip is damped (a block with mass is not), nothing else
 /// holds it (a spring, rock that stays behind), and the joint starts slower.
-/// @param rate  asked for [m/s]; INFINITY: none
+/// @param rate  asked for [m/s]; LAC_NO_FAILURE_RATE or more: no a p/eta in its place
 /// @param slip  asked for [m]; INFINITY: none; NaN or 0: the longer side of the interface, of one
 ///              block 10 m
 /// @source derived from Rice (1993), doi 10.1029/93JB00191: the damping of plane waves

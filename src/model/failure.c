@@ -33,7 +33,7 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
 {
     lac_failure failure = {.rate = rate, .slip = slip > 0.0 ? slip : problem->length};
     bool held = problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL;
-    if (held || !isfinite(rate)) {
+    if (held || rate >= LAC_NO_FAILURE_RATE) {
         return failure;
     }
     at_start s = look_at_start(problem);
