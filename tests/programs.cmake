@@ -239,6 +239,10 @@ lacuna_python_test(test_completion)
 # Built otherwise than by the presets.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
   lacuna_python_test(test_build)
+  if(CMAKE_C_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    set(test_vector_width_files ${PROJECT_BINARY_DIR} $<TARGET_FILE:lacuna>)
+    lacuna_python_test(test_vector_width)
+  endif()
 endif()
 
 # What is installed, its .deb, and the Python module, which are of the shared library.

@@ -170,7 +170,7 @@ void lac_fft_filter(lac_fft *fft, const double *table)
 static double power(size_t n, const double *restrict w, const double *restrict x)
 {
     double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
+#pragma omp simd safelen(2) reduction(+ : sum)
     for (size_t j = 0; j < n; j++) {
         sum += w[j] * (x[2 * j] * x[2 * j] + x[2 * j + 1] * x[2 * j + 1]);
     }

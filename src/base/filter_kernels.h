@@ -135,7 +135,7 @@ static double NAME(power)(size_t n, const void *factor, const void *column)
     const REAL *restrict w = factor;
     const REAL *restrict x = column;
     double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
+#pragma omp simd safelen(2) reduction(+ : sum)
     for (size_t j = 0; j < n; j++) {
         double re = (double)x[2 * j];
         double im = (double)x[2 * j + 1];

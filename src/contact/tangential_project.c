@@ -29,7 +29,7 @@ static state evaluate(const lac_shear_problem *p, const double *restrict y, cons
     double yy = 0.0;
     double xy = 0.0;
     double pull = 0.0;
-#pragma omp simd reduction(+ : phi, fx, fy, xx, yy, xy, pull)
+#pragma omp simd safelen(2) reduction(+ : phi, fx, fy, xx, yy, xy, pull)
     for (size_t i = 0; i < n; i++) {
         double vx = y[i] + lx;
         double vy = y[n + i] + ly;

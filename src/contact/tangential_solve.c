@@ -34,7 +34,7 @@ static bool moves(const iteration *it, size_t i) { return it->tx[i] == 0.0 && it
 static double dot(size_t n, const double *restrict x, const double *restrict y)
 {
     double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
+#pragma omp simd safelen(2) reduction(+ : sum)
     for (size_t i = 0; i < n; i++) {
         sum += x[i] * y[i];
     }

@@ -262,7 +262,7 @@ static double row_energy(const lac_shear_space *s, size_t row, size_t n, const d
     const double *restrict yy = &s->yy[row];
     const double *restrict xy = &s->xy[row];
     double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
+#pragma omp simd safelen(2) reduction(+ : sum)
     for (size_t k = 0; k < n; k++) {
         double x2 = x[2 * k] * x[2 * k] + x[2 * k + 1] * x[2 * k + 1];
         double y2 = y[2 * k] * y[2 * k] + y[2 * k + 1] * y[2 * k + 1];

@@ -8,7 +8,7 @@
 double lac_krylov_dot(size_t n, const double *x, const double *y)
 {
     double sum = 0;
-#pragma omp simd reduction(+ : sum)
+#pragma omp simd safelen(2) reduction(+ : sum)
     for (size_t i = 0; i < n; i++) {
         sum += x[i] * y[i];
     }
