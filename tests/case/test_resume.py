@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs that are stopped and go on: the file against that of a run that was not stopped.
 
-usage: test_resume.py PROGRAM SOURCE_FOLDER STOP_AT_CHECKPOINT [unittest options]
+usage: test_resume.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 
-STOP_AT_CHECKPOINT is the library of tests/stop.
+AT_CALL is the library of tests/stop.
 """
 
 import json
@@ -214,7 +214,7 @@ class Resume(unittest.TestCase):
     def start_to_stop(self, count, number, *words, **more):
         """A run that gets a signal as soon as it has made so many checkpoints."""
         options = os.environ.get("ASAN_OPTIONS", "")
-        environment = {**os.environ, "LD_PRELOAD": STOP, "STOP_AT_CHECKPOINT": f"{count}:{number}",
+        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": f"{count}:signal={number}:rename:.checkpoint",
                        "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
         return self.start(*words, env=environment, **more)
 
@@ -374,6 +374,7 @@ class Resume(unittest.TestCase):
                 (2, "is a checkpoint of another version of Lacuna: its format is '1', '2' is read "
                  "here", saved[:7] + b"1" + saved[8:])):
             self.refused_with(status, named + line, "out.nc.checkpoint", content)
+        os.remove(self.path("out.nc.journal"))  # with it the older file too has all records
         self.refused_with(2, "[^ ]*out.nc: is older than its checkpoint: [0-9]+ records of [0-9]+",
                           "out.nc", older)
         with netCDF4.Dataset(self.path("out.nc"), "a") as file:
@@ -420,22 +421,71 @@ class Resume(unittest.TestCase):
         self.assertRegex(err, "^lacuna: .*out.nc: was replaced or removed while it was being "
                          "written\n$")
 
-    def test_killed_while_closing(self):
-        """HDF5 cuts the file before it says so in its first bytes."""
-        self.kill_after_checkpoints(3, "-o", "out.nc", "-q")
-        bytes_now = self.bytes_of("out.nc")
-        length = int.from_bytes(bytes_now[28:36], "little")
-        self.assertEqual(length, len(bytes_now))
-        # The first bytes count 1024 more than there are.
-        head = bytearray(bytes_now[:44])
-        head[28:36] = (length + 1024).to_bytes(8, "little")
-        with open(self.path("out.nc"), "r+b") as file:
+    def cut(self, name):
+        """HDF5 killed while it closes a file: its first bytes count 1024 more than there are."""
+        head = bytearray(self.bytes_of(name)[:44])
+        length = int.from_bytes(head[28:36], "little")
+        with open(self.path(name), "r+b") as file:
+            file.truncate(length)  # without the seal
+            head[11] |= 1  # open for writing
+            head[28:36] = (length + 1024).to_bytes(8, "little")
             file.write(head + lookup3(bytes(head)).to_bytes(4, "little"))
         with self.assertRaises(OSError):
-            netCDF4.Dataset(self.path("out.nc"))
+            netCDF4.Dataset(self.path(name))
+
+    def call(self, *words):
+        done = subprocess.run([PROGRAM, *words], cwd=self.folder, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def test_killed_while_closing(self):
+        """HDF5 cuts the file before it says so in its first bytes."""
         self.run_case(0, "-q", "-o", "whole.nc")
-        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.kill_after_checkpoints(3, "-o", "out.nc", "-q")
+        os.remove(self.path("out.nc.journal"))  # as of an older version
+        self.cut("out.nc")
+        left = self.bytes_of("out.nc")
+        err = self.call("report", "out.nc").stderr
+        self.assertRegex(err, "^lacuna: warning: out.nc: .*; lacuna mend out.nc [^\n]*\n$")
+        self.assertEqual(self.bytes_of("out.nc"), left)  # who reads a file does not change it
+        out, _ = self.run_case(0, "-q", "-o", "out.nc", "--resume")
         self.same("whole.nc", "out.nc")
+        with open(self.path("out.nc"), "wb") as file:
+            file.write(left)
+        self.assertEqual(self.call("mend", "out.nc").stdout, "out.nc: mended (running)\n")
+        with netCDF4.Dataset(self.path("out.nc")) as file:
+            self.assertGreater(len(file["time"]), 10)
+        self.assertEqual(self.call("mend", "out.nc").stdout,
+                         "out.nc: is whole, nothing to mend (running)\n")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.html", "out.nc", "whole.nc"])
+
+    def test_complete_is_said_of_what_opens(self):
+        self.run_case(0, "-q", "-o", "out.nc")
+        whole = contents(self.path("out.nc"))
+        self.cut("out.nc")
+        self.refused(2, "--resume: out.nc is complete but was not closed; lacuna mend out.nc",
+                     "--resume", "-o", "out.nc")
+        told = json.loads(self.call("mend", "out.nc", "--json").stdout)
+        self.assertEqual(told, {"file": "out.nc", "mended": True, "status": "complete"})
+        self.assertEqual(contents(self.path("out.nc")), whole)
+        self.refused(2, "--resume: out.nc is complete", "--resume", "-o", "out.nc")
+
+    def test_reserve_is_given_back_before_hdf5_closes(self):
+        """Giving it back takes long, and in HDF5's hands it parts a cut from what is said of it."""
+        log = self.path("log")
+        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": "0:kill", "AT_CALL_LOG": log,
+                       "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "")
+                       + ":verify_asan_link_order=0"}
+        process = self.start("-o", "out.nc", "-q", env=environment)
+        process.communicate(timeout=200)
+        with open(log, encoding="utf-8") as file:
+            lines = [line.split() for line in file]
+        synced = [i for i, words in enumerate(lines) if words[:2] == ["synced", "time"]]
+        # Of all values, and of what is known in the end: HDF5 cuts the file in the second.
+        closing = [words[1] for words in lines[synced[-2]:synced[-1]] if words[0].isdigit()]
+        self.assertEqual(closing[0], "ftruncate")
+        self.assertIn("write", closing[1:])
 
     def test_end_and_most_steps_may_change(self):
         self.run_case(0, "-q", "-o", "whole.nc")

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`lacuna trade` and `lacuna run --accuracy` from the case to the files.
 
-usage: test_trade.py PROGRAM SOURCE_FOLDER STOP_LIBRARY [unittest options]
+usage: test_trade.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 """
 
 import fcntl
@@ -41,7 +41,7 @@ def block_failure():
 def stopped(count, number):
     """Environment in which a trade gets a signal once it has kept so many runs."""
     options = os.environ.get("ASAN_OPTIONS", "")
-    return {"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"{count}:{int(number)}",
+    return {"LD_PRELOAD": STOP, "AT_CALL": f"{count + 1}:signal={int(number)}:fsync:.runs/done",
             "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
 
 
