@@ -57,7 +57,7 @@ static const cli_command commands[] = {
      "FILE.nc.journal "
      "only, and FILE.nc may not open. All commands here read it all the same; mended, in place, "
      "every program does. A run then still goes on by --resume.\n",
-     "lacuna mend vajont.nc", 1, 1, 0, cli_mend},
+     "lacuna mend OUT.nc", 1, 1, 0, cli_mend},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

@@ -211,12 +211,17 @@ class Resume(unittest.TestCase):
                 self.setUp()
                 self.compare_stopped(number, words, "events")
 
-    def start_to_stop(self, count, number, *words, **more):
-        """A run that gets a signal as soon as it has made so many checkpoints."""
+    def start_at_call(self, at, *words, **more):
+        """A run to which something happens at a call that changes a file."""
         options = os.environ.get("ASAN_OPTIONS", "")
-        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": f"{count}:signal={number}:rename:.checkpoint",
+        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": at,
+                       "AT_CALL_LOG": self.path("log") if at.startswith("0:") else "/dev/null",
                        "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
         return self.start(*words, env=environment, **more)
+
+    def start_to_stop(self, count, number, *words, **more):
+        """A run that gets a signal as soon as it has made so many checkpoints."""
+        return self.start_at_call(f"{count}:signal={number}:rename:.checkpoint", *words, **more)
 
     def kill_after_checkpoints(self, count, *words, **more):
         process = self.start_to_stop(count, int(signal.SIGKILL), *words, **more)
@@ -399,9 +404,9 @@ class Resume(unittest.TestCase):
         _, err = self.run_case(2, "-o", "data/shaking.csv", "--force", **more)
         self.assertRegex(err, "data/shaking.csv: is read by this case, must not be the output")
 
-    def hold(self, *words):
-        """A run that stands still once it has made a checkpoint."""
-        process = self.start_to_stop(1, int(signal.SIGSTOP), *words)
+    def hold(self, *words, at="rename:.checkpoint", **more):
+        """A run that stands still once it has made a checkpoint, or such another call."""
+        process = self.start_at_call(f"1:signal={int(signal.SIGSTOP)}:{at}", *words, **more)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
         os.waitid(os.P_PID, process.pid, os.WSTOPPED)
@@ -420,6 +425,54 @@ class Resume(unittest.TestCase):
         self.assertEqual(process.returncode, 3)
         self.assertRegex(err, "^lacuna: .*out.nc: was replaced or removed while it was being "
                          "written\n$")
+
+    def go_on_and_fail(self, process, line):
+        process.send_signal(signal.SIGCONT)
+        _, err = process.communicate(timeout=60)
+        self.assertIn(process.returncode, (2, 3), err)
+        self.assertRegex(err, f"^lacuna: [^ ]*out.nc: {line}\n$")
+
+    def test_a_file_that_is_taken_away_or_replaced(self):
+        """Also without a checkpoint that looks for it: by the end at the latest."""
+        self.write_forced()
+        for replaced in (False, True):
+            process = self.hold("-o", "out.nc", "-q", "--force", at="write:.nc.journal",
+                                case="f.yaml")
+            os.remove(self.path("out.nc"))
+            if replaced:
+                shutil.copy(self.path("f.yaml"), self.path("out.nc"))
+            self.go_on_and_fail(process, "was replaced or removed while it was being written")
+            if replaced:
+                self.assertEqual(self.bytes_of("out.nc"), self.bytes_of("f.yaml"))
+
+    def test_one_of_several_runs_of_a_name(self):
+        """--force of a name that was free replaces nothing that has come since, nor the other way."""
+        for before in (False, True):
+            if before:
+                self.run_case(0, "-q", "-o", "out.nc", "--force")
+            process = self.hold("-o", "out.nc", "-q", "--force", at="open:.part")
+            self.run_case(0, "-q", "-o", "out.nc", "--force", "--until", "1 day")
+            mine = self.bytes_of("out.nc")
+            self.go_on_and_fail(process, "was replaced meanwhile by another process")
+            self.assertEqual(self.bytes_of("out.nc"), mine)
+
+    def test_a_close_that_fails_is_one_line(self):
+        """netCDF breaks down over it."""
+        failed = 0
+        for k in range(1, 7):
+            process = self.start_at_call(f"{k}:fail=5:close", "-o", "out.nc", "-q", "--force",
+                                         "--set", "output={every: 1 hour}")
+            _, err = process.communicate(timeout=60)
+            if process.returncode != 0:
+                failed += 1
+                self.assertEqual(process.returncode, 3, err)
+                self.assertRegex(err, "^lacuna: [^ ]*out.nc[^\n]*\n$")
+        self.assertGreater(failed, 0)
+
+    def test_a_link_that_leads_nowhere(self):
+        os.symlink("nowhere.nc", self.path("link.nc"))
+        self.refused(3, "link.nc: is a link to a file that does not exist", "-o", "link.nc")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "link.nc"])
 
     def cut(self, name):
         """HDF5 killed while it closes a file: its first bytes count 1024 more than there are."""
@@ -473,13 +526,8 @@ class Resume(unittest.TestCase):
 
     def test_reserve_is_given_back_before_hdf5_closes(self):
         """Giving it back takes long, and in HDF5's hands it parts a cut from what is said of it."""
-        log = self.path("log")
-        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": "0:kill", "AT_CALL_LOG": log,
-                       "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "")
-                       + ":verify_asan_link_order=0"}
-        process = self.start("-o", "out.nc", "-q", env=environment)
-        process.communicate(timeout=200)
-        with open(log, encoding="utf-8") as file:
+        self.start_at_call("0:kill", "-o", "out.nc", "-q").communicate(timeout=200)
+        with open(self.path("log"), encoding="utf-8") as file:
             lines = [line.split() for line in file]
         synced = [i for i, words in enumerate(lines) if words[:2] == ["synced", "time"]]
         # Of all values, and of what is known in the end: HDF5 cuts the file in the second.
