@@ -18,6 +18,7 @@ import collections
 import multiprocessing
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -137,7 +138,8 @@ def read(path):
     """All that a file holds: {name: (dimensions, values)} and its attributes."""
     if not path.endswith(".nc"):
         with open(path, "rb") as file:
-            return {"bytes": ((), file.read())}, {}
+            text = re.sub(rb'"made":"[^"]*"', b"", file.read())  # when a page was made
+            return {"bytes": ((), text)}, {}
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         return ({name: (v.dimensions, v[...]) for name, v in file.variables.items()},
