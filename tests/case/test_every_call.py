@@ -28,30 +28,16 @@ import unittest
 
 import netCDF4
 
+from test_resume import CASE, OWN
+
 PROGRAM, SOURCE, LIBRARY = "", "", ""
 EIO, ENOSPC = 5, 28
 ALL_WAYS = ["kill", "tear", f"fail={EIO}", f"fail={ENOSPC}", f"full={ENOSPC}"]
 
-# Of the file's own making, or of how long it took.
-OWN = {"history", "date_created", "date_modified", "wall_time_s", "resumed", "case"}
 GROWING = ("time", "step", "snapshot", "event")
 
-RUN = """\
-lacuna: 1
-interface: {size: "1 m", levels: 2, domain: {full: {}}}
-load:
-  normal: {pressure: "3 MPa"}
-  pore_pressure: [{step: {value: "0.005 MPa", at: "4 hour"}}]
-friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "0.1 mm", v0: "1 um/s"}}
-initial:
-  slip_rate: "1 cm/week"
-  state: {ratio_to_steady: 0.9}
-  spread: {slip_rate: {lognormal: {sigma: 0.5, seed: 2}}}
-material: {shear_modulus: "20 GPa", poisson: 0.25, shear_speed: "3 km/s"}
-transfer: {hierarchy: {k0: 10 GPa/m, ratio: 0.5}}
-time: {end: "30 day", failure: {mean_slip_rate: "10 um/s"}}
-solver: {rtol: 1e-5}
-"""
+# The slope of test_resume.py, smaller.
+RUN = CASE[:CASE.index("analysis:")].replace("levels: 3", "levels: 2").replace("1e-7", "1e-5")
 CHECKPOINTS = """\
 output: {every: {steps: 2}, checkpoint: {steps: 110}}
 """
