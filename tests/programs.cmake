@@ -95,15 +95,18 @@ set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" T
 lacuna_python_test(test_extremes extreme)
 
 # Runs that are stopped and go on. The library that stops them is loaded into them.
-add_library(stop_at_checkpoint MODULE stop/stop_at_checkpoint.c)
-target_compile_options(stop_at_checkpoint PRIVATE ${warnings})
-set(test_resume_files $<TARGET_FILE:stop_at_checkpoint>)
+add_library(at_call MODULE stop/at_call.c)
+target_compile_options(at_call PRIVATE ${warnings})
+target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS})
+set(test_resume_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_resume)
 
+# What is left where a program is killed, or a file call fails, at each of them in turn.
+set(test_every_call_files $<TARGET_FILE:at_call>)
+lacuna_python_test(test_every_call)
+
 # Trades, stopped and killed ones among them, and runs that keep an accuracy.
-add_library(stop_at_kept_run MODULE stop/stop_at_kept_run.c)
-target_compile_options(stop_at_kept_run PRIVATE ${warnings})
-set(test_trade_files $<TARGET_FILE:stop_at_kept_run>)
+set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
 # How many of its runs go side by side.

@@ -24,10 +24,6 @@ typedef struct lac_kept_checkpoint {
 /// @return LAC_OK; LAC_EINPUT where there is none; LAC_EIO (cannot be read, damaged); LAC_ENOMEM
 lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, lac_error *err);
 
-/// Makes a file readable whose writer was killed in the midst of closing it: the bytes of free
-/// space that HDF5 has cut off but still counts are put back. Any other file stays as it is.
-void lac_store_mend(const char *path);
-
 void lac_kept_checkpoint_clear(lac_kept_checkpoint *checkpoint);
 
 /// What this program calls itself in a checkpoint: its name and version.

@@ -20,6 +20,19 @@ lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_err
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
                               lac_error *err);
 
+/// Whether the writer of a file was stopped before it had closed it, and all that was synced is
+/// there all the same: in FILE.journal, or, of a file of an older version that HDF5 has cut by at
+/// most 4 kB, in the file. The readers here then read a copy that is whole, made beside the file,
+/// or in /tmp where that folder cannot be written; other programs cannot. The file does not change.
+/// @return false also where somebody is writing it
+bool lac_store_is_cut(const char *path);
+
+/// Makes such a file whole, so that every program can read it, in place: by a copy and rename. Its
+/// journal is removed. `status` stays what it was.
+/// @param mended  false: nothing was to be done
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written, full disk); LAC_ENOMEM
+lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
+
 /// Closes it; NULL is fine.
 void lac_stored_file_close(lac_stored_file *file);
 

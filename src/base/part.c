@@ -60,6 +60,69 @@ static pid_t maker_of(const char *part, const char *name)
 
 static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
 
+char *lac_part_beside(const char *path, const char *name_ending)
+{
+    size_t size = strlen(path) + strlen(name_ending) + 1;
+    char *name = malloc(size);
+    if (name != NULL) {
+        (void)snprintf(name, size, "%s%s", path, name_ending);
+    }
+    return name;
+}
+
+bool lac_part_write(int fd, const void *bytes, size_t size)
+{
+    const unsigned char *at = bytes;
+    while (size > 0) {
+        ssize_t done = write(fd, at, size);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done <= 0) {
+            errno = done == 0 ? ENOSPC : errno;
+            return false;
+        }
+        at += done;
+        size -= (size_t)done;
+    }
+    return true;
+}
+
+// The folder that a path lies in, open; -1 where it cannot be opened.
+static int open_folder(const char *path)
+{
+    int length = folder_length(path);
+    char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    int fd = name != NULL ? open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    free(name);
+    return fd;
+}
+
+void lac_part_sync_folder(const char *path)
+{
+    int fd = open_folder(path);
+    if (fd >= 0) {
+        (void)fsync(fd);
+        (void)close(fd);
+    }
+}
+
+int lac_part_hold_folder(const char *path)
+{
+    int fd = open_folder(path);
+    if (fd >= 0) {
+        (void)flock(fd, LOCK_EX); // where the file system has no locks, nobody waits
+    }
+    return fd;
+}
+
+void lac_part_let_go(int folder)
+{
+    if (folder >= 0) {
+        (void)close(folder);
+    }
+}
+
 bool lac_part_locked(int folder, const char *path)
 {
     int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);

@@ -3,11 +3,27 @@
 #define LACUNA_BASE_PART_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /// The name under which this process builds a file: `.NAME.lacuna-PID.part` in the same folder.
 /// @param path  where the file will be
 /// @return to be freed; NULL where memory is short
 char *lac_part_name(const char *path);
+
+/// The name of what is kept beside a file: its own and an ending.
+/// @return to be freed; NULL where memory is short
+char *lac_part_beside(const char *path, const char *name_ending);
+
+/// Writes all of it. @return false with errno
+bool lac_part_write(int fd, const void *bytes, size_t size);
+
+/// Makes names that were given or taken in the folder of `path` last.
+void lac_part_sync_folder(const char *path);
+
+/// Waits for the folder of `path`, so that one process at a time gives names in it.
+/// @return to be given to lac_part_let_go
+int lac_part_hold_folder(const char *path);
+void lac_part_let_go(int folder);
 
 /// Removes what processes that are no more have left of files for that path: their number is not
 /// in use and nobody holds HDF5's lock on the file, as one on another machine would.

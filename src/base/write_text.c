@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -27,25 +26,18 @@ static lac_status find_place(const char *path, char **place, lac_error *err)
 }
 
 // A lock tells that the part is being written, also to who sees no process of that number.
-static FILE *open_part(const char *part)
+static bool write_part(const char *part, const char *text)
 {
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
-        return NULL;
+        return false;
     }
     (void)flock(fd, LOCK_EX | LOCK_NB);
-    FILE *file = fdopen(fd, "w");
-    if (file == NULL) {
-        (void)close(fd);
-    }
-    return file;
-}
-
-static bool write_part(const char *part, const char *text)
-{
-    FILE *file = open_part(part);
-    const bool good = file != NULL && fputs(text, file) >= 0;
-    return file != NULL && fclose(file) == 0 && good;
+    const bool good = lac_part_write(fd, text, strlen(text)) && fsync(fd) == 0;
+    const int why = errno;
+    const bool closed = close(fd) == 0;
+    errno = good ? errno : why;
+    return good && closed;
 }
 
 lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err)

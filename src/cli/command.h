@@ -32,6 +32,7 @@ lac_status cli_precursors(const cli_request *request, lac_error *err);
 lac_status cli_fit(const cli_request *request, lac_error *err);
 lac_status cli_trade(const cli_request *request, lac_error *err);
 lac_status cli_report_page(const cli_request *request, lac_error *err);
+lac_status cli_mend(const cli_request *request, lac_error *err);
 lac_status cli_new(const cli_request *request, lac_error *err);
 lac_status cli_completion(const cli_request *request, lac_error *err);
 lac_status cli_describe(const cli_request *request, lac_error *err);

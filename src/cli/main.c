@@ -13,6 +13,7 @@
 #include "cli/libraries.h"
 #include "cli/signals.h"
 #include "cli/words.h"
+#include "lacuna/store_file.h"
 #include "lacuna/version.h"
 
 // The exit status of a result: the one place that says so.
@@ -37,7 +38,6 @@ static int exit_status(lac_status status)
 static void print_help(void)
 {
     const cli_command *command;
-    // A screen of 24 lines holds it all.
     puts("Lacuna: creep, acceleration and failure of rough rock joints.\n"
          "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
     for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
@@ -80,6 +80,19 @@ static void print_version(bool as_json)
     cli_json_close(&json, '}');
 }
 
+// A file that was not closed is read here, but not by others.
+static void say_what_is_cut(const cli_request *request)
+{
+    const bool resumed = cli_given(request, CLI_OPT_RESUME) && request->output != NULL;
+    const char *path = resumed ? request->output : request->argument[0];
+    if (request->command->run != cli_mend && !cli_given(request, CLI_OPT_QUIET) && path != NULL &&
+        lac_store_is_cut(path)) {
+        cli_note("warning: %s: its writer was stopped before it had closed it; all that was synced "
+                 "is read; lacuna mend %s makes it readable for every program",
+                 path, path);
+    }
+}
+
 static lac_status dispatch(const cli_request *request, lac_error *err)
 {
     if (cli_given(request, CLI_OPT_VERSION)) {
@@ -94,6 +107,7 @@ static lac_status dispatch(const cli_request *request, lac_error *err)
         }
         return LAC_OK;
     }
+    say_what_is_cut(request);
     // One thread unless asked for more: two that share a busy core are slower than one.
     omp_set_num_threads(request->threads > 0 ? request->threads : 1);
     return request->command->run(request, err);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "cli/inputs.h"
+#include "cli/signals.h"
 
 // Folder/name.ext -> name + ending
 static char *name_after(const char *case_path, const char *ending)
@@ -67,11 +68,15 @@ lac_status cli_output_check(const cli_request *request, const lac_case *c, const
                             lac_error *err)
 {
     struct stat file;
+    cli_signals_writing(path);
     if (stat(path, &file) == 0) {
         return check_existing(request, c, path, &file, err);
     }
     if (errno != ENOENT) {
         return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    if (lstat(path, &file) == 0) { // said before the work, not after it
+        return lac_fail(err, LAC_EIO, "%s: is a link to a file that does not exist", path);
     }
     return cli_given(request, CLI_OPT_RESUME)
                ? lac_fail(err, LAC_EIO, "--resume: %s: %s", path, strerror(errno))

@@ -28,8 +28,7 @@ static const cli_command commands[] = {
      "CASE-rg.nc in this folder; -v prints them too.\n",
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
-    {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure",
-     "", // all the lines that a screen has are the options'
+    {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
      cli_precursors},
@@ -53,6 +52,12 @@ static const cli_command commands[] = {
      "does. --fit draws what lacuna fit forecasts.\n",
      "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
+    {"mend", "FILE.nc", "make a file readable whose writer was stopped",
+     "Of a run that was killed, or of a history of loads, the last values may be in "
+     "FILE.nc.journal "
+     "only, and FILE.nc may not open. All commands here read it all the same; mended, in place, "
+     "every program does. A run then still goes on by --resume.\n",
+     "lacuna mend OUT.nc", 1, 1, 0, cli_mend},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},

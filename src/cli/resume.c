@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lacuna/store.h"
+#include "lacuna/store_file.h"
 
 enum { LINE = 200 };
 
@@ -93,10 +94,13 @@ lac_status cli_resume_read(const char *path, const char *case_text, const char *
     char status_word[32];
     lac_status status;
     *out = (lac_kept_checkpoint){.records = 0};
-    lac_store_mend(path);
     LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     if (strcmp(status_word, "complete") == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "--resume: %s is complete", path));
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         lac_store_is_cut(path)
+                             ? "--resume: %s is complete but was not closed; lacuna mend %s"
+                             : "--resume: %s is complete",
+                         path, path));
     }
     LAC_TRY(lac_kept_checkpoint_read(path, out, err));
     LAC_TRY(compare_programs(path, out, libraries, err));

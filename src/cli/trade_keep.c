@@ -25,25 +25,78 @@ static char *join(const char *folder, const char *name)
     return path;
 }
 
+// Whether a trade gives a file this name: of a run, while it is made, and what stands beside it.
+static bool is_of_run(const char *name)
+{
+    static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-"};
+    name += *name == '.';
+    if (strncmp(name, "run-", 4) != 0) {
+        return false;
+    }
+    const size_t digits = strspn(name + 4, "0123456789");
+    const char *rest = name + 4 + digits;
+    bool known = digits > 0 && strncmp(rest, ".nc", 3) == 0;
+    bool fits = known && rest[3] == '\0';
+    for (size_t i = 0; known && i < sizeof endings / sizeof endings[0]; i++) {
+        fits |= strncmp(rest + 3, endings[i], strlen(endings[i])) == 0;
+    }
+    return fits;
+}
+
 // Removes what a trade puts there, nothing else.
 static void sweep(const char *folder, bool done_too)
 {
     DIR *files = opendir(folder);
     const struct dirent *file;
     while (files != NULL && (file = readdir(files)) != NULL) {
-        const bool done = strcmp(file->d_name, "done") == 0;
-        if ((done && done_too) || strncmp(file->d_name, "run-", 4) == 0 ||
-            strncmp(file->d_name, ".run-", 5) == 0) {
-            char *path = join(folder, file->d_name);
-            if (path != NULL) {
-                (void)unlink(path);
-            }
-            free(path);
+        if (is_of_run(file->d_name) || (done_too && strcmp(file->d_name, "done") == 0)) {
+            (void)unlinkat(dirfd(files), file->d_name, 0);
         }
     }
     if (files != NULL) {
         (void)closedir(files);
     }
+}
+
+// Whether `done` is a trade's, or as far as its first line got.
+static bool is_done_ours(int folder)
+{
+    char begins[sizeof heading] = "";
+    struct stat about;
+    int fd = openat(folder, "done", O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) {
+        return false;
+    }
+    const ssize_t n = fstat(fd, &about) == 0 && S_ISREG(about.st_mode)
+                          ? pread(fd, begins, sizeof begins - 1, 0)
+                          : -1;
+    (void)close(fd);
+    return n >= 0 && strncmp(begins, heading, (size_t)n) == 0;
+}
+
+// A folder that was there: all in it must be a trade's, since what it has is taken away in the end.
+static lac_status check_folder(const char *folder, bool resume, lac_error *err)
+{
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *files = fd >= 0 ? fdopendir(fd) : NULL;
+    if (files == NULL) {
+        return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", folder,
+                        strerror(errno));
+    }
+    lac_status status = LAC_OK;
+    const bool ours = is_done_ours(fd);
+    const struct dirent *file;
+    while (status == LAC_OK && (file = readdir(files)) != NULL) {
+        const char *name = file->d_name;
+        const bool done = strcmp(name, "done") == 0;
+        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0 ||
+            (ours && (done || is_of_run(name))) || (done && resume)) {
+            continue; // what `done` holds --resume says itself
+        }
+        status = lac_fail(err, LAC_EINPUT, "%s/%s: no trade wrote that; move it away", folder, name);
+    }
+    (void)closedir(files);
+    return status;
 }
 
 // The next number of a line; false where there is none.
@@ -140,7 +193,7 @@ static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
 static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err)
 {
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
-    job->kept = open(path, O_RDWR | O_APPEND | O_CLOEXEC | (resume ? 0 : O_CREAT), 0666);
+    job->kept = open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
     if (job->kept < 0) {
         return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", path,
                         strerror(errno));
@@ -163,8 +216,14 @@ static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err
 lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
 {
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
-    if (!resume && mkdir(job->folder, 0777) != 0 && errno != EEXIST) {
-        return lac_fail(err, LAC_EIO, "%s: %s", job->folder, strerror(errno));
+    if (resume || mkdir(job->folder, 0777) != 0) {
+        if (!resume && errno != EEXIST) {
+            return lac_fail(err, LAC_EIO, "%s: %s", job->folder, strerror(errno));
+        }
+        lac_status found = check_folder(job->folder, resume, err);
+        if (found != LAC_OK) {
+            return found;
+        }
     }
     char *path = join(job->folder, "done");
     if (path == NULL) {

@@ -22,8 +22,11 @@ typedef struct series_file {
 
 bool lac_series_is_netcdf(FILE *stream)
 {
+    if (fseek(stream, 0, SEEK_CUR) != 0) {
+        return false; // a pipe: what is read of it is gone, and netCDF cannot read one
+    }
     char head[4];
-    bool found = lac_netcdf_begins(head, fread(head, 1, sizeof head, stream));
+    const bool found = lac_netcdf_begins(head, fread(head, 1, sizeof head, stream));
     rewind(stream);
     return found;
 }

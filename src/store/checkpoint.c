@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/part.h"
 #include "lacuna/version.h"
 #include "store/store.h"
 
@@ -32,16 +33,6 @@ static uint64_t sum_of(const unsigned char *bytes, size_t size)
         sum ^= sum >> 32;
     }
     return sum;
-}
-
-static char *join(const char *path, const char *ending)
-{
-    size_t size = strlen(path) + strlen(ending) + 1;
-    char *name = malloc(size);
-    if (name != NULL) {
-        (void)snprintf(name, size, "%s%s", path, ending);
-    }
-    return name;
 }
 
 // A length and its bytes; `*text` is allocated while loading.
@@ -71,49 +62,14 @@ static void pass_about(lac_tape *tape, lac_kept_checkpoint *c)
     pass_text(tape, &c->case_text);
 }
 
-static bool write_all(int fd, const void *bytes, size_t size)
-{
-    const unsigned char *at = bytes;
-    while (size > 0) {
-        ssize_t done = write(fd, at, size);
-        if (done < 0 && errno == EINTR) {
-            continue;
-        }
-        if (done <= 0) {
-            errno = done == 0 ? ENOSPC : errno;
-            return false;
-        }
-        at += done;
-        size -= (size_t)done;
-    }
-    return true;
-}
-
-// The name in its folder lasts too.
-static void sync_folder(const char *path)
-{
-    char *folder = strdup(path);
-    char *slash = folder != NULL ? strrchr(folder, '/') : NULL;
-    if (slash != NULL) {
-        slash[slash == folder ? 1 : 0] = '\0';
-    }
-    int fd = folder != NULL ? open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)
-                            : -1;
-    if (fd >= 0) {
-        (void)fsync(fd);
-        (void)close(fd);
-    }
-    free(folder);
-}
-
 static lac_status write_file(const char *name, const char *part, const lac_tape *tape,
                              lac_error *err)
 {
     head h = {.size = tape->size, .sum = sum_of(tape->bytes, tape->size)};
     memcpy(h.mark, mark, sizeof mark);
     int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    bool good = fd >= 0 && write_all(fd, &h, sizeof h) && write_all(fd, tape->bytes, tape->size) &&
-                fsync(fd) == 0;
+    bool good = fd >= 0 && lac_part_write(fd, &h, sizeof h) &&
+                lac_part_write(fd, tape->bytes, tape->size) && fsync(fd) == 0;
     int reason = errno;
     if (fd >= 0 && close(fd) != 0 && good) {
         good = false;
@@ -127,7 +83,7 @@ static lac_status write_file(const char *name, const char *part, const lac_tape 
         (void)unlink(part);
         return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
     }
-    sync_folder(name);
+    lac_part_sync_folder(name);
     return LAC_OK;
 }
 
@@ -145,8 +101,8 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
                                  .case_text = s->case_text};
     lac_tape tape = {.loading = false};
     lac_status status = LAC_OK;
-    char *name = join(s->file.path, ".checkpoint");
-    char *part = join(s->file.path, ".checkpoint.part");
+    char *name = lac_part_beside(s->file.path, ".checkpoint");
+    char *part = lac_part_beside(s->file.path, ".checkpoint.part");
     pass_about(&tape, &about);
     lac_tape_pass(&tape, (void *)checkpoint->state, checkpoint->size); // only read
     if (name == NULL || part == NULL || tape.no_memory) {
@@ -233,7 +189,7 @@ lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, 
     size_t size = 0;
     *out = (lac_kept_checkpoint){.records = 0};
     char *place = realpath(path, NULL); // through the links, as the file itself is written
-    char *name = join(place != NULL ? place : path, ".checkpoint");
+    char *name = lac_part_beside(place != NULL ? place : path, ".checkpoint");
     int fd = name != NULL ? open(name, O_RDONLY | O_CLOEXEC) : -1;
     if (name == NULL) {
         LAC_TRY(lac_fail_memory(err));

@@ -134,8 +134,8 @@ static int put_column(const lac_store *s, size_t c, double *reals, long long *in
         }
     }
     return lac_event_columns[c].var.type == NC_INT64
-               ? nc_put_vara_longlong(s->file.id, s->event_ids[c], start, count, integers)
-               : nc_put_vara_double(s->file.id, s->event_ids[c], start, count, reals);
+               ? lac_nc_append(&s->file, NC_INT64, s->event_ids[c], start, count, integers)
+               : lac_nc_append(&s->file, NC_DOUBLE, s->event_ids[c], start, count, reals);
 }
 
 lac_status lac_store_write_events(lac_store *s, lac_error *err)

@@ -90,7 +90,7 @@ lac_status lac_store_write_extras(const lac_store *s, lac_error *err)
             return lac_fail_memory(err);
         }
         errno = 0;
-        int code = nc_put_vara_double(s->file.id, s->extra_ids[i], start, count, block);
+        int code = lac_nc_append(&s->file, NC_DOUBLE, s->extra_ids[i], start, count, block);
         free(block);
         LAC_TRY(lac_nc_check(s->file.path, code, err, "write", s->extra[i].name));
         first += width;
@@ -109,8 +109,9 @@ lac_status lac_store_once(lac_store *s, const double *once, lac_error *err)
         double value = isnan(*once) ? NC_FILL_DOUBLE : *once;
         once++;
         errno = 0;
-        LAC_TRY(lac_nc_check(s->file.path, nc_put_var_double(s->file.id, s->extra_ids[i], &value),
-                             err, "write", s->extra[i].name));
+        LAC_TRY(lac_nc_check(
+            s->file.path, lac_nc_append(&s->file, NC_DOUBLE, s->extra_ids[i], NULL, NULL, &value),
+            err, "write", s->extra[i].name));
     }
 out:
     return status;

@@ -26,10 +26,11 @@ lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
     }
     struct stat info;
     if (stat(path, &info) != 0) {
-        if (errno == ENOENT) {
-            return LAC_OK;
+        int reason = errno;
+        if (reason == ENOENT && lstat(path, &info) == 0) {
+            return lac_fail(err, LAC_EIO, "%s: is a link to a file that does not exist", path);
         }
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+        return reason == ENOENT ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(reason));
     }
     if (!S_ISREG(info.st_mode)) {
         return lac_fail(err, LAC_EIO, "%s: is %s", path,
@@ -83,20 +84,25 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
     return LAC_OK;
 }
 
-// Gives back the space that was reserved and not used, and seals a file that is whole.
-static void end_reserve(lac_nc *file, bool whole)
+// Gives back the space that was reserved and not used.
+static void end_reserve(const lac_nc *file)
 {
-    if (file->fd < 0) {
-        return;
-    }
-    off_t size = size_of(file->fd);
+    off_t size = file->fd >= 0 ? size_of(file->fd) : -1;
     int wasted = size >= 0 ? ftruncate(file->fd, size) : 0;
     (void)wasted;
-    if (whole) {
-        lac_nc_seal(file->fd);
+}
+
+// The file that stands there now is the only one whose place this one will take.
+static lac_status pin_old(lac_nc *file, lac_error *err)
+{
+    struct stat info;
+    if (stat(file->path, &info) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", file->path, strerror(errno));
     }
-    (void)close(file->fd);
-    file->fd = -1;
+    file->replaces = true;
+    file->old_dev = info.st_dev;
+    file->old_inode = info.st_ino;
+    return LAC_OK;
 }
 
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err)
@@ -113,7 +119,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     if (exists && access(path, W_OK) != 0) {
         return lac_fail(err, LAC_EIO, "%s: cannot replace: %s", path, strerror(errno));
     }
-    if (exists && lac_part_locked(AT_FDCWD, path)) {
+    if (exists && lac_nc_is_written(path)) {
         return lac_fail(err, LAC_EIO, "%s: cannot replace: another process is writing it", path);
     }
     file->path = resolve(path, exists);
@@ -121,6 +127,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     if (file->part == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
+    LAC_TRY(exists ? pin_old(file, err) : LAC_OK);
     LAC_TRY(take_part(file, err));
     errno = 0;
     int code = nc_create(file->part, NC_NETCDF4 | NC_CLOBBER, &file->id);
@@ -131,18 +138,6 @@ out:
         lac_nc_clear(file);
     }
     return status;
-}
-
-lac_status lac_nc_pin_old(lac_nc *file, lac_error *err)
-{
-    struct stat info;
-    if (stat(file->path, &info) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", file->path, strerror(errno));
-    }
-    file->old_pinned = true;
-    file->old_dev = info.st_dev;
-    file->old_inode = info.st_ino;
-    return LAC_OK;
 }
 
 static bool stands_at(const char *path, dev_t dev, ino_t inode)
@@ -162,29 +157,119 @@ lac_status lac_nc_check_place(const lac_nc *file, lac_error *err)
                     file->path);
 }
 
+lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    file->journal = lac_journal_create(file, &status, err);
+    return status;
+}
+
+// Takes the place of the one file that was there, or of none.
+static int take_place(const lac_nc *file)
+{
+    if (!file->replaces) {
+        return lac_part_publish(file->part, file->path, false);
+    }
+    // Of several that would take the same place one at a time looks who is there.
+    int folder = lac_part_hold_folder(file->path);
+    int failed = -1;
+    errno = EEXIST;
+    if (stands_at(file->path, file->old_dev, file->old_inode)) {
+        failed = lac_part_publish(file->part, file->path, true);
+    }
+    int reason = errno;
+    lac_part_let_go(folder);
+    errno = reason;
+    return failed;
+}
+
 lac_status lac_nc_publish(lac_nc *file, lac_error *err)
 {
-    if (file->old_pinned && !stands_at(file->path, file->old_dev, file->old_inode)) {
-        return lac_fail(err, LAC_EINPUT, "%s: was replaced meanwhile by another process",
-                        file->path);
-    }
-    if (lac_part_publish(file->part, file->path, file->force) != 0) {
-        if (errno == EEXIST && !file->force) {
-            return lac_fail(err, LAC_EINPUT, "%s: exists", file->path);
+    if (take_place(file) != 0) {
+        if (errno == EEXIST) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s", file->path,
+                            file->force ? "was replaced meanwhile by another process" : "exists");
         }
         return lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
     }
     file->published = true;
-    return LAC_OK;
+    return file->journal != NULL ? lac_journal_publish(file->journal, file->path, err) : LAC_OK;
 }
 
+int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
+                  const size_t *count, const void *values)
+{
+    char name[NC_MAX_NAME + 1] = "";
+    int rank = 0;
+    int code = NC_NOERR;
+    if (file->journal != NULL) {
+        code = nc_inq_var(file->id, id, name, NULL, &rank, NULL, NULL);
+        code = code == NC_NOERR
+                   ? lac_journal_put(file->journal, name, type, rank, start, count, values)
+                   : code;
+    }
+    if (code != NC_NOERR) {
+        return code;
+    }
+    code = lac_nc_put_values(file->id, type, id, start, count, values);
+    if (code != NC_NOERR) {
+        lac_journal_need(file->journal);
+    }
+    return code;
+}
+
+static lac_status flush(const lac_nc *file, lac_error *err)
+{
+    errno = 0;
+    lac_status status = lac_nc_check(file->path, nc_sync(file->id), err, "write", "");
+    if (status != LAC_OK) {
+        lac_journal_need(file->journal);
+    }
+    return status;
+}
+
+lac_status lac_nc_sync(const lac_nc *file, lac_error *err)
+{
+    int code = file->journal != NULL
+                   ? lac_journal_put(file->journal, "", NC_NAT, 0, NULL, NULL, NULL)
+                   : NC_NOERR;
+    return code == NC_NOERR ? flush(file, err) : lac_nc_check(file->path, code, err, "write", "");
+}
+
+lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err)
+{
+    int code = file->journal != NULL ? lac_journal_to_disk(file->journal) : 0;
+    if (code == 0 && file->fd >= 0 && fsync(file->fd) != 0) {
+        code = errno;
+    }
+    return code == 0 ? LAC_OK
+                     : lac_fail(err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(code));
+}
+
+// The values are written and synced. Now the reserve is given back, by us: in HDF5's hands, which
+// cut the file and only then say so in its first bytes, that would take a thousand times as long.
 lac_status lac_nc_close(lac_nc *file, lac_error *err)
 {
+    end_reserve(file);
+    lac_status written = flush(file, err);
     file->open = false;
     errno = 0;
-    lac_status status = lac_nc_check(file->path, nc_close(file->id), err, "close", "");
-    end_reserve(file, status == LAC_OK);
-    return status;
+    lac_status closed =
+        lac_nc_check(file->path, nc_close(file->id), written == LAC_OK ? err : NULL, "close", "");
+    bool whole = written == LAC_OK && closed == LAC_OK && !lac_journal_is_needed(file->journal);
+    lac_status kept = whole ? lac_nc_to_disk(file, err) : LAC_OK;
+    kept = whole && kept == LAC_OK && file->published ? lac_nc_check_place(file, err) : kept;
+    whole = whole && kept == LAC_OK;
+    if (whole && file->fd >= 0) {
+        lac_nc_seal(file->fd);
+    }
+    lac_journal_free(file->journal, whole);
+    file->journal = NULL;
+    if (file->fd >= 0) {
+        (void)close(file->fd);
+        file->fd = -1;
+    }
+    return written != LAC_OK ? written : closed != LAC_OK ? closed : kept;
 }
 
 void lac_nc_clear(lac_nc *file)
@@ -192,10 +277,16 @@ void lac_nc_clear(lac_nc *file)
     if (file->open) {
         (void)lac_nc_close(file, NULL);
     }
-    end_reserve(file, false);
+    if (file->fd >= 0) {
+        end_reserve(file);
+        (void)close(file->fd);
+        file->fd = -1;
+    }
     if (file->part != NULL && !file->published) {
         (void)unlink(file->part);
     }
+    lac_journal_free(file->journal, !file->published);
+    file->journal = NULL;
     free(file->part);
     free(file->path);
     file->part = NULL;

@@ -106,12 +106,6 @@ struct lac_history_store {
     int series[SERIES_COUNT], maps[MAP_COUNT];
 };
 
-static lac_status sync_file(const lac_history_store *s, lac_error *err)
-{
-    errno = 0;
-    return lac_nc_check(s->file.path, nc_sync(s->file.id), err, "write", "");
-}
-
 static lac_status define_series(lac_history_store *s, int dim, lac_error *err)
 {
     const size_t chunk = CHUNK_STEPS;
@@ -199,7 +193,8 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
     s->pressed = def->pressed;
     LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
     LAC_TRY(define(s, def, err));
-    LAC_TRY(sync_file(s, err));
+    LAC_TRY(lac_nc_sync(&s->file, err));
+    LAC_TRY(lac_nc_keep_journal(&s->file, err));
     LAC_TRY(lac_nc_publish(&s->file, err));
     *out = s;
     s = NULL;
@@ -236,17 +231,18 @@ lac_status lac_history_store_step(lac_history_store *store, const lac_history_re
     };
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_reserve(&store->file, sizeof values + SERIES_COUNT * CHUNK_STEPS * 8, err));
+    const size_t one = 1;
     for (int i = 0; i < SERIES_COUNT; i++) {
         const double missing = series[i].type == NC_INT ? NC_FILL_INT : NC_FILL_DOUBLE;
         const double value = isnan(values[i]) ? missing : values[i];
         errno = 0;
         LAC_TRY(lac_nc_check(
             store->file.path,
-            nc_put_var1_double(store->file.id, store->series[i], &store->steps, &value), err,
-            "write", series[i].name));
+            lac_nc_append(&store->file, NC_DOUBLE, store->series[i], &store->steps, &one, &value),
+            err, "write", series[i].name));
     }
     store->steps++;
-    LAC_TRY(sync_file(store, err));
+    LAC_TRY(lac_nc_sync(&store->file, err));
 out:
     return status;
 }
@@ -272,13 +268,15 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
         int code = NC_NOERR;
         errno = 0;
         if (i == STATE) {
-            code = nc_put_vara_uchar(store->file.id, id, start + skip, count + skip, maps->state);
+            code =
+                lac_nc_append(&store->file, NC_UBYTE, id, start + skip, count + skip, maps->state);
         } else if (has_map(store, i)) {
-            code = nc_put_vara_double(store->file.id, id, start + skip, count + skip, values[i]);
+            code =
+                lac_nc_append(&store->file, NC_DOUBLE, id, start + skip, count + skip, values[i]);
         }
         LAC_TRY(lac_nc_check(store->file.path, code, err, "write", map_vars[i].name));
     }
-    LAC_TRY(sync_file(store, err));
+    LAC_TRY(lac_nc_sync(&store->file, err));
 out:
     return status;
 }

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A file whose writer was killed while HDF5 closed it. HDF5 then gives back what it holds free at
+// A file that its writer did not close. Where a journal is beside it, that has all that was synced.
+// An older one may have been cut while HDF5 closed it: HDF5 then gives back what it holds free at
 // the end: it cuts the file, and only afterwards writes the new length into the superblock. In
-// between, which is long where cutting takes the file system long, the file seems truncated.
+// between the file seems truncated; with the bytes put back it can be read. Either is done in a
+// copy: who reads a file does not change it.
+#include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/part.h"
-#include "lacuna/store_checkpoint.h"
+#include "lacuna/store_file.h"
+#include "store/input.h"
 
 enum {
     GIVEN_BACK_MAX = 2 * 2048, // HDF5's two blocks of free space: of structure, of small data
@@ -17,6 +23,7 @@ enum {
     WIDTH = 9, // of addresses
     FLAGS = 11,
     LENGTH = 28,
+    BLOCK = 1 << 16, // bytes copied at once
 };
 
 // The length that the superblock of an unclosed file states; 0: it is none of that kind.
@@ -36,23 +43,198 @@ static uint64_t stated_length(int fd)
     return length;
 }
 
-void lac_store_mend(const char *path)
+// The length of a file that lacks what HDF5 has cut off; 0: it lacks nothing, or more than that.
+static uint64_t length_of_cut(int fd)
 {
     struct stat info;
-    if (lac_part_locked(AT_FDCWD, path)) {
-        return;
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
+        return 0;
     }
-    int fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+    uint64_t length = stated_length(fd);
+    uint64_t size = (uint64_t)info.st_size;
+    return length > size && length - size <= GIVEN_BACK_MAX ? length : 0;
+}
+
+lac_cut lac_nc_cut(const char *path)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) {
-        return;
+        return LAC_CUT_NONE;
     }
-    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)) {
-        uint64_t length = stated_length(fd);
-        uint64_t size = (uint64_t)info.st_size;
-        if (length > size && length - size <= GIVEN_BACK_MAX) {
-            int failed = ftruncate(fd, (off_t)length); // then it still seems damaged
-            (void)failed;
-        }
-    }
+    lac_cut cut = lac_journal_waits(path) ? LAC_CUT_JOURNAL
+                  : length_of_cut(fd) > 0 ? LAC_CUT_SHORT
+                                          : LAC_CUT_NONE;
     (void)close(fd);
+    return cut;
+}
+
+bool lac_nc_is_written(const char *path)
+{
+    char journal[LAC_JOURNAL_NAME];
+    return lac_part_locked(AT_FDCWD, path) ||
+           (lac_journal_name(path, journal) && lac_part_locked(AT_FDCWD, journal));
+}
+
+bool lac_store_is_cut(const char *path)
+{
+    return !lac_nc_is_written(path) && lac_nc_cut(path) != LAC_CUT_NONE;
+}
+
+static bool copy_bytes(int from, int to)
+{
+    char *block = malloc(BLOCK);
+    ssize_t got = -1;
+    bool good = block != NULL;
+    for (off_t at = 0; good && (got = pread(from, block, BLOCK, at)) > 0; at += got) {
+        good = lac_part_write(to, block, (size_t)got);
+    }
+    free(block);
+    return good && got == 0;
+}
+
+static bool pad(const char *path, int to)
+{
+    int from = open(path, O_RDONLY | O_CLOEXEC);
+    uint64_t length = from >= 0 ? length_of_cut(from) : 0;
+    bool good = length > 0 && copy_bytes(from, to) && ftruncate(to, (off_t)length) == 0;
+    int reason = errno;
+    if (from >= 0) {
+        (void)close(from);
+    }
+    errno = reason;
+    return good;
+}
+
+// A new file `FOLDER/.NAME.mended.lacuna-PID.part`.
+static int open_copy(const char *path, char **copy)
+{
+    char *name = lac_part_beside(path, ".mended");
+    *copy = name != NULL ? lac_part_name(name) : NULL;
+    int fd = -1;
+    if (*copy != NULL) {
+        lac_part_sweep(name);
+        (void)unlink(*copy);
+        fd = open(*copy, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    }
+    free(name);
+    return fd;
+}
+
+// The same in the folder for temporary files, where the file's own cannot be written.
+static int open_copy_elsewhere(const char *path, char **copy)
+{
+    const char *slash = strrchr(path, '/');
+    char *name = lac_part_beside("/tmp/", slash != NULL ? slash + 1 : path);
+    free(*copy);
+    *copy = NULL;
+    int fd = name != NULL ? open_copy(name, copy) : -1;
+    free(name);
+    return fd;
+}
+
+// Opened and closed once the copy is no unclosed file any more.
+static int close_well(const char *path, lac_cut cut, const char *copy)
+{
+    int id = 0;
+    int code = nc_open(copy, NC_WRITE, &id);
+    if (code != NC_NOERR) {
+        return code;
+    }
+    code = cut == LAC_CUT_JOURNAL ? lac_journal_replay(path, id) : NC_NOERR;
+    int closed = nc_close(id);
+    return code == NC_NOERR ? closed : code;
+}
+
+static lac_status fill_copy(const char *path, lac_cut cut, int fd, const char *copy, lac_error *err)
+{
+    struct stat info;
+    lac_status status = LAC_OK;
+    if (!(cut == LAC_CUT_JOURNAL ? lac_journal_copy_base(path, fd) : pad(path, fd)) ||
+        fstat(fd, &info) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO,
+                         "%s: was not closed, and a copy to read cannot be written: %s", path,
+                         strerror(errno)));
+    }
+    LAC_TRY(lac_nc_heap(path, fd, (size_t)info.st_size, err));
+    LAC_TRY(lac_nc_check(path, close_well(path, cut, copy), err, "mend", "it"));
+    lac_nc_seal(fd);
+out:
+    return status;
+}
+
+lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_error *err)
+{
+    const lac_cut cut = lac_nc_cut(path);
+    *copy = NULL;
+    if (cut == LAC_CUT_NONE) {
+        return LAC_OK;
+    }
+    lac_status status = LAC_OK;
+    char *place = realpath(path, NULL);
+    int fd = place != NULL ? open_copy(place, copy) : -1;
+    fd = fd < 0 && *copy != NULL && !beside ? open_copy_elsewhere(place, copy) : fd;
+    if (fd < 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: was not closed, and a copy to read cannot be made: %s",
+                         path, strerror(errno)));
+    }
+    LAC_TRY(fill_copy(place, cut, fd, *copy, err));
+out:
+    if (status != LAC_OK && fd >= 0) {
+        (void)unlink(*copy);
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    if (status != LAC_OK) {
+        free(*copy);
+        *copy = NULL;
+    }
+    free(place);
+    return status;
+}
+
+// The copy takes the file's place, with its rights.
+static lac_status put_in_place(const char *path, const char *copy, lac_error *err)
+{
+    struct stat info;
+    lac_status status = LAC_OK;
+    char journal[LAC_JOURNAL_NAME];
+    char *place = realpath(path, NULL);
+    int fd = open(copy, O_RDONLY | O_CLOEXEC);
+    if (place == NULL || !lac_journal_name(path, journal) || fd < 0 || stat(place, &info) != 0 ||
+        fchmod(fd, info.st_mode & 07777) != 0 || fsync(fd) != 0 || rename(copy, place) != 0) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot be mended: %s", path, strerror(errno)));
+    }
+    lac_part_sync_folder(place);
+    (void)unlink(journal); // the one whose values the file has now
+out:
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    free(place);
+    return status;
+}
+
+lac_status lac_store_mend(const char *path, bool *mended, lac_error *err)
+{
+    lac_input in = {.open = false};
+    char *copy = NULL;
+    lac_status status = LAC_OK;
+    *mended = false;
+    if (lac_nc_is_written(path)) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: another process is writing it", path));
+    }
+    LAC_TRY(lac_nc_mended_copy(path, true, &copy, err));
+    if (copy != NULL) {
+        LAC_TRY(put_in_place(path, copy, err));
+        *mended = true;
+    }
+    LAC_TRY(lac_input_open(&in, path, err));
+out:
+    lac_input_close(&in);
+    if (copy != NULL && !*mended) {
+        (void)unlink(copy);
+    }
+    free(copy);
+    return status;
 }

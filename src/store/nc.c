@@ -38,6 +38,14 @@ lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *
                     name, why);
 }
 
+int lac_nc_put_values(int file, nc_type type, int id, const size_t *start, const size_t *count,
+                      const void *values)
+{
+    return type == NC_UBYTE   ? nc_put_vara_uchar(file, id, start, count, values)
+           : type == NC_INT64 ? nc_put_vara_longlong(file, id, start, count, values)
+                              : nc_put_vara_double(file, id, start, count, values);
+}
+
 lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *dim, lac_error *err)
 {
     return lac_nc_check(file->path, nc_def_dim(file->id, name, length, dim), err,

@@ -2,6 +2,7 @@
 #ifndef LACUNA_STORE_NC_H
 #define LACUNA_STORE_NC_H
 
+#include <limits.h>
 #include <netcdf.h>
 #include <sys/types.h>
 
@@ -13,10 +14,11 @@ typedef struct lac_nc {
     int id;
     bool open, published;
     bool force;
-    int fd;          ///< by which space is reserved and the file sealed; -1: none
-    char *path;      ///< where it will be
-    char *part;      ///< where it is built
-    bool old_pinned; ///< takes the place of one file only, which is:
+    int fd;                      ///< by which space is reserved and the file sealed; -1: none
+    struct lac_journal *journal; ///< of a file that grows; NULL: none
+    char *path;                  ///< where it will be
+    char *part;                  ///< where it is built
+    bool replaces;               ///< takes the place of one file only, which is:
     dev_t old_dev;
     ino_t old_inode;
 } lac_nc;
@@ -46,9 +48,32 @@ lac_status lac_nc_path(const char *path, bool *exists, lac_error *err);
 /// @return LAC_OK; LAC_EINPUT where `path` exists and `force` is not set; LAC_EIO; LAC_ENOMEM
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err);
 
-/// The file that now stands at `path` is the only one whose place this one will take.
+/// Begins a journal of a file that goes on growing once it is published: all that it holds by now,
+/// and from here on what lac_nc_append is given. HDF5 writes over its own structure at each sync,
+/// so a kill in there can lose the whole file; the journal is only added to. It gets the name
+/// FILE.journal with the file's, and is removed when the file is closed well.
+/// @pre   all is synced
+/// @return LAC_OK; LAC_EINPUT where another's file has that name; LAC_EIO; LAC_ENOMEM
+lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err);
+
+/// Puts values into a variable, the journal first.
+/// @param type  of the values: NC_DOUBLE, NC_INT64 (long long) or NC_UBYTE
+/// @param start, count  [rank of the variable]
+/// @return as netCDF, or what the system said
+int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
+                  const size_t *count, const void *values);
+
+/// The same without a journal. @param file  open in netCDF
+int lac_nc_put_values(int file, nc_type type, int id, const size_t *start, const size_t *count,
+                      const void *values);
+
+/// Brings all that was put into the file, and marks it so in the journal.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_nc_sync(const lac_nc *file, lac_error *err);
+
+/// Brings what was synced from the system's memory to the disk.
 /// @return LAC_OK; LAC_EIO
-lac_status lac_nc_pin_old(lac_nc *file, lac_error *err);
+lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err);
 
 /// Gives the file its name; it may be open.
 /// @return LAC_OK; LAC_EINPUT where another file has appeared there meanwhile; LAC_EIO
@@ -63,8 +88,8 @@ lac_status lac_nc_check_place(const lac_nc *file, lac_error *err);
 /// @return LAC_OK, also where the file system cannot reserve; LAC_EIO where there is no space
 lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
 
-/// Closes and seals the file.
-/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+/// Closes and seals the file, and removes its journal.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here; what was published is gone from its place)
 lac_status lac_nc_close(lac_nc *file, lac_error *err);
 
 /// Closes what is open, removes what was not published, frees the names.
@@ -101,6 +126,59 @@ lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char
 lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double value, lac_error *err);
 lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
                           lac_error *err);
+
+/// What is kept of a file in FILE.journal; `base/part.h` says what `part` and `path` are.
+struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *status, lac_error *err);
+lac_status lac_journal_publish(struct lac_journal *journal, const char *path, lac_error *err);
+
+/// Adds values, or with `values` NULL the mark that all before it was synced.
+/// @param rank  at most 4
+/// @return 0; errno
+int lac_journal_put(struct lac_journal *journal, const char *name, nc_type type, int rank,
+                    const size_t *start, const size_t *count, const void *values);
+int lac_journal_to_disk(const struct lac_journal *journal);
+
+/// Says that HDF5 failed to write: it then may have dropped values of earlier syncs and closes all
+/// the same, so that the journal must stay. @param journal  may be NULL
+void lac_journal_need(struct lac_journal *journal);
+bool lac_journal_is_needed(const struct lac_journal *journal);
+
+/// Ends it. @param remove  its file too, if it still is this journal's
+void lac_journal_free(struct lac_journal *journal, bool remove);
+
+/// The name of a file's journal, its links followed. @return false where there is no such file
+enum { LAC_JOURNAL_NAME = PATH_MAX + 16 };
+bool lac_journal_name(const char *path, char name[LAC_JOURNAL_NAME]);
+
+/// Whether a file has a journal that its writer left: the file was not closed, and the two belong
+/// together.
+bool lac_journal_waits(const char *path);
+
+/// Writes what a file held when its journal was begun.
+/// @param to  empty, open for writing
+/// @return whether it could be; else errno says why
+bool lac_journal_copy_base(const char *path, int to);
+
+/// Puts into that file all that was synced since.
+/// @param id  the copy, open in netCDF
+/// @return as netCDF
+int lac_journal_replay(const char *path, int id);
+
+/// Why a file cannot be read as it is although all that was synced is there.
+typedef enum lac_cut { LAC_CUT_NONE = 0, LAC_CUT_SHORT, LAC_CUT_JOURNAL } lac_cut;
+lac_cut lac_nc_cut(const char *path);
+
+/// Whether somebody is writing a file, or has not yet done with its journal.
+bool lac_nc_is_written(const char *path);
+
+/// A whole copy of a file that lac_nc_cut says something of.
+/// @param beside  it must be in the folder of the file; else /tmp is tried too
+/// @param copy    its name, to be freed, and the file to be removed; NULL: there is nothing to mend
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_error *err);
+
+/// A checksum of bytes. @param sum  to go on from
+uint64_t lac_nc_sum(uint64_t sum, const void *bytes, size_t size);
 
 /// Puts a checksum behind the end of a closed file; where it cannot, the file stays without.
 /// @param fd  open for reading and writing

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
-#include "base/part.h"
 #include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
@@ -34,19 +33,22 @@ static lac_status fail_open(const lac_input *in, int code, lac_error *err)
 }
 
 // What can be said of a file before HDF5 opens it.
-static lac_status inspect(lac_input *in, lac_error *err)
+// @param copy  of a file that was not closed, to be opened in its place and removed
+static lac_status inspect(lac_input *in, char **copy, lac_error *err)
 {
     struct stat info = {0};
     bool exists = false;
+    int fd = -1;
     lac_status status = lac_nc_path(in->path, &exists, err);
     if (status != LAC_OK) {
         return status;
     }
     // What is half written would seem damaged.
-    if (exists && lac_part_locked(AT_FDCWD, in->path)) {
+    if (exists && lac_nc_is_written(in->path)) {
         return lac_fail(err, LAC_EIO, "%s: another process is writing it", in->path);
     }
-    int fd = open(in->path, O_RDONLY | O_CLOEXEC);
+    LAC_TRY(lac_nc_mended_copy(in->path, false, copy, err));
+    fd = open(*copy != NULL ? *copy : in->path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || fstat(fd, &info) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", in->path, strerror(errno)));
     }
@@ -66,12 +68,20 @@ out:
 
 lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
 {
+    char *copy = NULL;
+    int code = NC_NOERR;
     *in = (lac_input){.path = path};
-    lac_status status = inspect(in, err);
+    lac_status status = inspect(in, &copy, err);
+    if (status == LAC_OK) {
+        code = nc_open(copy != NULL ? copy : path, NC_NOWRITE, &in->id);
+    }
+    if (copy != NULL) {
+        (void)unlink(copy); // it lasts while it is open
+        free(copy);
+    }
     if (status != LAC_OK) {
         return status;
     }
-    int code = nc_open(path, NC_NOWRITE, &in->id);
     if (code != NC_NOERR) {
         return fail_open(in, code, err);
     }

@@ -102,8 +102,8 @@ static lac_status copy_rows(const lac_store *s, const lac_input *in, const serie
         }
     }
     errno = 0;
-    code = whole_numbers ? nc_put_vara_longlong(s->file.id, v->to, start, count, values)
-                         : nc_put_vara_double(s->file.id, v->to, start, count, values);
+    code =
+        lac_nc_append(&s->file, whole_numbers ? NC_INT64 : NC_DOUBLE, v->to, start, count, values);
     return lac_nc_check(s->file.path, code, err, "write", v->name);
 }
 
@@ -234,7 +234,6 @@ lac_status lac_store_take_over(lac_store *s, const lac_kept_checkpoint *from, la
 {
     lac_input in = {.open = false};
     lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_pin_old(&s->file, err));
     LAC_TRY(lac_input_open(&in, s->file.path, err));
     LAC_TRY(check_pair(&in, from, err));
     LAC_TRY(lac_nc_reserve(&s->file, in.size, err));

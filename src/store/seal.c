@@ -22,29 +22,35 @@ typedef struct seal {
 
 static const char mark[8] = {'L', 'A', 'C', 'S', 'E', 'A', 'L', '1'};
 
-// FNV-1a on words of 8 bytes, the high half folded in so that every bit reaches every other.
-static uint64_t add_words(uint64_t sum, const uint64_t *words, size_t count)
+// FNV-1a on words of 8 bytes, the last one filled up with zeros, the high half folded in so that
+// every bit reaches every other.
+uint64_t lac_nc_sum(uint64_t sum, const void *bytes, size_t size)
 {
-    for (size_t i = 0; i < count; i++) {
-        sum = (sum ^ words[i]) * UINT64_C(0x100000001b3);
+    const unsigned char *at = bytes;
+    for (size_t left = size; left > 0;) {
+        uint64_t word = 0;
+        const size_t part = left < sizeof word ? left : sizeof word;
+        memcpy(&word, at, part);
+        sum = (sum ^ word) * UINT64_C(0x100000001b3);
         sum ^= sum >> 32;
+        at += part;
+        left -= part;
     }
     return sum;
 }
 
 static bool sum_file(int fd, uint64_t size, uint64_t *sum)
 {
-    uint64_t words[BUFFER_WORDS];
+    uint64_t bytes[BUFFER_WORDS];
     *sum = size;
     for (uint64_t at = 0; at < size;) {
         uint64_t left = size - at;
-        size_t wanted = left < sizeof words ? (size_t)left : sizeof words;
-        words[(wanted - 1) / 8] = 0; // the last word may be a part
-        ssize_t got = pread(fd, words, wanted, (off_t)at);
+        size_t wanted = left < sizeof bytes ? (size_t)left : sizeof bytes;
+        ssize_t got = pread(fd, bytes, wanted, (off_t)at);
         if (got < 0 || (size_t)got != wanted) {
             return false;
         }
-        *sum = add_words(*sum, words, (wanted + 7) / 8);
+        *sum = lac_nc_sum(*sum, bytes, wanted);
         at += wanted;
     }
     return true;

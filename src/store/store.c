@@ -40,10 +40,9 @@ static lac_status name_time_unit(lac_store *s, const lac_store_def *def, lac_err
 
 static lac_status sync_file(lac_store *s, lac_error *err)
 {
-    errno = 0;
     s->unsynced = 0;
     s->pending = 0;
-    return lac_nc_check(s->file.path, nc_sync(s->file.id), err, "write", "");
+    return lac_nc_sync(&s->file, err);
 }
 
 // What a checkpoint says of who made it.
@@ -73,10 +72,12 @@ static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *
         LAC_TRY(lac_store_take_over(s, def->resume, err));
     }
     LAC_TRY(sync_file(s, err));
-    if (def->resume == NULL) {
-        lac_store_remove_checkpoint(s->file.path); // of the file that is replaced
-    }
+    LAC_TRY(lac_nc_keep_journal(&s->file, err));
+    LAC_TRY(def->resume != NULL ? lac_nc_to_disk(&s->file, err) : LAC_OK);
     LAC_TRY(lac_nc_publish(&s->file, err));
+    if (def->resume == NULL) {
+        lac_store_remove_checkpoint(s->file.path); // of the file that was replaced
+    }
 out:
     return status;
 }
@@ -127,7 +128,8 @@ static int put_reals(const lac_store *s, size_t column)
             values[i] = NC_FILL_DOUBLE;
         }
     }
-    return nc_put_vara_double(s->file.id, s->columns[column], &s->written, &s->buffered, values);
+    return lac_nc_append(&s->file, NC_DOUBLE, s->columns[column], &s->written, &s->buffered,
+                         values);
 }
 
 static int put_integers(const lac_store *s, size_t column)
@@ -139,7 +141,7 @@ static int put_integers(const lac_store *s, size_t column)
         memcpy(&value, at(&s->rows[i], c->offset), sizeof value);
         values[i] = c->var.fill && value == 0 ? NC_FILL_INT : value;
     }
-    return nc_put_vara_longlong(s->file.id, s->columns[column], &s->written, &s->buffered, values);
+    return lac_nc_append(&s->file, NC_INT64, s->columns[column], &s->written, &s->buffered, values);
 }
 
 lac_status lac_store_reserve(lac_store *s, size_t bytes, lac_error *err)
@@ -244,9 +246,9 @@ static lac_status put_field(const lac_store *s, size_t field, const lac_snapshot
     const double *values = NULL;
     memcpy(&values, (const char *)snapshot + lac_fields[field].offset, sizeof values);
     assert(values != NULL);
-    return lac_nc_check(s->file.path,
-                        nc_put_vara_double(s->file.id, s->field_ids[field], start, count, values),
-                        err, "write", lac_fields[field].var.name);
+    return lac_nc_check(
+        s->file.path, lac_nc_append(&s->file, NC_DOUBLE, s->field_ids[field], start, count, values),
+        err, "write", lac_fields[field].var.name);
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
@@ -264,10 +266,11 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
             LAC_TRY(put_field(s, f, snapshot, err));
         }
     }
+    const size_t one = 1;
     LAC_TRY(lac_nc_check(
         s->file.path,
-        nc_put_var1_double(s->file.id, s->snapshot_time, &s->snapshots, &snapshot->time), err,
-        "write", "snapshot_time"));
+        lac_nc_append(&s->file, NC_DOUBLE, s->snapshot_time, &s->snapshots, &one, &snapshot->time),
+        err, "write", "snapshot_time"));
     s->snapshots++;
     LAC_TRY(lac_store_count(s, err));
 out:
@@ -299,10 +302,7 @@ static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint
     LAC_TRY(lac_store_write_events(s, err));
     LAC_TRY(sync_file(s, err));
     LAC_TRY(lac_nc_check_place(&s->file, err));
-    errno = 0;
-    if (s->file.fd >= 0 && fsync(s->file.fd) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", s->file.path, strerror(errno)));
-    }
+    LAC_TRY(lac_nc_to_disk(&s->file, err));
     LAC_TRY(lac_store_put_checkpoint(s, checkpoint, err));
     s->has_checkpoint = true;
 out:

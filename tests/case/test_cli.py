@@ -166,7 +166,7 @@ class Usage(Case):
         self.assertEqual(out, "lacuna {version}\n{libraries}, netCDF {netcdf}\n".format(**told))
 
     def test_help_has_an_example(self):
-        commands = ["run", "check", "contact", "rg", "precursors", "fit", "trade", "new",
+        commands = ["run", "check", "contact", "rg", "precursors", "fit", "trade", "mend", "new",
                     "report", "describe", "completion"]
         texts = [self.expect(0, "--help").stdout]
         texts += [self.expect(0, command, "--help").stdout for command in commands]
@@ -174,7 +174,7 @@ class Usage(Case):
         for text in texts:
             self.assertRegex(text, r"example: (source <\()?lacuna")
             self.assertLessEqual(max(map(len, text.splitlines())), 80, text)
-        for command in commands[:-1]:  # a screen has no line for completion
+        for command in commands[:-1]:  # completion is not listed
             self.assertIn(f"  {command} ", texts[0])
 
 

@@ -142,7 +142,7 @@ def tabled(text):
 
 
 class Manual(unittest.TestCase):
-    commands = ("run check contact rg precursors fit trade report new describe completion").split()
+    commands = ("run check contact rg precursors fit trade report mend new describe completion").split()
 
     def test_all_commands(self):
         listed = re.findall(r"__fish_use_subcommand -a ([\w-]+)", call(["completion", "fish"]))

@@ -504,6 +504,20 @@ class Precursors(unittest.TestCase):
             for key in ("indicators", "forecasts"):
                 self.assertEqual(past[key], until[key])
 
+    def test_a_pipe_is_read_as_its_file(self):
+        """Whatever its first bytes are: without a header line nothing can be lost unseen."""
+        path = os.path.join(SOURCE, "cases/data/creep.csv")
+        with open(path, encoding="utf-8") as file:
+            lines = [line for line in file if not line.startswith("#")]
+        self.write("bare.csv", "".join(lines))
+        words = ["--time", lines[0].split(",")[0], "--displacement", "disp_mm:mm", "--json"]
+        whole = self.call("bare.csv", *words).stdout
+        with open(os.path.join(self.folder, "bare.csv"), "rb") as file:
+            piped = subprocess.run(f"cat | {shlex.join([PROGRAM, 'precursors', '/dev/stdin', *words])}",
+                                   shell=True, stdin=file, capture_output=True, text=True, check=False)
+        self.assertEqual(piped.returncode, 0, piped.stderr)
+        self.assertEqual(json.loads(piped.stdout)["forecasts"], json.loads(whole)["forecasts"])
+
     def hindcasts(self):
         data = os.path.join(SOURCE, "..", "shared", "data", "monitoring")
         done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/hindcasts.py"),

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs that are stopped and go on: the file against that of a run that was not stopped.
 
-usage: test_resume.py PROGRAM SOURCE_FOLDER STOP_AT_CHECKPOINT [unittest options]
+usage: test_resume.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 
-STOP_AT_CHECKPOINT is the library of tests/stop.
+AT_CALL is the library of tests/stop.
 """
 
 import json
@@ -211,12 +211,17 @@ class Resume(unittest.TestCase):
                 self.setUp()
                 self.compare_stopped(number, words, "events")
 
-    def start_to_stop(self, count, number, *words, **more):
-        """A run that gets a signal as soon as it has made so many checkpoints."""
+    def start_at_call(self, at, *words, **more):
+        """A run to which something happens at a call that changes a file."""
         options = os.environ.get("ASAN_OPTIONS", "")
-        environment = {**os.environ, "LD_PRELOAD": STOP, "STOP_AT_CHECKPOINT": f"{count}:{number}",
+        environment = {**os.environ, "LD_PRELOAD": STOP, "AT_CALL": at,
+                       "AT_CALL_LOG": self.path("log") if at.startswith("0:") else "/dev/null",
                        "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
         return self.start(*words, env=environment, **more)
+
+    def start_to_stop(self, count, number, *words, **more):
+        """A run that gets a signal as soon as it has made so many checkpoints."""
+        return self.start_at_call(f"{count}:signal={number}:rename:.checkpoint", *words, **more)
 
     def kill_after_checkpoints(self, count, *words, **more):
         process = self.start_to_stop(count, int(signal.SIGKILL), *words, **more)
@@ -374,6 +379,7 @@ class Resume(unittest.TestCase):
                 (2, "is a checkpoint of another version of Lacuna: its format is '1', '2' is read "
                  "here", saved[:7] + b"1" + saved[8:])):
             self.refused_with(status, named + line, "out.nc.checkpoint", content)
+        os.remove(self.path("out.nc.journal"))  # with it the older file too has all records
         self.refused_with(2, "[^ ]*out.nc: is older than its checkpoint: [0-9]+ records of [0-9]+",
                           "out.nc", older)
         with netCDF4.Dataset(self.path("out.nc"), "a") as file:
@@ -398,9 +404,9 @@ class Resume(unittest.TestCase):
         _, err = self.run_case(2, "-o", "data/shaking.csv", "--force", **more)
         self.assertRegex(err, "data/shaking.csv: is read by this case, must not be the output")
 
-    def hold(self, *words):
-        """A run that stands still once it has made a checkpoint."""
-        process = self.start_to_stop(1, int(signal.SIGSTOP), *words)
+    def hold(self, *words, at="rename:.checkpoint", **more):
+        """A run that stands still once it has made a checkpoint, or such another call."""
+        process = self.start_at_call(f"1:signal={int(signal.SIGSTOP)}:{at}", *words, **more)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
         os.waitid(os.P_PID, process.pid, os.WSTOPPED)
@@ -420,22 +426,114 @@ class Resume(unittest.TestCase):
         self.assertRegex(err, "^lacuna: .*out.nc: was replaced or removed while it was being "
                          "written\n$")
 
-    def test_killed_while_closing(self):
-        """HDF5 cuts the file before it says so in its first bytes."""
-        self.kill_after_checkpoints(3, "-o", "out.nc", "-q")
-        bytes_now = self.bytes_of("out.nc")
-        length = int.from_bytes(bytes_now[28:36], "little")
-        self.assertEqual(length, len(bytes_now))
-        # The first bytes count 1024 more than there are.
-        head = bytearray(bytes_now[:44])
-        head[28:36] = (length + 1024).to_bytes(8, "little")
-        with open(self.path("out.nc"), "r+b") as file:
+    def go_on_and_fail(self, process, line):
+        process.send_signal(signal.SIGCONT)
+        _, err = process.communicate(timeout=60)
+        self.assertIn(process.returncode, (2, 3), err)
+        self.assertRegex(err, f"^lacuna: [^ ]*out.nc: {line}\n$")
+
+    def test_a_file_that_is_taken_away_or_replaced(self):
+        """Also without a checkpoint that looks for it: by the end at the latest."""
+        self.write_forced()
+        for replaced in (False, True):
+            process = self.hold("-o", "out.nc", "-q", "--force", at="write:.nc.journal",
+                                case="f.yaml")
+            os.remove(self.path("out.nc"))
+            if replaced:
+                shutil.copy(self.path("f.yaml"), self.path("out.nc"))
+            self.go_on_and_fail(process, "was replaced or removed while it was being written")
+            if replaced:
+                self.assertEqual(self.bytes_of("out.nc"), self.bytes_of("f.yaml"))
+
+    def test_one_of_several_runs_of_a_name(self):
+        """--force of a name that was free replaces nothing that has come since, nor the other way."""
+        for before in (False, True):
+            if before:
+                self.run_case(0, "-q", "-o", "out.nc", "--force")
+            process = self.hold("-o", "out.nc", "-q", "--force", at="open:.part")
+            self.run_case(0, "-q", "-o", "out.nc", "--force", "--until", "1 day")
+            mine = self.bytes_of("out.nc")
+            self.go_on_and_fail(process, "was replaced meanwhile by another process")
+            self.assertEqual(self.bytes_of("out.nc"), mine)
+
+    def test_a_close_that_fails_is_one_line(self):
+        """netCDF breaks down over it."""
+        failed = 0
+        for k in range(1, 7):
+            process = self.start_at_call(f"{k}:fail=5:close", "-o", "out.nc", "-q", "--force",
+                                         "--set", "output={every: 1 hour}")
+            _, err = process.communicate(timeout=60)
+            if process.returncode != 0:
+                failed += 1
+                self.assertEqual(process.returncode, 3, err)
+                self.assertRegex(err, "^lacuna: [^ ]*out.nc[^\n]*\n$")
+        self.assertGreater(failed, 0)
+
+    def test_a_link_that_leads_nowhere(self):
+        os.symlink("nowhere.nc", self.path("link.nc"))
+        self.refused(3, "link.nc: is a link to a file that does not exist", "-o", "link.nc")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "link.nc"])
+
+    def cut(self, name):
+        """HDF5 killed while it closes a file: its first bytes count 1024 more than there are."""
+        head = bytearray(self.bytes_of(name)[:44])
+        length = int.from_bytes(head[28:36], "little")
+        with open(self.path(name), "r+b") as file:
+            file.truncate(length)  # without the seal
+            head[11] |= 1  # open for writing
+            head[28:36] = (length + 1024).to_bytes(8, "little")
             file.write(head + lookup3(bytes(head)).to_bytes(4, "little"))
         with self.assertRaises(OSError):
-            netCDF4.Dataset(self.path("out.nc"))
+            netCDF4.Dataset(self.path(name))
+
+    def call(self, *words):
+        done = subprocess.run([PROGRAM, *words], cwd=self.folder, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def test_killed_while_closing(self):
+        """HDF5 cuts the file before it says so in its first bytes."""
         self.run_case(0, "-q", "-o", "whole.nc")
-        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.kill_after_checkpoints(3, "-o", "out.nc", "-q")
+        os.remove(self.path("out.nc.journal"))  # as of an older version
+        self.cut("out.nc")
+        left = self.bytes_of("out.nc")
+        err = self.call("report", "out.nc").stderr
+        self.assertRegex(err, "^lacuna: warning: out.nc: .*; lacuna mend out.nc [^\n]*\n$")
+        self.assertEqual(self.bytes_of("out.nc"), left)  # who reads a file does not change it
+        out, _ = self.run_case(0, "-q", "-o", "out.nc", "--resume")
         self.same("whole.nc", "out.nc")
+        with open(self.path("out.nc"), "wb") as file:
+            file.write(left)
+        self.assertEqual(self.call("mend", "out.nc").stdout, "out.nc: mended (running)\n")
+        with netCDF4.Dataset(self.path("out.nc")) as file:
+            self.assertGreater(len(file["time"]), 10)
+        self.assertEqual(self.call("mend", "out.nc").stdout,
+                         "out.nc: is whole, nothing to mend (running)\n")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.html", "out.nc", "whole.nc"])
+
+    def test_complete_is_said_of_what_opens(self):
+        self.run_case(0, "-q", "-o", "out.nc")
+        whole = contents(self.path("out.nc"))
+        self.cut("out.nc")
+        self.refused(2, "--resume: out.nc is complete but was not closed; lacuna mend out.nc",
+                     "--resume", "-o", "out.nc")
+        told = json.loads(self.call("mend", "out.nc", "--json").stdout)
+        self.assertEqual(told, {"file": "out.nc", "mended": True, "status": "complete"})
+        self.assertEqual(contents(self.path("out.nc")), whole)
+        self.refused(2, "--resume: out.nc is complete", "--resume", "-o", "out.nc")
+
+    def test_reserve_is_given_back_before_hdf5_closes(self):
+        """Giving it back takes long, and in HDF5's hands it parts a cut from what is said of it."""
+        self.start_at_call("0:kill", "-o", "out.nc", "-q").communicate(timeout=200)
+        with open(self.path("log"), encoding="utf-8") as file:
+            lines = [line.split() for line in file]
+        synced = [i for i, words in enumerate(lines) if words[:2] == ["synced", "time"]]
+        # Of all values, and of what is known in the end: HDF5 cuts the file in the second.
+        closing = [words[1] for words in lines[synced[-2]:synced[-1]] if words[0].isdigit()]
+        self.assertEqual(closing[0], "ftruncate")
+        self.assertIn("write", closing[1:])
 
     def test_end_and_most_steps_may_change(self):
         self.run_case(0, "-q", "-o", "whole.nc")

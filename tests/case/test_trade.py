@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`lacuna trade` and `lacuna run --accuracy` from the case to the files.
 
-usage: test_trade.py PROGRAM SOURCE_FOLDER STOP_LIBRARY [unittest options]
+usage: test_trade.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 """
 
 import fcntl
@@ -41,7 +41,7 @@ def block_failure():
 def stopped(count, number):
     """Environment in which a trade gets a signal once it has kept so many runs."""
     options = os.environ.get("ASAN_OPTIONS", "")
-    return {"LD_PRELOAD": STOP, "STOP_AT_KEPT_RUN": f"{count}:{int(number)}",
+    return {"LD_PRELOAD": STOP, "AT_CALL": f"{count + 1}:signal={int(number)}:fsync:.runs/done",
             "ASAN_OPTIONS": options + ":verify_asan_link_order=0"}
 
 
@@ -243,6 +243,27 @@ class Trade(Program):
                 self.assertEqual(one["value"], other["value"])
                 self.assertEqual(one["settings"], other["settings"])
             self.assertFalse(os.path.exists(self.runs))
+
+    def test_deletes_only_what_a_trade_wrote(self):
+        """Files that stand in OUT.nc.runs, and where a link there leads, stay as they are."""
+        notes = os.path.join(self.folder, "notes")
+        with open(notes, "w", encoding="ascii") as file:
+            file.write("mine\n")
+        for name, make in (("run-of-may.nc", shutil.copy), ("run-1.nc", shutil.copy),
+                           ("done", shutil.copy), ("done", os.symlink)):
+            with self.subTest(name=name, make=make.__name__):
+                os.mkdir(self.runs)
+                make(notes, os.path.join(self.runs, name))
+                said = self.trade(BLOCK, *DIALS, status=2)
+                self.assertRegex(said, f"^lacuna: .*runs/{name}: no trade wrote that; move it away\n$")
+                with open(os.path.join(self.runs, name), encoding="ascii") as file:
+                    self.assertEqual(file.read(), "mine\n")
+                with open(notes, encoding="ascii") as file:
+                    self.assertEqual(file.read(), "mine\n")
+                shutil.rmtree(self.runs)
+        os.symlink(self.folder, self.runs)
+        self.assertIn("out.nc.runs: Not a directory\n", self.trade(BLOCK, *DIALS, status=3))
+        os.remove(self.runs)
 
     def test_resume_refused(self):
         self.assertIn("No such file", self.trade(BLOCK, "--resume", status=3))

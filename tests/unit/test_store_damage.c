@@ -79,7 +79,6 @@ static size_t kill_writer(const char *path, int64_t sync_every, size_t after, us
 static void synced_records_survive_kill(void **state)
 {
     (void)state;
-    size_t torn = 0;
     for (size_t k = 0; k < KILLS; k++) {
         const size_t batch = k % 2 == 0 ? 1 : 8;
         const char *path = scratch_path(&folder, "killed.nc");
@@ -92,12 +91,10 @@ static void synced_records_survive_kill(void **state)
         }
         assert_int_equal(lac_store_read_attribute(path, "status", text, sizeof text, &err), LAC_OK);
         assert_string_equal(text, "running");
-        // the batch in the making may be lost, and one that was being synced
-        torn += n < given / batch * batch;
-        assert_true(n + batch >= given / batch * batch);
+        // the batch in the making may be lost, none that was synced
+        assert_true(n >= given / batch * batch);
         assert_true(n <= given + batch);
     }
-    print_message("%d kills, %zu of them cost a synced batch\n", KILLS, torn);
 }
 
 static void die_of_full_disk(const char *path)
@@ -169,6 +166,7 @@ static unsigned char *make_whole(size_t *size)
 {
     lac_store_def def = store_def(scratch_path(&folder, "whole.nc"));
     lac_store *store = NULL;
+    def.force = true;
     assert_int_equal(lac_store_create(&def, &store, NULL), LAC_OK);
     lac_sink sink = lac_store_sink(store);
     for (size_t i = 0; i < 1300; i++) {
@@ -238,12 +236,78 @@ static void damage_never_crashes(void **state)
     free(bytes);
 }
 
+static uint64_t little_endian(const unsigned char *bytes, size_t count)
+{
+    uint64_t value = 0;
+    for (size_t i = 0; i < count; i++) {
+        value |= (uint64_t)bytes[i] << (8 * i);
+    }
+    return value;
+}
+
+// Where the global heap begins that HDF5 links variables to dimensions by: "GCOL", version 1.
+static unsigned char *find_heap(unsigned char *bytes, size_t size)
+{
+    for (size_t i = 0; i + 32 < size; i++) {
+        if (memcmp(bytes + i, "GCOL\1\0\0", 8) == 0) {
+            return bytes + i;
+        }
+    }
+    fail_msg("no global heap");
+    return NULL;
+}
+
+static int read_with_size(unsigned char *bytes, size_t size, unsigned char *object, uint64_t value)
+{
+    unsigned char was[8];
+    memcpy(was, object + 8, sizeof was);
+    for (size_t i = 0; i < 8; i++) {
+        object[8 + i] = (unsigned char)(value >> (8 * i));
+    }
+    const char *path = scratch_write(&folder, "heap.nc", bytes, size);
+    memcpy(object + 8, was, sizeof was);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit((int)read_damaged(path));
+    }
+    return outcome(child);
+}
+
+// A file without a seal, as a killed writer leaves it. HDF5 1.10 loops for ever over free space of no
+// size. The heap is walked here as the format says (HDF5 File Format Specification III.E): 16 bytes
+// before each object, its index, count and size; the last one, of index 0, is what is free.
+static void heap_is_looked_at_before_hdf5_sees_it(void **state)
+{
+    (void)state;
+    size_t size = 0;
+    unsigned char *bytes = make_whole(&size);
+    size -= 32; // the seal
+    unsigned char *heap = find_heap(bytes, size);
+    const size_t end = (size_t)little_endian(heap + 8, 8);
+    size_t at = 16;
+    size_t objects = 0;
+    for (; little_endian(heap + at, 2) != 0; objects++) {
+        const uint64_t length = little_endian(heap + at + 8, 8);
+        assert_int_equal(read_with_size(bytes, size, heap + at, length), UNHARMED);
+        assert_int_equal(read_with_size(bytes, size, heap + at, end), REFUSED);
+        at += 16 + (size_t)((length + 7) / 8 * 8);
+    }
+    assert_true(objects > 3);
+    assert_int_equal(little_endian(heap + at + 8, 8), end - at); // all that is left
+    assert_int_equal(read_with_size(bytes, size, heap + at, end - at), UNHARMED);
+    assert_int_equal(read_with_size(bytes, size, heap + at, 0), REFUSED);
+    assert_int_equal(read_with_size(bytes, size, heap + at, end - at + 1), REFUSED);
+    free(bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(synced_records_survive_kill),
         cmocka_unit_test(full_disk_is_an_error),
         cmocka_unit_test(damage_never_crashes),
+        cmocka_unit_test(heap_is_looked_at_before_hdf5_sees_it),
     };
     return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }

@@ -94,7 +94,7 @@ STANDARD = set(
     """assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h limits.h locale.h math.h
     omp.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h
     stdlib.h stdnoreturn.h string.h tgmath.h time.h
-    arpa/inet.h dirent.h dlfcn.h fcntl.h getopt.h pthread.h strings.h poll.h netinet/in.h sys/file.h sys/ioctl.h sys/prctl.h sys/random.h sys/resource.h sys/select.h sys/socket.h
+    arpa/inet.h dirent.h dlfcn.h fcntl.h getopt.h pthread.h strings.h poll.h netinet/in.h sys/file.h sys/ioctl.h sys/mman.h sys/prctl.h sys/random.h sys/resource.h sys/select.h sys/socket.h
     sys/stat.h sys/time.h sys/types.h sys/wait.h termios.h unistd.h""".split()
 )
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/command.h"
+#include "cli/json.h"
+#include "cli/words.h"
+#include "lacuna/store.h"
+#include "lacuna/store_file.h"
+
+static void print_json(const char *path, const char *status, bool mended)
+{
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "file", path);
+    cli_json_boolean(&json, "mended", mended);
+    cli_json_text(&json, "status", status);
+    cli_json_close(&json, '}');
+}
+
+lac_status cli_mend(const cli_request *request, lac_error *err)
+{
+    const char *path = request->argument[0];
+    char word[32] = "";
+    bool mended = false;
+    lac_status status = lac_store_mend(path, &mended, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    // Not every file of Lacuna says how it ended.
+    if (lac_store_read_attribute(path, "status", word, sizeof word, NULL) != LAC_OK) {
+        word[0] = '\0';
+    }
+    if (cli_given(request, CLI_OPT_JSON)) {
+        print_json(path, word, mended);
+    } else if (!cli_given(request, CLI_OPT_QUIET)) {
+        printf("%s: %s%s%s%s\n", path, mended ? "mended" : "is whole, nothing to mend",
+               word[0] != '\0' ? " (" : "", word, word[0] != '\0' ? ")" : "");
+    }
+    return LAC_OK;
+}
