@@ -93,7 +93,8 @@ static lac_status check_folder(const char *folder, bool resume, lac_error *err)
             (ours && (done || is_of_run(name))) || (done && resume)) {
             continue; // what `done` holds --resume says itself
         }
-        status = lac_fail(err, LAC_EINPUT, "%s/%s: no trade wrote that; move it away", folder, name);
+        status =
+            lac_fail(err, LAC_EINPUT, "%s/%s: no trade wrote that; move it away", folder, name);
     }
     (void)closedir(files);
     return status;
@@ -193,7 +194,8 @@ static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
 static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err)
 {
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
-    job->kept = open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
+    job->kept =
+        open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
     if (job->kept < 0) {
         return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", path,
                         strerror(errno));

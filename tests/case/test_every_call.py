@@ -155,13 +155,16 @@ def read_safely(path):
 
 
 def values_of(value):
-    return value if isinstance(value, bytes) else value.tobytes()
+    texts = not isinstance(value, bytes) and value.dtype == object
+    return repr(value.tolist()) if texts else value if isinstance(value, bytes) else value.tobytes()
 
 
 def same(one, other, but=()):
     return (one is not None and list(one[0]) == list(other[0]) and
             all(values_of(one[0][name][1]) == values_of(other[0][name][1])
-                for name in one[0] if name not in but) and one[1] == other[1])
+                for name in one[0] if name not in but) and
+            {k: v for k, v in one[1].items() if k not in but} ==
+            {k: v for k, v in other[1].items() if k not in but})
 
 
 def begins(part, whole, synced):
@@ -207,8 +210,9 @@ class Study:
         shutil.rmtree(again)
         old = os.path.join(self.base, scene.output)
         self.old = read_safely(old) if os.path.exists(old) else None
-        # Measured costs are each run's own.
-        self.but = ("wall_time", "cpu_time", "peak_memory") if name == "trade" else ()
+        # Of a trade, what follows from measured costs is each trade's own.
+        self.but = set(self.whole[0]) - {"end", "value"} | set(self.whole[1]) \
+            if name == "trade" else set()
 
     def copy(self):
         return shutil.copytree(self.base, tempfile.mkdtemp(), dirs_exist_ok=True)
@@ -228,6 +232,9 @@ class Study:
         found = read_safely(path)
         if same(found, self.whole, self.but):
             return "whole", None
+        if self.name == "trade" and found is not None and list(found[0]) == list(self.whole[0]) \
+                and set(found[0]["end"][1]) != {"done"}:
+            return "a run broke, and it says so", None
         if self.old is not None and not any(synced.values()) and same(found, self.old, self.but):
             return "as before", None
         if not self.is_run() and self.name != "contact, history":
@@ -263,7 +270,7 @@ class Study:
             if status == 2 and "is of another run" in err or self.name == "run --force" and \
                     what == "as before":
                 return None
-        elif what in ("whole", "as before"):
+        elif what in ("whole", "as before", "a run broke, and it says so"):
             return None
         else:
             words = [word for word in self.scene.words if word != "--resume"]
@@ -280,15 +287,17 @@ class Study:
             status, err = call(folder, self.scene.words, f"{k}:{how}")
             killed = how in ("kill", "tear")
             made, synced = log(folder, None if killed else k)
+            # The runs of a trade are processes of their own, and one that is killed is a result.
             if killed != (status == -signal.SIGKILL) and made >= k and \
-                    (killed or status not in (0, 1, 3)):
+                    self.name != "trade" and (killed or status not in (0, 1, 3)):
                 return "ended", f"status {status}: {err}"
             if not killed and status != 0 and sum(
                     line.startswith("lacuna: ") for line in err.splitlines()) < 1:
                 return "ended", f"status {status} without a line"
             # Going on, a run begins with what its checkpoint counts on.
-            what, wrong = self.look(folder, synced or self.synced)
-            if not killed and status == 0 and what != "whole":
+            synced = {} if self.name == "trade" else synced or self.synced
+            what, wrong = self.look(folder, synced)
+            if not killed and status == 0 and what not in ("whole", "a run broke, and it says so"):
                 wrong = wrong or f"exit 0, but the output is {what}"
             return what, wrong or self.go_on(folder, what)
         except subprocess.TimeoutExpired:

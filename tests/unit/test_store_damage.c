@@ -274,9 +274,9 @@ static int read_with_size(unsigned char *bytes, size_t size, unsigned char *obje
     return outcome(child);
 }
 
-// A file without a seal, as a killed writer leaves it. HDF5 1.10 loops for ever over free space of no
-// size. The heap is walked here as the format says (HDF5 File Format Specification III.E): 16 bytes
-// before each object, its index, count and size; the last one, of index 0, is what is free.
+// A file without a seal, as a killed writer leaves it. HDF5 1.10 loops for ever over free space of
+// no size. The heap is walked here as the format says (HDF5 File Format Specification III.E): 16
+// bytes before each object, its index, count and size; the last one, of index 0, is what is free.
 static void heap_is_looked_at_before_hdf5_sees_it(void **state)
 {
     (void)state;
