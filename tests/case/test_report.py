@@ -109,7 +109,9 @@ class Joint(unittest.TestCase):
             values = drawn["low"] + (values - 1) / 254 * (drawn["high"] - drawn["low"])
             candidates = [i for i in range(len(time)) if abs(time[i] - shown) <= 1e-9 * time[which]]
             step = (drawn["high"] - drawn["low"]) / 254
-            near = min(abs(values - numpy.log10(rate[i])).max() for i in candidates)
+            # weak cells turn back now and then: they have no place on a logarithmic scale
+            near = min(abs(values - numpy.log10(abs(rate[i])))[rate[i] > 0].max() for i in candidates
+                       if numpy.array_equal(values < drawn["low"], rate[i] <= 0))
             self.assertLessEqual(near, 0.51 * step + 1e-4)
             self.assertIn(cells["slipping_cells"][k], [numpy.sum(rate[i] >= limit) for i in candidates])
 
