@@ -32,9 +32,9 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
     bool log_rate = formulation == LAC_FORMULATION_RATE;
     bool massive = formulation == LAC_FORMULATION_INERTIA;
     return lac_fail(err, LAC_ENUMERIC,
-                    "the shear traction of cell %zu falls to nothing at t = %.17g s: a load that "
-                    "takes it away or reverses it %s; %sthe friction law's form regularised "
-                    "follows it",
+                    "the shear traction of cell %zu falls to nothing at t = %.17g s: what takes it "
+                    "away or reverses it (a load, or damping of the mean where few cells slip "
+                    "fast) %s; %sthe friction law's form regularised follows it",
                     cell, t,
                     log_rate ? "cannot be followed with ln v as unknown"
                              : "is beyond the plain form of friction, which is infinite at rest",
