@@ -274,8 +274,10 @@ static void check_ratio(lac_reader *reader, const lac_case *c)
     const double u = log(c->initial.slip_rate);
     lac_friction *friction = NULL;
     char text[64];
-    if (lac_friction_create(&c->friction, 1, &friction, NULL) != LAC_OK) {
-        return; // said where the scene is made
+    lac_status status = lac_friction_create(&c->friction, 1, &friction, NULL);
+    if (status != LAC_OK) {
+        reader->no_memory = reader->no_memory || status == LAC_ENOMEM;
+        return; // else said where the scene is made
     }
     const double w = lac_friction_state_at_ratio(friction, 0, u, c->initial.state_value);
     bool idle = c->friction_spread.count == 0 && isfinite(w);

@@ -154,7 +154,7 @@ class Analysis(unittest.TestCase):
             return np.array(data["slip_fraction"][:])
 
     def test_by_strength(self):
-        done = self.run_case(LACUNAR)
+        done = self.run_case(LACUNAR, "time.failure.mean_slip_rate=1 km/s")  # goes on to its own length
         fraction = self.recount(lambda s, v, k: strength(s[k]) <= 0.8 * strength(s[0]))
         self.assertEqual(fraction[0], 0)
         self.assertGreater(fraction[-1], 0.5)

@@ -32,7 +32,7 @@ load:
 friction: {{{law}: {{f0: 0.6, a: 0.012, b: 0.010, dc: "1 mm", v0: "1 um/s"}}}}
 initial: {initial}
 transfer: {transfer}
-time: {{end: "2 day"}}
+time: {{end: "2 day", failure: {{mean_slip: "1 m"}}}}
 solver: {{rtol: 1e-8, formulation: {formulation}}}
 output: {{file: run.nc, every: {{steps: 1000}}, fields: [slip, traction], fields_every: {{steps: 1000}}}}
 """

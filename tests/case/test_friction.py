@@ -108,8 +108,9 @@ class Friction(unittest.TestCase):
         self.near(self.variable("slip_rate")[-1], low, 1e-6)
 
     def test_normal_stress(self):
-        done = self.run_case("normal-stress", "--set", "solver.rtol=1e-9")
-        self.assertFalse(done["failed"])
+        self.assertFalse(self.run_case("normal-stress", "--set", "solver.rtol=1e-9")["failed"])
+        self.run_case("normal-stress", "--set", "solver.rtol=1e-9", "--set", "time.end=3 day", "--set",
+                      "output.every=1 minute")
         # the step jumps the rate by [q/p1 - q/p0 + alpha ln(p1/p0)]/a
         rate, normal = self.variable("slip_rate"), self.variable("effective_normal_force")
         after = int(numpy.argmax(normal < normal[0]))
@@ -117,7 +118,7 @@ class Friction(unittest.TestCase):
         p0, p1 = normal[0], normal[after]
         gain = shear / p1 - shear / p0 + 0.2 * math.log(p1 / p0)
         times = self.variable("time")
-        order = slice(after - 3, after)  # steps before, from which ln v goes on to the step
+        order = slice(after - 3, after)  # records before, from which ln v goes on to the step
         before = numpy.polyfit(times[order] - times[after], numpy.log(rate[order]), 2)[-1]
         self.near(math.log(rate[after]) - before, gain / A, 0.01)
         done = self.run_case("normal-stress", "--set", "friction.aging.alpha=0")

@@ -2,7 +2,9 @@
 #include "memory/trade.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "lacuna/accuracy.h"
 #include "lacuna/store_trade.h"
@@ -12,14 +14,15 @@ static const char block[] = "lacuna: 1\n"
                             "load: {normal: {pressure: 1e6}}\n"
                             "friction: {aging: {a: 0.01, b: 0.015, dc: 0.001}}\n"
                             "initial: {slip_rate: 1e-6, state: {ratio_to_steady: 0.5}}\n"
-                            "time: {end: 10}\n"
-                            "solver: {accuracy: 0.1}\n";
+                            "time: {end: 10}\n";
+static const char accurate[] = "solver: {accuracy: 0.1}\n";
 
-static lac_status read_block(lac_case **c, lac_error *err)
+static lac_status read_block(const char *more, lac_case **c, lac_error *err)
 {
+    char text[sizeof block + sizeof accurate];
     lac_case_report report = {0};
-    lac_status status =
-        lac_case_read_text("case.yaml", block, sizeof block - 1, NULL, c, &report, err);
+    (void)snprintf(text, sizeof text, "%s%s", block, more);
+    lac_status status = lac_case_read_text("case.yaml", text, strlen(text), NULL, c, &report, err);
     lac_case_report_clear(&report);
     return status;
 }
@@ -62,7 +65,7 @@ lac_status whole_trade(const char *path, lac_error *err)
     lac_trade_verdict verdict = {0};
     lac_trade_measure *measure = NULL;
     const lac_trade_ask ask = {.quantity = LAC_QUANTITY_SLIP, NAN, NAN, NAN};
-    LAC_TRY(read_block(&c, err));
+    LAC_TRY(read_block("", &c, err));
     LAC_TRY(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", true, &plan, err));
     measure = calloc(plan.runs, sizeof *measure);
     if (measure == NULL) {
@@ -90,7 +93,7 @@ lac_status whole_accuracy(const char *path, lac_error *err)
     lac_scene *scene = NULL;
     lac_accuracy_pick pick;
     (void)path;
-    LAC_TRY(read_block(&c, err));
+    LAC_TRY(read_block(accurate, &c, err));
     LAC_TRY(lac_scene_create(c, &scene, err));
     LAC_TRY(lac_accuracy_choose(scene, c, NULL, &pick, err));
 out:

@@ -27,7 +27,8 @@ RUN_GLOBALS = ["case"]
 ENDED_GLOBALS = ["wall_time_s", "failed"]
 STATUS = {"running", "complete", "failed", "interrupted"}
 STANDARD_NAMES = {"time": "s", "cell_area": "m2"}  # the names in use, with their canonical units
-MAY_BE_MISSING = {"step_size", "order", "box_local_dimension", "resolution_local_dimension",
+MAY_BE_MISSING = {"step_size", "order", "hierarchy_stiffness", "box_local_dimension",
+                  "resolution_local_dimension",
                   "cycle_start", "cycle_dissipation", "cycle_shift", "highest_ratio", "highest_x",
                   "highest_y", "critical_fraction", "critical_fraction_error", "map_slope",
                   "map_slope_error", "map_slope_low", "map_slope_high", "map_intercept", "exponent",
