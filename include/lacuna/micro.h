@@ -19,7 +19,7 @@ typedef struct lac_micro_def {
     const lac_friction *friction; ///< aging or slip law, a > 0, without cut-off rates
     const double *pressure;       ///< [n] total normal pressure [Pa]
     double damping;               ///< eta [Pa s/m]
-    double mean_damping;          ///< of the mean slip rate besides [Pa s/m]; 0: none
+    double drag;                  ///< of the mean slip rate, per pressure of a cell [s/m]; 0: none
     double tolerance;             ///< error of ln v over a step of a cell
     double wake;                  ///< part of it that an unforeseen change of traction may cost
 } lac_micro_def;

@@ -18,18 +18,20 @@ typedef enum lac_formulation {
     LAC_FORMULATION_INERTIA,  ///< v on a logarithmic scale, and slip, where a block has mass
 } lac_formulation;
 
-/// What radiation takes off the traction of cell i: cell v_i + mean times the mean slip rate over
-/// the contact cells; docs/theory/momentum.md eq. 1.
+/// What radiation takes off the traction of cell i under the total normal pressure p_i:
+/// cell v_i + (mean + shared p_i) V, V the mean slip rate over the contact cells;
+/// docs/theory/momentum.md eqs. 1 and 2.
 typedef struct lac_damping {
-    double cell; ///< eta = G/(2 cs) [Pa s/m]
-    double mean; ///< eta (L^2/(n r^2) - 1): uniform slip is damped over the nominal area; -eta: it
-                 ///< is not, where the block has mass [Pa s/m]
+    double cell;   ///< eta = G/(2 cs) [Pa s/m]
+    double mean;   ///< -eta where the block has mass: uniform slip is not damped [Pa s/m]
+    double shared; ///< eta (L^2/(n r^2) - 1) over the mean p_i: uniform slip is damped over the
+                   ///< nominal area, and as a shear force is shared [s/m]
 } lac_damping;
 
 /// Damping of the cells of a domain.
 /// @param eta      G/(2 cs) [Pa s/m]; 0: none
 /// @param massive  the sliding block has mass
-/// @return on full contact without mass `mean` is 0; of a single cell with mass both are 0
+/// @return on full contact without mass `mean` and `shared` are 0; of a single cell with mass all
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 

@@ -118,10 +118,10 @@ static bool balance(const lac_micro_rules *rules, const lac_micro_cell *c, const
     for (int k = 0; k < MOST_NEWTON; k++) {
         *end = finish_at(rules, c, s, *rho);
         strength f = strength_at(rules, c, s->u + *rho, end->w);
-        double off = at->pressure1 * f.f + rules->damping * end->v - at->pull1 +
-                     at->own * (s->slip + end->slip);
-        double slope = at->pressure1 * (f.f_u + f.f_w * end->dw) + rules->damping * end->v +
-                       at->own * end->dslip;
+        double off =
+            at->pressure1 * f.f + c->damping * end->v - at->pull1 + at->own * (s->slip + end->slip);
+        double slope =
+            at->pressure1 * (f.f_u + f.f_w * end->dw) + c->damping * end->v + at->own * end->dslip;
         if (!(slope > 0.0) || !isfinite(off)) {
             return false;
         }
@@ -151,17 +151,16 @@ static double rise_of(const lac_micro_rules *rules, const lac_micro_cell *c,
                       const lac_micro_push *push, double *outside)
 {
     strength f = strength_at(rules, c, c->u, c->w);
-    double weight = push->pressure * f.f_u + rules->damping * c->v;
+    double weight = push->pressure * f.f_u + c->damping * c->v;
     double drive = push->pull_rate - f.f * push->pressure_rate;
     *outside = drive / weight;
     return (drive - push->own * c->v - push->pressure * f.f_w * evolution(rules, c)) / weight;
 }
 
 // What an error of slip over dc is worth in ln v, in a step of slip z dc: the state forgets.
-static double gain(const lac_micro_rules *rules, const lac_micro_cell *c, double own,
-                   double pressure, double z)
+static double gain(const lac_micro_cell *c, double own, double pressure, double z)
 {
-    double direct = c->a * pressure + rules->damping * c->v;
+    double direct = c->a * pressure + c->damping * c->v;
     return (c->b * pressure / fmax(1.0, z) + own * c->dc) / direct;
 }
 
@@ -173,7 +172,7 @@ static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
                                  .pressure = at->pressure0,
                                  .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
                                  .own = at->own};
-    double direct = c->a * at->pressure1 + rules->damping * c->v;
+    double direct = c->a * at->pressure1 + c->damping * c->v;
     start s = {at->length, c->u,    c->w,
                c->v,       c->slip, fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
     double outside;
@@ -192,7 +191,7 @@ static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
     }
     double z = end->slip / c->dc;
     double off = fabs(first - expected) / c->dc;
-    return off * gain(rules, c, at->own, at->pressure1, z) / rules->tolerance;
+    return off * gain(c, at->own, at->pressure1, z) / rules->tolerance;
 }
 
 // The part of a span from `from`, `h` long.
@@ -302,7 +301,7 @@ double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *p
 {
     double outside;
     double rise = rise_of(rules, c, push, &outside);
-    double worth = gain(rules, c, push->own, push->pressure, c->z);
+    double worth = gain(c, push->own, push->pressure, c->z);
     double small = rules->tolerance / worth;
     double h = time_for(rise, c->v, c->z * c->dc);
     // A locked cell that is loaded: its slip is nothing until v has grown.
@@ -312,7 +311,7 @@ double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *p
     h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
     double rho = foreseen(rise, h);
     c->told = isfinite(h) ? c->v / phi_of(rho, expm1(-rho)) : c->v;
-    double direct = c->a * push->pressure + rules->damping * c->v;
+    double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
     double allowed = rules->wake * small;
     c->high = direct * log1p(allowed / z);

@@ -9,6 +9,7 @@
 typedef struct lac_micro_cell {
     double a, b, constant, dc, ln_dc; // friction: f = constant + a u + b w
     double pressure;                  // total [Pa]
+    double damping;                   // of its own rate [Pa s/m]
     double traction;                  // q at t = 0 of the loads [Pa]
     double stiffness;                 // ties it to its parent block: K_i of eq. 2 [Pa/m]
     double t;                         // time of the state [s]
@@ -26,7 +27,6 @@ typedef struct lac_micro_cell {
 // What all cells have in common.
 typedef struct lac_micro_rules {
     bool aging, regularised;
-    double damping;   // eta [Pa s/m]
     double tolerance; // of ln v over a step
     double wake;      // part of it that an unforeseen change of traction may cost
 } lac_micro_rules;

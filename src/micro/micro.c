@@ -11,11 +11,12 @@ struct lac_micro {
     lac_micro_rules rules;
     lac_micro_tree tree;
     lac_micro_load load;
-    double mean_damping; // of the mean slip rate [Pa s/m]
-    double common;       // the part of it that a cell's own rate makes: over the cells [Pa s/m]
-    double t, age;       // time reached, and that of the last shift [s]
-    double step, peak;   // the last step of any cell [s]; the largest rate [m/s]
-    bool at_limit;       // of rate or slip
+    double damping;    // eta [Pa s/m]
+    double drag;       // of the mean slip rate, per pressure of a cell [s/m]
+    double even;       // what that is of the mean cell [Pa s/m]
+    double t, age;     // time reached, and that of the last shift [s]
+    double step, peak; // the last step of any cell [s]; the largest rate [m/s]
+    bool at_limit;     // of rate or slip
     lac_micro_counts counts;
 };
 
@@ -49,6 +50,15 @@ lac_status lac_micro_supports(const lac_friction *friction, lac_error *err)
     return LAC_OK;
 }
 
+// What the mean slip rate takes off a cell [Pa s/m].
+static double drag_of(const lac_micro *m, const lac_micro_cell *c) { return m->drag * c->pressure; }
+
+// The part of it that the cell's own rate makes.
+static double own_drag(const lac_micro *m, const lac_micro_cell *c)
+{
+    return drag_of(m, c) / (double)m->tree.n;
+}
+
 static void fill_cells(lac_micro *m, const lac_micro_def *def)
 {
     const lac_friction *f = def->friction;
@@ -60,6 +70,8 @@ static void fill_cells(lac_micro *m, const lac_micro_def *def)
         c->dc = lac_cellwise_of(&f->column[LAC_DC], i);
         c->ln_dc = lac_cellwise_of(&f->ln_dc, i);
         c->pressure = def->pressure[i];
+        c->damping = m->damping + own_drag(m, c);
+        m->even += own_drag(m, c);
     }
 }
 
@@ -72,12 +84,10 @@ lac_status lac_micro_create(const lac_micro_def *def, lac_micro **out, lac_error
     if (m == NULL) {
         return lac_fail_memory(err);
     }
-    double n = (double)lac_hierarchy_cells(def->hierarchy);
-    m->mean_damping = def->mean_damping;
-    m->common = def->mean_damping / n;
+    m->damping = def->damping;
+    m->drag = def->drag;
     m->rules = (lac_micro_rules){.aging = strcmp(def->friction->law->about.name, "aging") == 0,
                                  .regularised = def->friction->form == LAC_FORM_REGULARISED,
-                                 .damping = def->damping + def->mean_damping / n,
                                  .tolerance = def->tolerance,
                                  .wake = def->wake};
     status = lac_micro_tree_create(def->hierarchy, def->k, &m->tree, err);
@@ -148,6 +158,16 @@ static void plan(const lac_micro *m, lac_micro_cell *c, double rate, double self
     }
 }
 
+// What the others do to a cell at time t: the blocks, and damping of the mean.
+static lac_micro_view view_of(const lac_micro *m, const lac_micro_cell *c, double t)
+{
+    lac_micro_view view = lac_micro_tree_view(&m->tree, c->parent, t);
+    double drag = drag_of(m, c);
+    view.outer -= drag * view.mean;
+    view.area -= drag * view.gone;
+    return view;
+}
+
 // What acts on a cell from its own time to t. E holds what the cell has told; its own part of that
 // is taken off, so that what is left of the balance is K_ii slip and all that its own rate damps.
 static lac_micro_span span_to(const lac_micro *m, const lac_micro_cell *c,
@@ -157,7 +177,7 @@ static lac_micro_span span_to(const lac_micro *m, const lac_micro_cell *c,
     double self = m->tree.node[c->parent].self;
     double h = t - c->t;
     double even = 0.5 * (c->outer + outer);
-    double damped = m->common * c->told;
+    double damped = own_drag(m, c) * c->told;
     bool told_apart = h > 1e-9 * (m->age + t);
     return (lac_micro_span){.length = h,
                             .skew = told_apart ? (view->area - c->area) / h - even : 0.0,
@@ -186,7 +206,7 @@ void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *tra
     m->t = m->step = m->age = m->peak = 0.0;
     m->counts = (lac_micro_counts){0};
     tree->openings = 0;
-    lac_micro_tree_anchor(tree, load->k_mean, m->mean_damping);
+    lac_micro_tree_anchor(tree, load->k_mean, m->even);
     for (uint32_t i = 0; i < tree->n; i++) {
         lac_micro_cell *c = &tree->cell[i];
         c->traction = traction[i];
@@ -202,15 +222,15 @@ void lac_micro_start(lac_micro *m, const lac_micro_load *load, const double *tra
     lac_micro_tree_fill(tree);
     for (uint32_t i = 0; i < tree->n; i++) {
         lac_micro_cell *c = &tree->cell[i];
-        lac_micro_view view = lac_micro_tree_view(tree, c->parent, 0.0);
+        lac_micro_view view = view_of(m, c, 0.0);
         double self = tree->node[c->parent].self;
         c->area = 0.0;
         c->outer = view.outer;
         plan(m, c, view.rate - self * c->v, self);
     }
     lac_micro_tree_fill(tree);
-    for (uint32_t i = 0; m->mean_damping != 0.0 && i < tree->n; i++) {
-        tree->cell[i].outer = lac_micro_tree_view(tree, tree->cell[i].parent, 0.0).outer;
+    for (uint32_t i = 0; m->drag != 0.0 && i < tree->n; i++) {
+        tree->cell[i].outer = view_of(m, &tree->cell[i], 0.0).outer;
     }
     lac_micro_tree_settle(tree, 0.0);
 }
@@ -220,7 +240,7 @@ static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
 {
     lac_micro_tree *tree = &m->tree;
     lac_micro_cell *c = &tree->cell[i];
-    lac_micro_view view = lac_micro_tree_view(tree, c->parent, t);
+    lac_micro_view view = view_of(m, c, t);
     double self = tree->node[c->parent].self;
     const lac_micro_span span = span_to(m, c, &view, t);
     double told = c->slip + c->told * span.length;
@@ -240,11 +260,13 @@ static lac_status update(lac_micro *m, uint32_t i, double t, lac_error *err)
     c->reach =
         woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v) : 4.0 * c->reach;
     plan(m, c, view.rate - self * rate, self);
-    // What the cell's own rate does to E wakes others, not the cell.
-    double damped = m->common * (rate - c->told);
-    c->outer += damped;
-    c->high += fmax(damped, 0.0);
-    c->low += fmin(damped, 0.0);
+    // What the cell's own rate does to E wakes others, not the cell; blocks hand it down as of the
+    // mean cell.
+    double eased = rate - c->told;
+    double heard = m->even / (double)tree->n * eased;
+    c->outer += own_drag(m, c) * eased;
+    c->high += fmax(heard, 0.0);
+    c->low += fmin(heard, 0.0);
     lac_micro_tree_add(tree, i, t, jump, c->told - rate);
     return LAC_OK;
 }
@@ -328,7 +350,7 @@ lac_status lac_micro_look(const lac_micro *m, const lac_micro_state *state, lac_
     int64_t steps = 0;
     for (uint32_t i = 0; i < m->tree.n; i++) {
         lac_micro_cell c = m->tree.cell[i];
-        lac_micro_view view = lac_micro_tree_view(&m->tree, c.parent, m->t);
+        lac_micro_view view = view_of(m, &c, m->t);
         const lac_micro_span span = span_to(m, &c, &view, m->t);
         if (!lac_micro_cell_advance(&m->rules, &span, &c, &steps)) {
             return cannot(m, i, m->t, err);
@@ -344,7 +366,7 @@ void lac_micro_told(const lac_micro *m, double *traction, double *slip)
 {
     for (uint32_t i = 0; i < m->tree.n; i++) {
         const lac_micro_cell *c = &m->tree.cell[i];
-        lac_micro_view view = lac_micro_tree_view(&m->tree, c->parent, m->t);
+        lac_micro_view view = view_of(m, c, m->t);
         slip[i] = c->slip + c->told * (m->t - c->t);
         traction[i] = view.outer - c->stiffness * slip[i];
     }

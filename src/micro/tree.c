@@ -148,11 +148,11 @@ lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, 
     lac_micro_view view = {0};
     for (uint32_t j = parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
         const lac_micro_node *node = &tree->node[j];
-        double mean = mean_at(node, t);
-        double gone = node->gone + rate_of(node) * (t - node->t);
-        view.outer += node->weight * mean - node->damping * rate_of(node);
-        view.area += node->weight * area_at(node, t) - node->damping * gone;
+        view.outer += node->weight * mean_at(node, t);
+        view.area += node->weight * area_at(node, t);
         view.rate += node->weight * node->rate * node->share;
+        view.mean = rate_of(node); // the root comes last
+        view.gone = node->gone + view.mean * (t - node->t);
     }
     return view;
 }

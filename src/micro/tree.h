@@ -14,7 +14,7 @@ typedef struct lac_micro_node {
     double sum, rate; // of the cells' slip at t, as told [m], [m/s]
     double t;         // [s]
     double area;      // integral of the mean slip over time up to t [m s]
-    double damping;   // of its mean rate, at the root: what that takes off E [Pa s/m]
+    double damping;   // of its mean rate, at the root: what it takes off the mean cell [Pa s/m]
     double heard;     // mean rate when it was last opened [m/s]
     double gone;      // integral of the mean rate over time up to t [m]
     double opened;    // mean slip when it was last opened [m]
@@ -53,8 +53,9 @@ void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean, double damping);
 
 // What the blocks do to a cell at time t; eq. 2.
 typedef struct lac_micro_view {
-    double outer, rate; // E and dE/dt [Pa], [Pa/s]
+    double outer, rate; // E and dE/dt, without damping of the mean [Pa], [Pa/s]
     double area;        // integral of E over time [Pa s]
+    double mean, gone;  // mean rate of all cells and its integral over time [m/s], [m]
 } lac_micro_view;
 
 lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t);

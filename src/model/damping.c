@@ -13,7 +13,8 @@ lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
     if (massive) {
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
-    return (lac_damping){.cell = eta, .mean = eta * ((cells - n) / n)};
+    double pressure = lac_vsum(domain->n, domain->pressure) / n;
+    return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
 
 // In between, by digits where the two are of one sign.
@@ -51,49 +52,92 @@ void lac_block_ease(const lac_problem *problem, double share, const lac_friction
     lac_friction_evaluate(problem->friction, cells, &values, NULL);
     for (size_t i = 0; i < cells->n; i++) {
         double held = problem->pressure[cells->first + i] * share * s.f_u[i];
-        ease[i] = cells->v[i] / (held + problem->damping * cells->v[i]);
+        double drag = lac_problem_drag(problem, cells->first + i);
+        ease[i] = drag * cells->v[i] / (held + problem->damping * cells->v[i]);
     }
 }
 
-// By Sherman and Morrison: with M = D + K + k_mean P,
-//   x = M^-1 b - M^-1 1 (lean M^-1 b)/(n + lean M^-1 1)
-// What leans so little that Newton's method does not feel it is left out: M is no less than the
-// least D.
-bool lac_problem_solve_leaning(const lac_problem *problem, double k_mean, const double *diagonal,
-                               double *lean, double *b, double *scratch)
+// Means over the cells of row x and of x.
+static void weigh(size_t n, const double *row, const double *x, double means[2])
 {
-    const double felt = 1e-9;
+    means[0] = means[1] = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        means[0] += row[i] * x[i];
+        means[1] += x[i];
+    }
+    means[0] /= (double)n;
+    means[1] /= (double)n;
+}
+
+// Where the row is 1: what s is besides 1 acts on the mean.
+static bool share_evenly(const lac_problem *problem, double mean, const double *diagonal,
+                         const lac_sharing *on, double *b, double *scratch)
+{
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
-    double least = INFINITY;
-    double along = 0.0;
-    double self = 0.0;
+    double *x = on->shares;
     for (size_t i = 0; i < n; i++) {
-        least = fmin(least, diagonal[i]);
+        x[i] = lac_problem_share(problem, i) - 1.0;
     }
-    if (!transfer->kind->solve(transfer->state, k_mean, diagonal, b, b, scratch)) {
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, x, x, scratch)) {
         return false;
     }
-    if (lac_vmost(n, lean) <= felt * least && k_mean >= 0.0) {
-        return true;
-    }
-    double *ones = lean + n;
+    double pivot = 1.0 + on->kappa * (lac_vsum(n, x) / (double)n);
+    double by = on->kappa * (lac_vsum(n, b) / (double)n) / pivot;
     for (size_t i = 0; i < n; i++) {
+        b[i] -= by * x[i];
+    }
+    return pivot > 0.0 && isfinite(pivot);
+}
+
+static bool share_by_row(const lac_problem *problem, double mean, const double *diagonal,
+                         const lac_sharing *on, double *b, double *scratch)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *shares = on->shares;
+    double *ones = on->ones;
+    double kappa = on->kappa;
+    for (size_t i = 0; i < n; i++) {
+        shares[i] = lac_problem_share(problem, i);
         ones[i] = 1.0;
     }
-    if (!transfer->kind->solve(transfer->state, k_mean, diagonal, ones, ones, scratch)) {
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch) ||
+        !transfer->kind->solve(transfer->state, mean, diagonal, ones, ones, scratch)) {
         return false;
     }
-    for (size_t i = 0; i < n; i++) {
-        along += lean[i] * b[i];
-        self += lean[i] * ones[i];
-    }
-    double pivot = (double)n + self;
+    double r[2], s[2], e[2];
+    weigh(n, on->row, b, r);
+    weigh(n, on->row, shares, s);
+    weigh(n, on->row, ones, e);
+    double a00 = 1.0 + kappa * s[0];
+    double a01 = -kappa * e[0];
+    double a10 = kappa * s[1];
+    double a11 = 1.0 - kappa * e[1];
+    double pivot = a00 * a11 - a01 * a10;
     if (!(pivot > 0.0) || !isfinite(pivot)) {
         return false;
     }
+    double by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
+    double by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
     for (size_t i = 0; i < n; i++) {
-        b[i] -= ones[i] * (along / pivot);
+        b[i] += by_one * ones[i] - by_share * shares[i];
     }
     return true;
+}
+
+// The transfer's solve takes kappa 11^T/n along as a stiffness of the mean slip, which holds a mean
+// that weakens; Woodbury's formula puts right what s and the row are besides 1.
+bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
+                               const lac_sharing *on, double *b, double *scratch)
+{
+    const lac_transfer *transfer = &problem->transfer;
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, b, b, scratch)) {
+        return false;
+    }
+    if (on->kappa == 0.0) {
+        return true;
+    }
+    return on->row == NULL ? share_evenly(problem, mean, diagonal, on, b, scratch)
+                           : share_by_row(problem, mean, diagonal, on, b, scratch);
 }

@@ -15,7 +15,8 @@ static at_start look_at_start(const lac_problem *problem)
 {
     double n = (double)problem->n;
     double to_nominal = problem->cell_area / problem->nominal_area;
-    at_start s = {.eta = (problem->damping + problem->mean_damping) * n * to_nominal};
+    double drag = problem->mean_damping + problem->drag * problem->sum_pressure / n;
+    at_start s = {.eta = (problem->damping + drag) * n * to_nominal};
     lac_drive drive;
     (void)lac_problem_drive(problem, 0.0, &drive);
     for (size_t i = 0; i < problem->n; i++) {

@@ -28,10 +28,10 @@ const char *lac_formulation_name(lac_formulation formulation)
     return lac_formulation_kind_of(formulation)->name;
 }
 
-// Arrays of n that a matrix leaning to the mean needs: slip as an unknown makes none.
+// Arrays of n that a matrix needs where the mean is damped: slip as an unknown makes none.
 static size_t leaning(const lac_problem *problem)
 {
-    return problem->mean_damping != 0.0 && !problem->kind->has_slip ? 2 : 0;
+    return problem->drag != 0.0 && !problem->kind->has_slip ? 3 : 0;
 }
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
@@ -92,8 +92,6 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
                               double *wdot)
 {
     double total = 0.0;
-    double damped = problem->mean_damping;
-    double common = damped != 0.0 ? damped * motion->mean : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
@@ -102,6 +100,7 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
             size_t k = first + i;
             double v = motion->v[k];
             double held = copysign(problem->pressure[k] * drive->share * s.f[i], v);
+            double common = lac_problem_drag(problem, k) * motion->mean;
             traction[k] -= held + problem->damping * v + common;
             part += traction[k];
         }

@@ -43,6 +43,16 @@ bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, dou
     return good;
 }
 
+bool lac_implicit_solve(const lac_problem *problem, const lac_implicit *at, double *b,
+                        const lac_workspace *ws)
+{
+    double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / at->gamma;
+    double mean = at->drive->spring_stiffness + kappa;
+    bool felt = lac_problem_feels_drag(problem, at->drive->share, at->motion->mean);
+    const lac_sharing on = {.kappa = felt ? kappa : 0.0, .shares = ws->u};
+    return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, b, ws->scratch);
+}
+
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
 {
     double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);

@@ -19,6 +19,12 @@ typedef struct lac_implicit {
 bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, double *b_w,
                          const lac_workspace *ws);
 
+// (D + K + stiffness of the mean, that of its damping included) dv = b, once they are eliminated.
+// ws->u is used up.
+// @return false where the transfer's solve fails
+bool lac_implicit_solve(const lac_problem *problem, const lac_implicit *at, double *b,
+                        const lac_workspace *ws);
+
 // Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);
 

@@ -51,18 +51,12 @@ lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, la
     return LAC_OK;
 }
 
-// Share of a cell in what the mean cell carries of the block: that of its pressure.
-static double share_of(const lac_problem *problem, size_t i)
-{
-    return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
-}
-
 // dv/dt of a cell out of balance by `force` where the mean cell is by `mean`: the inverse of
 // M = columns m diag(s) + (1 - columns) m s s^T/n, whose shares s have the mean 1.
 static double acceleration(const lac_problem *problem, size_t i, double force, double mean)
 {
     double m = problem->mass;
-    return mean / m + (force / share_of(problem, i) - mean) / (problem->columns * m);
+    return mean / m + (force / lac_problem_share(problem, i) - mean) / (problem->columns * m);
 }
 
 static void start(const lac_problem *problem, double *x)
@@ -189,71 +183,29 @@ static bool reduce(const lac_problem *problem, const lac_implicit *at, double *b
     double push = 0.0;
     for (size_t i = 0; i < n; i++) {
         b[i] *= ws->slope[i];
-        push += share_of(problem, i) * b[i];
+        push += lac_problem_share(problem, i) * b[i];
     }
     push = common * push / (double)n;
     for (size_t i = 0; i < n; i++) {
-        double s = share_of(problem, i);
+        double s = lac_problem_share(problem, i);
         b[i] = s * (own * b[i] + push) - (ws->u[i] + held + ws->kv[i]) / gamma;
         ws->diagonal[i] += own * s * ws->bend[i];
     }
     return true;
 }
 
-// Sums over the cells of s bend x and of x, each over n.
-static void weigh(const lac_problem *problem, const double *bend, const double *x, double sums[2])
-{
-    sums[0] = sums[1] = 0.0;
-    for (size_t i = 0; i < problem->n; i++) {
-        sums[0] += share_of(problem, i) * bend[i] * x[i];
-        sums[1] += x[i];
-    }
-    sums[0] /= (double)problem->n;
-    sums[1] /= (double)problem->n;
-}
-
-// (D + K + kappa s (s bend)^T/n) dv = b. The transfer's solve takes kappa 11^T/n along as a
-// stiffness of the mean slip, which holds a mean that weakens; Woodbury's formula puts right what
-// s and bend are besides 1.
+// (D + K + kappa s (s bend)^T/n) dv = b
 static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
                   const lac_workspace *ws)
 {
-    size_t n = problem->n;
-    const lac_transfer *transfer = &problem->transfer;
     double kappa = (1.0 - problem->columns) * problem->mass / at->gamma / at->gamma;
     double mean = at->drive->spring_stiffness + kappa + problem->mean_damping / at->gamma;
-    double *shares = ws->kv; // both used up
-    double *ones = ws->u;
-    bool good = transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);
-    if (!good || kappa == 0.0) {
-        return good;
+    for (size_t i = 0; i < problem->n; i++) {
+        ws->bend[i] *= lac_problem_share(problem, i);
     }
-    for (size_t i = 0; i < n; i++) {
-        shares[i] = share_of(problem, i);
-        ones[i] = 1.0;
-    }
-    if (!transfer->kind->solve(transfer->state, mean, ws->diagonal, shares, shares, ws->scratch) ||
-        !transfer->kind->solve(transfer->state, mean, ws->diagonal, ones, ones, ws->scratch)) {
-        return false;
-    }
-    double r[2], s[2], e[2];
-    weigh(problem, ws->bend, b, r);
-    weigh(problem, ws->bend, shares, s);
-    weigh(problem, ws->bend, ones, e);
-    double a00 = 1.0 + kappa * s[0];
-    double a01 = -kappa * e[0];
-    double a10 = kappa * s[1];
-    double a11 = 1.0 - kappa * e[1];
-    double pivot = a00 * a11 - a01 * a10;
-    if (!(pivot > 0.0) || !isfinite(pivot)) {
-        return false;
-    }
-    double by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
-    double by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
-    for (size_t i = 0; i < n; i++) {
-        b[i] += by_one * ones[i] - by_share * shares[i];
-    }
-    return true;
+    const lac_sharing on = {
+        .kappa = kappa, .row = ws->bend, .shares = ws->kv, .ones = ws->u}; // both used up
+    return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, b, ws->scratch);
 }
 
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -329,7 +281,8 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     double mean = find_forces(problem, &drive, &motion, y, NULL, &ws);
     double held = copysign(p * lac_friction_coefficient(problem->friction, i, motion.u[i], w[i]),
                            motion.v[i]);
-    double driven = ws.kv[i] + held - (1.0 - problem->columns) * share_of(problem, i) * mean;
+    double driven =
+        ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
     if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
         return false;
     }
@@ -343,12 +296,12 @@ void lac_inertia_unexplained(const lac_problem *problem, double *force)
     double mean = lac_vsum(n, force) / (double)n;
     double together = 0.0;
     for (size_t i = 0; i < n; i++) {
-        together += share_of(problem, i) * acceleration(problem, i, force[i], mean);
+        together += lac_problem_share(problem, i) * acceleration(problem, i, force[i], mean);
     }
     together *= (1.0 - problem->columns) / (double)n;
     for (size_t i = 0; i < n; i++) {
         double alone = problem->columns * acceleration(problem, i, force[i], mean);
-        force[i] -= problem->mass * share_of(problem, i) * (alone + together);
+        force[i] -= problem->mass * lac_problem_share(problem, i) * (alone + together);
     }
 }
 

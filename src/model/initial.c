@@ -173,13 +173,14 @@ static double given_state(const start_cells *s, size_t i)
     return s->initial->states != NULL ? s->initial->states[i] : s->initial->state_value;
 }
 
-// A cell from whose traction damping of the mean takes `drag`.
-static start_cell cell_at(const start_cells *s, size_t i, double drag)
+// A cell that the mean rate `mean` damps.
+static start_cell cell_at(const start_cells *s, size_t i, double mean)
 {
     const start_load *load = &s->load;
     double p = s->domain->pressure[i];
     double shaped = load->shape == NULL ? 0.0 : load->shape[i] * load->elastic;
     double q = p * load->ratio + load->spring + shaped;
+    double drag = (s->damping.mean + s->damping.shared * p) * mean;
     return (start_cell){s->friction, i, p * load->share, q - drag, s->damping.cell};
 }
 
@@ -187,9 +188,8 @@ static start_cell cell_at(const start_cells *s, size_t i, double drag)
 static double start_all(const start_cells *s, double mean)
 {
     double total = 0.0;
-    double drag = s->damping.mean != 0.0 ? s->damping.mean * mean : 0.0;
     for (size_t i = 0; i < s->domain->n; i++) {
-        start_cell c = cell_at(s, i, drag);
+        start_cell c = cell_at(s, i, mean);
         double rate = given_rate(s, i);
         double value = given_state(s, i);
         if (isnan(rate)) {
@@ -208,10 +208,11 @@ static double start_all(const start_cells *s, double mean)
 // much.
 static double start_together(const start_cells *s)
 {
+    bool damped = s->damping.mean != 0.0 || s->damping.shared != 0.0;
     double mean = 0.0;
     double found = start_all(s, mean);
     double slope = 0.0;
-    for (int k = 0; s->damping.mean != 0.0 && isfinite(found) && k < 200; k++) {
+    for (int k = 0; damped && isfinite(found) && k < 200; k++) {
         double next = mean + (found - mean) / (1.0 - fmin(slope, 0.5));
         double then = start_all(s, next);
         for (int j = 0; !isfinite(then) && j < 60; j++) {
@@ -226,7 +227,7 @@ static double start_together(const start_cells *s)
             break;
         }
     }
-    return found - mean;
+    return damped ? found - mean : 0.0;
 }
 
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
@@ -253,11 +254,11 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
         }
         fastest = fmax(fastest, exp(log_rate[i]));
     }
-    if (damping.mean != 0.0 && !(fabs(off) <= 1e-9 * fastest)) {
+    if (!(fabs(off) <= 1e-9 * fastest)) {
         return lac_fail(err, LAC_EINPUT,
                         "no slip rate of the cells carries the load with the damping of their "
-                        "mean, %g Pa s/m: it would be above %g m/s",
-                        damping.mean, fastest);
+                        "mean: it would be above %g m/s",
+                        fastest);
     }
     return LAC_OK;
 }

@@ -14,7 +14,9 @@ struct lac_problem {
     lac_load_set loads;
     const struct lac_formulation_kind *kind;
     double damping;       // eta [Pa s/m]
-    double mean_damping;  // what the mean slip rate is damped by besides [Pa s/m]; 0: nothing
+    double mean_damping;  // what the mean slip rate takes off every cell besides [Pa s/m]
+    double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
+    double least_direct;  // least a of the cells
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m
@@ -31,6 +33,20 @@ struct lac_problem {
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
 };
+
+// What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
+static inline double lac_problem_drag(const lac_problem *problem, size_t i)
+{
+    return problem->mean_damping + problem->drag * problem->pressure[i];
+}
+
+// Whether Newton's method feels that the mean rate is damped: what it takes off a mean rate over
+// what friction holds of it.
+static inline bool lac_problem_feels_drag(const lac_problem *problem, double share, double mean)
+{
+    const double felt = 1e-3; // so much of its last correction Newton's method may leave
+    return problem->drag * fabs(mean) > felt * share * problem->least_direct;
+}
 
 // What acts on the cells neither alike nor as their pressures do.
 typedef struct lac_far {
@@ -64,7 +80,7 @@ typedef struct lac_workspace {
     double *guess; // where ln|v| is solved for: where the next solve begins
     double *bend;  // with inertia: what a step does to dv/dx, in the place of guess
     double *slope; // with inertia: dv/dx
-    double *lean;  // [2n] where damping of the mean counts: lac_problem_solve_leaning
+    double *lean;  // [3n] where damping of the mean counts, and slip is no unknown
     double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
 } lac_workspace;
@@ -176,16 +192,31 @@ static inline lac_mean_search lac_mean_search_from(double mean)
 // find
 double lac_mean_search_on(lac_mean_search *search, double found, double slope);
 
-// dv/dtau of a block of cells that friction and their own damping hold, 1/(p f_u/|v| + eta)
-// [m/s/Pa].
+// By how much the rates of a block of cells fall as the mean rate rises that damps them, where
+// friction and their own damping hold them: drag/(p f_u/|v| + eta).
 void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
                     double *ease);
 
-// (D + K + k_mean P + 1 lean^T/n) x = b, in O(n) as the transfer's solve.
-// @param lean  [2n] the first n are the vector; the others are scratch
-// @return false where the transfer's solve fails
-bool lac_problem_solve_leaning(const lac_problem *problem, double k_mean, const double *diagonal,
-                               double *lean, double *b, double *scratch);
+// What acts on the mean of the cells, and as their pressures do: kappa s row^T/n, s the share of a
+// cell's pressure, whose mean is 1.
+typedef struct lac_sharing {
+    double kappa;      // [Pa/m]
+    const double *row; // [n], some 1; NULL: 1
+    double *shares;    // [n] scratch
+    double *ones;      // [n] scratch; NULL without a row
+} lac_sharing;
+
+// Share of a cell in what acts on the mean as the pressures do.
+static inline double lac_problem_share(const lac_problem *problem, size_t i)
+{
+    return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
+}
+
+// (D + K + k P + kappa s row^T/n) x = b, in O(n) as the transfer's solve.
+// @param mean  k + kappa [Pa/m]
+// @return false where the transfer's solve fails, or the matrix is not positive definite
+bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
+                               const lac_sharing *on, double *b, double *scratch);
 
 // Solves for the rates that carry the tractions, into ws->v and ws->guess, or ws->u where they are
 // not kept.

@@ -68,7 +68,7 @@ static void measure_balance(const lac_problem *problem, const lac_drive *drive,
         sum += traction[i];
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         held += a * p + problem->damping * fabs(motion->v[i]) +
-                problem->mean_damping * fabs(motion->mean);
+                lac_problem_drag(problem, i) * fabs(motion->mean);
     }
     seen->balance_residual = worst;
     seen->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;

@@ -18,7 +18,9 @@ lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
                                .traction = problem->traction0,
                                .friction = problem->friction,
                                .transfer = &problem->transfer,
-                               .damping = {.cell = problem->damping, .mean = problem->mean_damping},
+                               .damping = {.cell = problem->damping,
+                                           .mean = problem->mean_damping,
+                                           .shared = problem->drag},
                                .linear = all_linear(loads->shear, loads->shear_count) &&
                                          all_linear(loads->pore, loads->pore_count)};
 }

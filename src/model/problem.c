@@ -42,16 +42,23 @@ static void fill_traction(lac_problem *problem, double share)
         double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
         problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
     }
-    if (problem->mean_damping != 0.0) {
-        double total = 0.0;
-        for (size_t i = 0; i < problem->n; i++) {
-            total += exp(problem->log_rate0[i]);
-        }
-        for (size_t i = 0; i < problem->n; i++) {
-            problem->traction0[i] += problem->mean_damping * (total / (double)problem->n);
-        }
+    double total = 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        total += exp(problem->log_rate0[i]);
+    }
+    for (size_t i = 0; i < problem->n; i++) {
+        problem->traction0[i] += lac_problem_drag(problem, i) * (total / (double)problem->n);
     }
     problem->sum_traction0 = lac_vsum(problem->n, problem->traction0);
+}
+
+static double least_of(const lac_cellwise *column, size_t n)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        least = fmin(least, lac_cellwise_of(column, i));
+    }
+    return least;
 }
 
 // Without direct effect and damping the traction says nothing of the rate.
@@ -134,6 +141,8 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     lac_damping damping = lac_damping_over(def->domain, def->damping, def->mass > 0.0);
     problem->damping = damping.cell;
     problem->mean_damping = damping.mean;
+    problem->drag = damping.shared;
+    problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
     problem->kind = lac_formulation_kind_of(def->formulation);
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 

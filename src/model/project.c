@@ -5,8 +5,8 @@
 #include "model/internal.h"
 
 // With r = q - K slip - p f - damping, E = p f_u + eta |v|, D = E/(|slip| + dc) and, where the mean
-// is damped, c = eta_m v/(|slip| + dc), the linear system
-//   (D + K + 1 c^T/n) dslip = r,   E dln v = D dslip
+// is damped by g a cell, c = v/(|slip| + dc), the linear system
+//   (D + K + g c^T/n) dslip = r,   E dln v = D dslip
 // moves both sides of the balance together: what stiffly tied cells are off by goes into the small
 // differences of their slip, what they are off by in common into the rates.
 static void residual_block(const lac_problem *problem, const lac_drive *drive,
@@ -15,7 +15,7 @@ static void residual_block(const lac_problem *problem, const lac_drive *drive,
 {
     lac_block s;
     const double *w = y + problem->n;
-    bool damped = problem->mean_damping != 0.0;
+    bool damped = problem->drag != 0.0;
     size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;
@@ -26,35 +26,39 @@ static void residual_block(const lac_problem *problem, const lac_drive *drive,
         ws->kv[k] -= held;
         ws->diagonal[k] = e / gone;
         if (damped) {
-            ws->kv[k] -= problem->mean_damping * motion->mean;
-            ws->lean[k] = problem->mean_damping * motion->v[k] / gone;
+            ws->kv[k] -= problem->drag * problem->pressure[k] * motion->mean;
+            ws->lean[k] = motion->v[k] / gone;
         }
         ws->v[k] = e;
     }
 }
 
-// dslip, in the place of r. @param common  what it adds to the damping of the mean [Pa]
+// dslip, in the place of r. @param rise  of the mean slip rate that it makes [m/s]
 static bool solve(const lac_problem *problem, const lac_drive *drive, const lac_workspace *ws,
-                  double *common)
+                  double *rise)
 {
     size_t n = problem->n;
-    if (problem->mean_damping == 0.0) {
-        return problem->transfer.kind->solve(problem->transfer.state, drive->spring_stiffness,
-                                             ws->diagonal, ws->kv, ws->kv, ws->scratch);
+    double *row = ws->lean;
+    bool damped = problem->drag != 0.0;
+    double even = 0.0;
+    for (size_t i = 0; damped && i < n; i++) {
+        even += fabs(row[i]) / (double)n;
     }
-    double *rise = ws->lean;
-    double mean = lac_vsum(n, rise) / (double)n;
-    for (size_t i = 0; i < n; i++) {
-        rise[i] -= mean;
+    double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
+    lac_sharing on = {0};
+    if (even > 0.0) {
+        on = (lac_sharing){.kappa = kappa, .row = row, .shares = row + n, .ones = row + 2 * n};
+        for (size_t i = 0; i < n; i++) {
+            row[i] /= even;
+        }
     }
-    if (!lac_problem_solve_leaning(problem, drive->spring_stiffness + mean, ws->diagonal, rise,
+    if (!lac_problem_solve_sharing(problem, drive->spring_stiffness + kappa, ws->diagonal, &on,
                                    ws->kv, ws->scratch)) {
         return false;
     }
-    for (size_t i = 0; i < n; i++) {
-        *common += (rise[i] + mean) * ws->kv[i];
+    for (size_t i = 0; on.row != NULL && i < n; i++) {
+        *rise += row[i] * ws->kv[i] * (even / (double)n);
     }
-    *common /= (double)n;
     return true;
 }
 
@@ -73,13 +77,14 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         residual_block(problem, &drive, &motion, y, slip, &ws, first);
     }
-    double common = 0.0;
-    if (!solve(problem, &drive, &ws, &common)) {
+    double rise = 0.0;
+    if (!solve(problem, &drive, &ws, &rise)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
         double force = ws.diagonal[i] * ws.kv[i];
         slip[i] += ws.kv[i];
+        double common = problem->drag * problem->pressure[i] * rise;
         y[i] += problem->kind->solved ? force + common : force / ws.v[i];
     }
     return true;

@@ -55,16 +55,19 @@ typedef struct rate_field {
     const double *w, *kv; // [n] ln theta, K v
     double loading;       // dq/dt that all cells have in common [Pa/s]
     double *ydot;
-    double *held; // [n] p f_u + eta v; NULL: not wanted
+    double *ease; // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
+    double rise;  // dv/dt of the mean cell
     const lac_problem *problem;
     const lac_drive *drive;
     bool good[LAC_PARTS];
+    double gain[LAC_PARTS], loss[LAC_PARTS]; // sums of v du/dt and of v ease
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
+// @param held  p f_u + eta v; overwritten
 LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_drive *drive,
                                       const rate_field *field, size_t first, size_t length,
-                                      const lac_block *s)
+                                      const lac_block *s, double *held)
 {
     const double *p = problem->pressure + first;
     const double *kv = field->kv + first;
@@ -79,36 +82,45 @@ LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_driv
         double pe = p[i] * share;
         double drop = s->f[i] * p[i] * share_rate + kv[i] + pe * s->f_w[i] * s->g[i];
         double force = p[i] * ratio_rate + loading - drop;
-        du[i] = force / (pe * s->f_u[i] + eta * s->speed[i]);
+        held[i] = pe * s->f_u[i] + eta * s->speed[i];
+        du[i] = force / held[i];
     }
 }
 
-// p f_u + eta v
-LAC_CLONES static void lac_rate_held(const lac_problem *problem, const lac_drive *drive,
-                                     size_t first, size_t length, const lac_block *s, double *held)
+// What damping of the mean takes off the rates of a block, and what it comes from.
+LAC_CLONES static void lac_rate_ease(const rate_field *field, size_t first, size_t length,
+                                     const double *held, double gained[], double lost[])
 {
-    const double *p = problem->pressure + first;
-    double share = drive->share;
-    double eta = problem->damping;
+    const double *p = field->problem->pressure + first;
+    const double *v = field->motion->v + first;
+    const double *du = field->ydot + first;
+    double *ease = field->ease + first;
+    double drag = field->problem->drag;
     LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
-        held[i] = p[i] * share * s->f_u[i] + eta * s->speed[i];
+        ease[i] = drag * p[i] / held[i];
+        gained[i] = v[i] * du[i];
+        lost[i] = v[i] * ease[i];
     }
 }
 
 // The rates of one block of cells; false where one is not finite.
-static bool block_rates(const lac_problem *problem, const lac_drive *drive, const rate_field *field,
-                        size_t first)
+static bool block_rates(rate_field *field, size_t part, size_t first)
 {
     lac_block s;
-    size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, NULL);
+    double held[LAC_FRICTION_BLOCK];
+    const lac_problem *problem = field->problem;
+    size_t length =
+        lac_block_friction(problem, field->drive, field->motion, field->w, first, &s, NULL);
     double *du = field->ydot + first;
     double *dw = field->ydot + problem->n + first;
-    lac_rate_rates(problem, drive, field, first, length, &s);
-    if (field->held != NULL) {
-        lac_rate_held(problem, drive, first, length, &s, field->held + first);
-    }
+    lac_rate_rates(problem, field->drive, field, first, length, &s, held);
     memcpy(dw, s.g, length * sizeof *dw);
+    if (field->ease != NULL) { // f and f_w have been used
+        lac_rate_ease(field, first, length, held, s.f, s.f_w);
+        field->gain[part] += lac_vsum(length, s.f);
+        field->loss[part] += lac_vsum(length, s.f_w);
+    }
     return lac_vfinite(length, du) && lac_vfinite(length, dw);
 }
 
@@ -116,8 +128,9 @@ static void part_rates(void *context, size_t part, size_t from, size_t end)
 {
     rate_field *field = context;
     field->good[part] = true;
+    field->gain[part] = field->loss[part] = 0.0;
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
-        bool good = block_rates(field->problem, field->drive, field, first);
+        bool good = block_rates(field, part, first);
         field->good[part] = good && field->good[part];
     }
 }
@@ -131,49 +144,47 @@ static bool all_good(size_t parts, const bool *good)
     return all;
 }
 
-// Damping of the mean takes eta_m A off E du/dt, A = dv/dt of the mean cell, which is the mean of
-// v du/dt itself: with the du/dt that there are without,
-//   A = sum of v du/dt/(n + eta_m sum of v/E)
-static double damp_mean(const lac_problem *problem, const rate_field *field)
+LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t first, size_t end)
 {
-    size_t n = problem->n;
-    double damped = problem->mean_damping;
-    const double *v = field->motion->v;
-    double gain = 0.0;
-    double ease = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        gain += v[i] * field->ydot[i];
-        ease += v[i] / field->held[i];
+    rate_field *field = context;
+    double *du = field->ydot;
+    const double *ease = field->ease;
+    double rise = field->rise;
+    LAC_INDEPENDENT
+    for (size_t i = first; i < end; i++) {
+        du[i] -= rise * ease[i];
     }
-    double rise = gain / ((double)n + damped * ease);
-    for (size_t i = 0; i < n; i++) {
-        field->ydot[i] -= damped * rise / field->held[i];
-    }
-    return rise;
+    field->good[part] = lac_vfinite(end - first, du + first);
 }
 
-// d(ln v, ln theta)/dt in ydot [2n]; false where it is not finite. @param rise  dv/dt of the mean
-// cell, where its damping counts; else untouched
+// d(ln v, ln theta)/dt in ydot [2n]; false where it is not finite. Damping of the mean takes g A
+// off E du/dt, g the drag of a cell and A = dv/dt of the mean cell, which is the mean of v du/dt
+// itself: with the du/dt that there are without,
+//   A = sum of v du/dt/(n + sum of v g/E)
+// @param rise  A where damping of the mean counts; else untouched
 static bool find_rates(const lac_problem *problem, const lac_drive *drive, const lac_motion *motion,
                        const double *w, const lac_workspace *ws, double *ydot, double *rise)
 {
-    bool damped = problem->mean_damping != 0.0;
     lac_problem_couple(problem, drive->far_rate, motion->v, ws->kv, ws->scratch);
     rate_field field = {.motion = motion,
                         .w = w,
                         .kv = ws->kv,
                         .loading = drive->spring_rate - drive->spring_stiffness * motion->mean,
                         .ydot = ydot,
-                        .held = damped ? ws->diagonal : NULL,
+                        .ease = problem->drag != 0.0 ? ws->diagonal : NULL,
                         .problem = problem,
                         .drive = drive};
     size_t parts = lac_parts_run(problem->n, part_rates, &field);
-    bool good = all_good(parts, field.good);
-    if (damped && good) {
-        *rise = damp_mean(problem, &field);
-        good = lac_vfinite(problem->n, ydot);
+    if (!all_good(parts, field.good)) {
+        return false;
     }
-    return good;
+    if (field.ease == NULL) {
+        return true;
+    }
+    double loss = lac_parts_sum(parts, field.loss);
+    field.rise = *rise = lac_parts_sum(parts, field.gain) / ((double)problem->n + loss);
+    (void)lac_parts_run(problem->n, lac_rate_take_off, &field);
+    return all_good(parts, field.good);
 }
 
 static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
@@ -280,76 +291,73 @@ static void reduce_part(void *context, size_t part, size_t from, size_t end)
     }
 }
 
-// What damping of the mean adds to a Newton solve.
-typedef struct mean_term {
-    double rise;  // dv/dt of the mean cell [m/s2]
-    double stiff; // stiffness of the mean [Pa/m]
-    double push;  // on the right-hand side [Pa/s]
-} mean_term;
-
-// Beside E du/dt stands eta_m A, A the mean of v du/dt. A step dv = v x_u changes A by the mean of
-// (1/gamma + du/dt) dv - v b_u/gamma. With du/dt that of the mean cell that is a stiffness of the
-// mean; what each cell's is besides goes to ws->lean.
-static bool damp_solve(const lac_problem *problem, const lac_drive *drive, const lac_motion *motion,
-                       const solve_field *field, mean_term *out)
+// Beside E du/dt stands g A, g the drag of a cell and A the mean of v du/dt. A step dv = v x_u
+// changes A by the mean of (1/gamma + du/dt) dv - v b_u/gamma: kappa s row^T/n with
+// row = 1 + gamma du/dt. What it puts on the right-hand side goes to `push`, per pressure.
+// @param rise  A
+static bool damp_solve(const solve_field *field, double *rise, double *push)
 {
-    size_t n = problem->n;
-    double damped = problem->mean_damping;
-    double *lean = field->ws->lean;
-    *out = (mean_term){0};
-    if (damped == 0.0) {
-        return true;
-    }
-    if (!find_rates(problem, drive, motion, field->w, field->ws, lean, &out->rise)) {
+    const lac_motion *motion = field->motion;
+    const lac_problem *problem = field->problem;
+    double *row = field->ws->lean;
+    double given = 0.0;
+    if (!find_rates(problem, field->drive, motion, field->w, field->ws, row, rise)) {
         return false;
     }
-    double common = out->rise / motion->mean;
-    double given = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        lean[i] = damped * (lean[i] - common);
+    for (size_t i = 0; i < problem->n; i++) {
+        row[i] = 1.0 + field->gamma * row[i];
         given += motion->v[i] * field->b[i];
     }
-    out->stiff = damped * (1.0 / field->gamma + common);
-    out->push = damped * given / (double)n / field->gamma;
-    return isfinite(out->stiff) && isfinite(out->push);
+    *push = problem->drag * given / (double)problem->n / field->gamma;
+    return isfinite(*push);
+}
+
+// Solves the system that reduce_part has left, for dv.
+static bool solve(const solve_field *field, bool felt, double push)
+{
+    const lac_problem *problem = field->problem;
+    const lac_workspace *ws = field->ws;
+    size_t n = problem->n;
+    lac_sharing on = {0};
+    if (felt) {
+        on.kappa = problem->drag * (problem->sum_pressure / (double)n) / field->gamma;
+        on.row = ws->lean;
+        on.shares = ws->lean + n;
+        on.ones = ws->lean + 2 * n;
+    }
+    for (size_t i = 0; felt && i < n; i++) {
+        field->b[i] += problem->pressure[i] * push;
+    }
+    double mean = field->drive->spring_stiffness + on.kappa;
+    return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, field->b, ws->scratch);
 }
 
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
     size_t n = problem->n;
-    const lac_transfer *transfer = &problem->transfer;
-    bool damped = problem->mean_damping != 0.0;
     lac_motion motion = move(problem, drive, y, ws, true);
+    lac_drive held = *drive;
     solve_field field = {.motion = &motion,
                          .w = y + n,
                          .ws = ws,
                          .b = b,
                          .gamma = gamma,
                          .problem = problem,
-                         .drive = drive};
-    mean_term term;
-    if (!damp_solve(problem, drive, &motion, &field, &term)) {
+                         .drive = &held};
+    bool felt = lac_problem_feels_drag(problem, drive->share, motion.mean);
+    double rise = 0.0;
+    double push = 0.0;
+    if (!felt) {
+        lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
+    } else if (!damp_solve(&field, &rise, &push)) {
         return false;
     }
-    if (!damped) { // else it has been done
-        lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
-    }
+    held.ratio_rate -= problem->drag * rise; // it is shared as a force is
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
-    field.loading -= problem->mean_damping * term.rise;
 
     size_t parts = lac_parts_run(n, reduce_part, &field);
-    if (!all_good(parts, field.good)) {
-        return false;
-    }
-    double mean = drive->spring_stiffness + term.stiff;
-    for (size_t i = 0; damped && i < n; i++) {
-        b[i] += term.push;
-    }
-    bool solved =
-        damped ? lac_problem_solve_leaning(problem, mean, ws->diagonal, ws->lean, b, ws->scratch)
-               : transfer->kind->solve(transfer->state, mean, ws->diagonal, b, b, ws->scratch);
-    if (!solved) {
+    if (!all_good(parts, field.good) || !solve(&field, felt, push)) {
         return false;
     }
     (void)lac_parts_run(n, lac_rate_bring_back, &field);
@@ -379,7 +387,7 @@ static double rate_behind(const lac_problem *problem, const leap *at, size_t i, 
     double u = at->y[i];
     double f = lac_friction_coefficient(problem->friction, i, u, at->y[problem->n + i]);
     double held = p * jump->share_before * f + problem->damping * exp(u);
-    double drag = problem->mean_damping * (mean - at->before);
+    double drag = lac_problem_drag(problem, i) * (mean - at->before);
     *w = lac_friction_state_after(problem->friction, i, at->y[problem->n + i],
                                   jump->share_after / jump->share_before);
     return lac_friction_rate_for(problem->friction, i, *w,
@@ -387,7 +395,7 @@ static double rate_behind(const lac_problem *problem, const leap *at, size_t i, 
                                  p * jump->share_after, problem->damping);
 }
 
-// Sums over a block of v behind the jump and of dv/dtau. A cell that finds no rate under so much
+// Sums over a block of v behind the jump and of its ease. A cell that finds no rate under so much
 // drag stands still.
 static void sum_behind(const lac_problem *problem, const leap *at, double mean, size_t first,
                        double sums[2])
@@ -416,8 +424,7 @@ static double mean_behind(const lac_problem *problem, const leap *at)
         for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
             sum_behind(problem, at, search.mean, first, sums);
         }
-        double moved =
-            lac_mean_search_on(&search, sums[0] / n, problem->mean_damping * sums[1] / n);
+        double moved = lac_mean_search_on(&search, sums[0] / n, sums[1] / n);
         if (!(fabs(moved) > DBL_EPSILON * fabs(search.mean))) {
             break;
         }
@@ -429,7 +436,7 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
     leap at = {.jump = jump, .y = y};
     double mean = 0.0;
-    if (problem->mean_damping != 0.0) {
+    if (problem->drag != 0.0) {
         for (size_t i = 0; i < problem->n; i++) {
             at.before += exp(y[i]) / (double)problem->n;
         }

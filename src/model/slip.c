@@ -46,8 +46,7 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
         ws->kv[i] = b[i];
         b[i] = rhs;
     }
-    double stiff = drive->spring_stiffness + problem->mean_damping / gamma;
-    if (!transfer->kind->solve(transfer->state, stiff, ws->diagonal, b, b, ws->scratch)) {
+    if (!lac_implicit_solve(problem, &implicit, b, ws)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

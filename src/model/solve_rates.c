@@ -14,8 +14,8 @@ typedef struct load_of_cells {
     const double *traction, *w; // [n]
 } load_of_cells;
 
-// Rates where `drag` is taken off every traction; gives back their mean.
-static double rates_under(const lac_problem *problem, const load_of_cells *on, double drag,
+// Rates where the mean rate `taken` damps them; gives back their mean.
+static double rates_under(const lac_problem *problem, const load_of_cells *on, double taken,
                           double *u, double *v)
 {
     double left[LAC_FRICTION_BLOCK];
@@ -24,13 +24,13 @@ static double rates_under(const lac_problem *problem, const load_of_cells *on, d
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = on->traction + first;
-        for (size_t i = 0; drag != 0.0 && i < length; i++) {
-            left[i] = traction[i] - drag;
+        for (size_t i = 0; taken != 0.0 && i < length; i++) {
+            left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
                                         .w = on->w + first,
-                                        .traction = drag != 0.0 ? left : traction,
+                                        .traction = taken != 0.0 ? left : traction,
                                         .pressure = problem->pressure + first,
                                         .share = on->share,
                                         .damping = problem->damping};
@@ -53,21 +53,21 @@ static void find_ease(const lac_problem *problem, const load_of_cells *on, const
     }
 }
 
-// Largest part of a rate that `drag` more would take off it.
-static double part_taken(size_t n, double drag, const double *ease, const double *v)
+// Largest part of a rate that a mean rate greater by `moved` would take off it.
+static double part_taken(size_t n, double moved, const double *ease, const double *v)
 {
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double part = fabs(drag * ease[i] / v[i]);
+        double part = fabs(moved * ease[i] / v[i]);
         most = part > most ? part : most;
     }
     return most;
 }
 
-static void take_off(size_t n, double drag, const double *ease, double *u, double *v)
+static void take_off(size_t n, double moved, const double *ease, double *u, double *v)
 {
     for (size_t i = 0; i < n; i++) {
-        double part = drag * ease[i] / v[i];
+        double part = moved * ease[i] / v[i];
         u[i] -= part;
         v[i] -= part * v[i];
     }
@@ -81,20 +81,19 @@ static double rates_together(const lac_problem *problem, const load_of_cells *on
     const double linear = 2e-8; // its square is rounding
     const double near = 0.3;    // a better place to begin the next
     size_t n = problem->n;
-    double damped = problem->mean_damping;
     double *ease = ws->diagonal;
     lac_mean_search search = lac_mean_search_from(*ws->mean);
     for (int k = 0; k < 200; k++) {
-        double found = rates_under(problem, on, damped * search.mean, u, ws->v);
+        double found = rates_under(problem, on, search.mean, u, ws->v);
         if (!isfinite(found)) {
             return found;
         }
         find_ease(problem, on, u, ws->v, ease);
-        double slope = damped * lac_vsum(n, ease) / (double)n;
+        double slope = lac_vsum(n, ease) / (double)n;
         double moved = lac_mean_search_on(&search, found, slope);
-        double part = part_taken(n, damped * moved, ease, ws->v);
+        double part = part_taken(n, moved, ease, ws->v);
         if (part <= near) {
-            take_off(n, damped * moved, ease, u, ws->v);
+            take_off(n, moved, ease, u, ws->v);
         }
         if (part <= linear) {
             break;
@@ -115,7 +114,7 @@ lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, con
     if (!keep) {
         memcpy(u, ws->guess, problem->n * sizeof *u);
     }
-    if (problem->mean_damping == 0.0) {
+    if (problem->drag == 0.0) {
         mean = rates_under(problem, &on, 0.0, u, ws->v);
     } else {
         mean = rates_together(problem, &on, u, ws);

@@ -34,7 +34,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
     return lac_vfinite(n, ydot) && good;
 }
 
-// x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + eta_m mean dv by the row itself.
+// x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
@@ -47,15 +47,13 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     for (size_t i = 0; i < n; i++) {
         b[i] = (b[i] - ws->kv[i]) / gamma;
     }
-    double mean = drive->spring_stiffness + problem->mean_damping / gamma;
-    if (!problem->transfer.kind->solve(problem->transfer.state, mean, ws->diagonal, b, b,
-                                       ws->scratch)) {
+    if (!lac_implicit_solve(problem, &implicit, b, ws)) {
         return false;
     }
-    double damped = problem->mean_damping;
-    double common = damped != 0.0 ? damped * (lac_vsum(n, b) / (double)n) : 0.0;
+    double rise = lac_vsum(n, b) / (double)n;
     for (size_t i = 0; i < n; i++) {
         double dv = b[i];
+        double common = lac_problem_drag(problem, i) * rise;
         b[i] = gamma * ws->diagonal[i] * dv + ws->kv[i] + common;
         b[n + i] += ws->v[i] * dv;
     }

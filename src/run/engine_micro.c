@@ -87,7 +87,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
                                .friction = parts.friction,
                                .pressure = parts.pressure,
                                .damping = parts.damping.cell,
-                               .mean_damping = parts.damping.mean,
+                               .drag = parts.damping.shared,
                                .tolerance = tolerance_of(engine->def),
                                .wake = engine->def->wake};
     LAC_TRY(lac_micro_create(&def, &c->micro, err));

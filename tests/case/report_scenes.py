@@ -15,14 +15,14 @@ interface:
 material: {shear_modulus: "15 GPa", poisson: 0.25, shear_speed: "1 km/s"}
 load:
   normal: {pressure: "200 MPa"}
-friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "4 um", v0: "1 um/s", form: regularised}}
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "4 um", v0: "1 um/s"}}
 initial:
   slip_rate: "1 cm/week"
   state: {ratio_to_steady: 0.7}
   spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}
 transfer: {hierarchy: {stiffness: elastic}}
 time: {end: "1 day"}
-solver: {rtol: 1e-4, formulation: traction}
+solver: {rtol: 1e-4}
 analysis:
   rg: {rule: fix, field: equal, beta: 0.6, critical_fraction: 0.6}
   events: {slip_rate: "1 mm/s"}
