@@ -90,38 +90,71 @@ static bool share_evenly(const lac_problem *problem, double mean, const double *
     return pivot > 0.0 && isfinite(pivot);
 }
 
+// What a row other than 1 is solved with.
+typedef struct row_terms {
+    double by_share, by_one; // x loses by_share M^-1 s - by_one M^-1 1
+} row_terms;
+
+// By Woodbury's formula. @param r, s, e  means of row x and of x, for b, s and 1
+static bool find_terms(double kappa, const double r[2], const double s[2], const double e[2],
+                       row_terms *out)
+{
+    double a00 = 1.0 + kappa * s[0];
+    double a01 = -kappa * e[0];
+    double a10 = kappa * s[1];
+    double a11 = 1.0 - kappa * e[1];
+    double pivot = a00 * a11 - a01 * a10;
+    out->by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
+    out->by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
+    return pivot > 0.0 && isfinite(pivot);
+}
+
+static void fill_shares(const lac_problem *problem, double *shares)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        shares[i] = lac_problem_share(problem, i);
+    }
+}
+
 static bool share_by_row(const lac_problem *problem, double mean, const double *diagonal,
                          const lac_sharing *on, double *b, double *scratch)
 {
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
     double *shares = on->shares;
-    double *ones = on->ones;
-    double kappa = on->kappa;
+    double *ones = on->ones != NULL ? on->ones : shares; // one after the other
+    double r[2], s[2], e[2];
+    row_terms terms;
+    weigh(n, on->row, b, r);
+    fill_shares(problem, shares);
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch)) {
+        return false;
+    }
+    weigh(n, on->row, shares, s);
     for (size_t i = 0; i < n; i++) {
-        shares[i] = lac_problem_share(problem, i);
         ones[i] = 1.0;
     }
-    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch) ||
-        !transfer->kind->solve(transfer->state, mean, diagonal, ones, ones, scratch)) {
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, ones, ones, scratch)) {
         return false;
     }
-    double r[2], s[2], e[2];
-    weigh(n, on->row, b, r);
-    weigh(n, on->row, shares, s);
     weigh(n, on->row, ones, e);
-    double a00 = 1.0 + kappa * s[0];
-    double a01 = -kappa * e[0];
-    double a10 = kappa * s[1];
-    double a11 = 1.0 - kappa * e[1];
-    double pivot = a00 * a11 - a01 * a10;
-    if (!(pivot > 0.0) || !isfinite(pivot)) {
+    if (!find_terms(on->kappa, r, s, e, &terms)) {
         return false;
     }
-    double by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
-    double by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
+    if (on->ones != NULL) {
+        for (size_t i = 0; i < n; i++) {
+            b[i] += terms.by_one * ones[i] - terms.by_share * shares[i];
+        }
+        return true;
+    }
     for (size_t i = 0; i < n; i++) {
-        b[i] += by_one * ones[i] - by_share * shares[i];
+        shares[i] = terms.by_one - terms.by_share * lac_problem_share(problem, i);
+    }
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        b[i] += shares[i];
     }
     return true;
 }

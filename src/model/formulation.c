@@ -31,7 +31,7 @@ const char *lac_formulation_name(lac_formulation formulation)
 // Arrays of n that a matrix needs where the mean is damped: slip as an unknown makes none.
 static size_t leaning(const lac_problem *problem)
 {
-    return problem->drag != 0.0 && !problem->kind->has_slip ? 3 : 0;
+    return problem->drag != 0.0 && !problem->kind->has_slip ? 1 : 0;
 }
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
@@ -45,7 +45,7 @@ lac_workspace lac_problem_split(const lac_problem *problem, double *work)
                            .guess = work + 4 * n,
                            .bend = work + 4 * n,
                            .slope = work + 5 * n,
-                           .lean = work + problem->kind->arrays * n,
+                           .row = work + problem->kind->arrays * n,
                            .scratch = scratch,
                            .mean = scratch + problem->transfer.kind->work(problem->transfer.state)};
 }

@@ -80,7 +80,7 @@ typedef struct lac_workspace {
     double *guess; // where ln|v| is solved for: where the next solve begins
     double *bend;  // with inertia: what a step does to dv/dx, in the place of guess
     double *slope; // with inertia: dv/dx
-    double *lean;  // [3n] where damping of the mean counts, and slip is no unknown
+    double *row;   // [n] where damping of the mean counts, and slip is no unknown
     double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
 } lac_workspace;
@@ -203,7 +203,7 @@ typedef struct lac_sharing {
     double kappa;      // [Pa/m]
     const double *row; // [n], some 1; NULL: 1
     double *shares;    // [n] scratch
-    double *ones;      // [n] scratch; NULL without a row
+    double *ones;      // [n] scratch; NULL: none, at the cost of another solve where there is a row
 } lac_sharing;
 
 // Share of a cell in what acts on the mean as the pressures do.

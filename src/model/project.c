@@ -4,6 +4,12 @@
 #include "base/vsum.h"
 #include "model/internal.h"
 
+// The slip that a cell's correction is relative to.
+static double gone_of(const lac_problem *problem, const double *slip, size_t i)
+{
+    return fabs(slip[i]) + lac_cellwise_of(&problem->friction->column[LAC_DC], i);
+}
+
 // With r = q - K slip - p f - damping, E = p f_u + eta |v|, D = E/(|slip| + dc) and, where the mean
 // is damped by g a cell, c = v/(|slip| + dc), the linear system
 //   (D + K + g c^T/n) dslip = r,   E dln v = D dslip
@@ -22,14 +28,13 @@ static void residual_block(const lac_problem *problem, const lac_drive *drive,
         double p = problem->pressure[k] * drive->share;
         double e = p * s.f_u[i] + problem->damping * s.speed[i];
         double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
-        double gone = fabs(slip[k]) + lac_cellwise_of(&problem->friction->column[LAC_DC], k);
+        double gone = gone_of(problem, slip, k);
         ws->kv[k] -= held;
         ws->diagonal[k] = e / gone;
         if (damped) {
             ws->kv[k] -= problem->drag * problem->pressure[k] * motion->mean;
-            ws->lean[k] = motion->v[k] / gone;
+            ws->row[k] = motion->v[k] / gone;
         }
-        ws->v[k] = e;
     }
 }
 
@@ -38,7 +43,7 @@ static bool solve(const lac_problem *problem, const lac_drive *drive, const lac_
                   double *rise)
 {
     size_t n = problem->n;
-    double *row = ws->lean;
+    double *row = ws->row;
     bool damped = problem->drag != 0.0;
     double even = 0.0;
     for (size_t i = 0; damped && i < n; i++) {
@@ -47,7 +52,7 @@ static bool solve(const lac_problem *problem, const lac_drive *drive, const lac_
     double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
     lac_sharing on = {0};
     if (even > 0.0) {
-        on = (lac_sharing){.kappa = kappa, .row = row, .shares = row + n, .ones = row + 2 * n};
+        on = (lac_sharing){.kappa = kappa, .row = row, .shares = ws->v}; // v has been used
         for (size_t i = 0; i < n; i++) {
             row[i] /= even;
         }
@@ -82,10 +87,10 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
         return false;
     }
     for (size_t i = 0; i < n; i++) {
-        double force = ws.diagonal[i] * ws.kv[i];
-        slip[i] += ws.kv[i];
+        double gone = gone_of(problem, slip, i);
         double common = problem->drag * problem->pressure[i] * rise;
-        y[i] += problem->kind->solved ? force + common : force / ws.v[i];
+        y[i] += problem->kind->solved ? ws.diagonal[i] * ws.kv[i] + common : ws.kv[i] / gone;
+        slip[i] += ws.kv[i];
     }
     return true;
 }

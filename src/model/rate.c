@@ -54,7 +54,7 @@ typedef struct rate_field {
     const lac_motion *motion;
     const double *w, *kv; // [n] ln theta, K v
     double loading;       // dq/dt that all cells have in common [Pa/s]
-    double *ydot;
+    double *du, *dw;      // [n]; dw NULL: not wanted
     double *ease; // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
     double rise;  // dv/dt of the mean cell
     const lac_problem *problem;
@@ -71,7 +71,7 @@ LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_driv
 {
     const double *p = problem->pressure + first;
     const double *kv = field->kv + first;
-    double *du = field->ydot + first;
+    double *du = field->du + first;
     double share = drive->share;
     double share_rate = drive->share_rate;
     double ratio_rate = drive->ratio_rate;
@@ -93,7 +93,7 @@ LAC_CLONES static void lac_rate_ease(const rate_field *field, size_t first, size
 {
     const double *p = field->problem->pressure + first;
     const double *v = field->motion->v + first;
-    const double *du = field->ydot + first;
+    const double *du = field->du + first;
     double *ease = field->ease + first;
     double drag = field->problem->drag;
     LAC_INDEPENDENT
@@ -112,16 +112,17 @@ static bool block_rates(rate_field *field, size_t part, size_t first)
     const lac_problem *problem = field->problem;
     size_t length =
         lac_block_friction(problem, field->drive, field->motion, field->w, first, &s, NULL);
-    double *du = field->ydot + first;
-    double *dw = field->ydot + problem->n + first;
+    double *du = field->du + first;
     lac_rate_rates(problem, field->drive, field, first, length, &s, held);
-    memcpy(dw, s.g, length * sizeof *dw);
+    if (field->dw != NULL) {
+        memcpy(field->dw + first, s.g, length * sizeof *du);
+    }
     if (field->ease != NULL) { // f and f_w have been used
         lac_rate_ease(field, first, length, held, s.f, s.f_w);
         field->gain[part] += lac_vsum(length, s.f);
         field->loss[part] += lac_vsum(length, s.f_w);
     }
-    return lac_vfinite(length, du) && lac_vfinite(length, dw);
+    return lac_vfinite(length, du) && lac_vfinite(length, s.g);
 }
 
 static void part_rates(void *context, size_t part, size_t from, size_t end)
@@ -147,7 +148,7 @@ static bool all_good(size_t parts, const bool *good)
 LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t first, size_t end)
 {
     rate_field *field = context;
-    double *du = field->ydot;
+    double *du = field->du;
     const double *ease = field->ease;
     double rise = field->rise;
     LAC_INDEPENDENT
@@ -157,20 +158,22 @@ LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t firs
     field->good[part] = lac_vfinite(end - first, du + first);
 }
 
-// d(ln v, ln theta)/dt in ydot [2n]; false where it is not finite. Damping of the mean takes g A
+// d(ln v, ln theta)/dt of all cells; false where it is not finite. Damping of the mean takes g A
 // off E du/dt, g the drag of a cell and A = dv/dt of the mean cell, which is the mean of v du/dt
 // itself: with the du/dt that there are without,
 //   A = sum of v du/dt/(n + sum of v g/E)
 // @param rise  A where damping of the mean counts; else untouched
 static bool find_rates(const lac_problem *problem, const lac_drive *drive, const lac_motion *motion,
-                       const double *w, const lac_workspace *ws, double *ydot, double *rise)
+                       const double *w, const lac_workspace *ws, double *du, double *dw,
+                       double *rise)
 {
     lac_problem_couple(problem, drive->far_rate, motion->v, ws->kv, ws->scratch);
     rate_field field = {.motion = motion,
                         .w = w,
                         .kv = ws->kv,
                         .loading = drive->spring_rate - drive->spring_stiffness * motion->mean,
-                        .ydot = ydot,
+                        .du = du,
+                        .dw = dw,
                         .ease = problem->drag != 0.0 ? ws->diagonal : NULL,
                         .problem = problem,
                         .drive = drive};
@@ -192,7 +195,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 {
     double rise;
     lac_motion motion = move(problem, drive, y, ws, true);
-    return find_rates(problem, drive, &motion, y + problem->n, ws, ydot, &rise);
+    return find_rates(problem, drive, &motion, y + problem->n, ws, ydot, ydot + problem->n, &rise);
 }
 
 // What one solve works on.
@@ -299,9 +302,9 @@ static bool damp_solve(const solve_field *field, double *rise, double *push)
 {
     const lac_motion *motion = field->motion;
     const lac_problem *problem = field->problem;
-    double *row = field->ws->lean;
+    double *row = field->ws->row;
     double given = 0.0;
-    if (!find_rates(problem, field->drive, motion, field->w, field->ws, row, rise)) {
+    if (!find_rates(problem, field->drive, motion, field->w, field->ws, row, NULL, rise)) {
         return false;
     }
     for (size_t i = 0; i < problem->n; i++) {
@@ -312,7 +315,8 @@ static bool damp_solve(const solve_field *field, double *rise, double *push)
     return isfinite(*push);
 }
 
-// Solves the system that reduce_part has left, for dv.
+// Solves the system that reduce_part has left, for dv. Where damping of the mean is felt, 1/v gives
+// its place for as long.
 static bool solve(const solve_field *field, bool felt, double push)
 {
     const lac_problem *problem = field->problem;
@@ -321,15 +325,23 @@ static bool solve(const solve_field *field, bool felt, double push)
     lac_sharing on = {0};
     if (felt) {
         on.kappa = problem->drag * (problem->sum_pressure / (double)n) / field->gamma;
-        on.row = ws->lean;
-        on.shares = ws->lean + n;
-        on.ones = ws->lean + 2 * n;
+        on.row = ws->row;
+        on.shares = ws->kv;
     }
     for (size_t i = 0; felt && i < n; i++) {
         field->b[i] += problem->pressure[i] * push;
     }
     double mean = field->drive->spring_stiffness + on.kappa;
-    return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, field->b, ws->scratch);
+    if (!lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, field->b, ws->scratch)) {
+        return false;
+    }
+    if (felt) {
+        lac_vexp(n, field->motion->u, ws->kv);
+    }
+    for (size_t i = 0; felt && i < n; i++) {
+        ws->kv[i] = 1.0 / ws->kv[i];
+    }
+    return true;
 }
 
 static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
