@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
 
 // What acts on the mean slip at the start, over the nominal area.
@@ -31,7 +32,8 @@ static at_start look_at_start(const lac_problem *problem)
 
 lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip)
 {
-    lac_failure failure = {.rate = rate, .slip = slip > 0.0 ? slip : problem->length};
+    lac_failure failure = {
+        .rate = rate, .most_rate = INFINITY, .slip = slip > 0.0 ? slip : problem->length};
     bool held = problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL;
     if (held || rate >= LAC_NO_FAILURE_RATE) {
         return failure;
@@ -41,7 +43,22 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
     double counts = s.direct / s.eta;
     if (s.eta > 0.0 && reached < rate && counts < rate && counts > s.rate) {
         failure.rate = counts;
+        failure.most_rate = LAC_MOST_SHARE * counts;
         failure.lowered = true;
     }
     return failure;
+}
+
+double lac_failing_rate(const lac_failure *failure, size_t n, const double *v, double mean)
+{
+    double most = failure->most_rate;
+    double sum = 0.0;
+    if (!failure->lowered || lac_vmost(n, v) <= most) {
+        return fabs(mean);
+    }
+    for (size_t i = 0; i < n; i++) {
+        sum += fabs(v[i]) > most ? copysign(most, v[i]) : v[i]; // a NaN stays
+    }
+    double capped = fabs(sum) / (double)n;
+    return fabs(mean) < capped ? fabs(mean) : capped;
 }

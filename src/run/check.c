@@ -88,13 +88,6 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
     return LAC_OK;
 }
 
-void lac_check_failure(const lac_problem *problem, lac_run_def *def, lac_failure *failure)
-{
-    *failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
-    def->failure_rate = failure->rate;
-    def->failure_slip = failure->slip;
-}
-
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
     lac_status status = check_beyond(def->beyond, err);
@@ -134,8 +127,9 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     return LAC_OK;
 }
 
-lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
-                           double *work, lac_error *err)
+lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
+                           const lac_failure *failure, const double *y, double *work,
+                           lac_error *err)
 {
     double mean;
     double max;
@@ -144,11 +138,12 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, c
     if (status != LAC_OK) {
         return status;
     }
-    if (mean >= def->failure_rate) {
+    mean = lac_failing_rate(failure, lac_problem_cells(problem), work, mean);
+    if (mean >= failure->rate) {
         return lac_fail(err, LAC_EINPUT,
                         "the mean slip rate at the start, %g m/s, is not below that of failure, "
                         "%g m/s",
-                        mean, def->failure_rate);
+                        mean, failure->rate);
     }
     if (max >= def->stop_rate) {
         return lac_fail(err, LAC_EINPUT,
@@ -174,10 +169,8 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
     if (def->fidelity == LAC_FIDELITY_EVENTS) {
         LAC_TRY(lac_engine_events_check(problem, err));
     }
-    lac_run_def own = *def;
-    lac_failure failure;
-    lac_check_failure(problem, &own, &failure);
-    status = lac_check_start(problem, &own, y, y + unknowns, err);
+    const lac_failure failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
+    status = lac_check_start(problem, def, &failure, y, y + unknowns, err);
 out:
     free(y);
     return status;

@@ -198,7 +198,10 @@ static double move_origin(lac_engine *engine, double by)
 }
 
 // The mean slip that ends the run; INFINITY: none.
-static double slip_limit(const lac_run_def *def) { return fmin(def->stop_slip, def->failure_slip); }
+static double slip_limit(const lac_engine *engine)
+{
+    return fmin(engine->def->stop_slip, engine->failure.slip);
+}
 
 static lac_micro_limits limits_of(lac_engine *engine, double stop)
 {
@@ -207,9 +210,10 @@ static lac_micro_limits limits_of(lac_engine *engine, double stop)
     int64_t updates = UPDATES_A_CELL * (int64_t)engine->n;
     updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
     return (lac_micro_limits){.stop = stop,
-                              .mean_rate = c->too_early ? INFINITY : def->failure_rate,
+                              .mean_rate = c->too_early ? INFINITY : engine->failure.rate,
+                              .most_rate = engine->failure.most_rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
-                              .mean_slip = slip_limit(def) + c->lack,
+                              .mean_slip = slip_limit(engine) + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
                               .seen = c->rate != NULL ? tell : NULL,
                               .context = engine};
@@ -222,8 +226,9 @@ static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
     double mean;
     double max;
     lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
+    mean = lac_failing_rate(&engine->failure, engine->n, engine->work, mean);
     double slip = lac_engine_mean_slip(engine, engine->slip);
-    double most = slip_limit(engine->def);
+    double most = slip_limit(engine);
     if (slip < most && isfinite(most) && !(mean >= limits->mean_rate)) {
         c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
     }
