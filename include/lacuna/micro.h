@@ -49,7 +49,6 @@ typedef struct lac_micro_update {
 typedef struct lac_micro_limits {
     double stop;                           ///< not beyond this time [s]
     double mean_rate, max_rate, mean_slip; ///< nor beyond the update that comes to one of these
-    double most_rate;                      ///< what a cell counts at most in the mean rate [m/s]
     int64_t updates;                       ///< nor after more updates than this
     lac_status (*seen)(void *context, const lac_micro_update *update, lac_error *err);
     void *context; ///< of seen, which is told of every update; NULL: nobody is

@@ -15,7 +15,6 @@ struct lac_micro {
     double common;       // the part of it that a cell's own rate makes: over the cells [Pa s/m]
     double t, age;       // time reached, and that of the last shift [s]
     double step, peak;   // the last step of any cell [s]; the largest rate [m/s]
-    double counted;      // sum of the rates told, none beyond the limits' most_rate [m/s]
     bool at_limit;       // of rate or slip
     lac_micro_counts counts;
 };
@@ -282,12 +281,9 @@ static lac_status proceed(lac_micro *m, const lac_micro_limits *limits, double s
         lac_micro_tree_open(&m->tree, who - m->tree.n, next);
         return LAC_OK;
     }
-    const lac_micro_cell *c = &m->tree.cell[who];
-    double told = c->told;
     lac_status status = update(m, who, next, err);
-    m->counted += fmin(c->told, limits->most_rate) - fmin(told, limits->most_rate);
-    double sum = isfinite(limits->most_rate) ? fmin(root->rate, m->counted) : root->rate;
-    m->at_limit = c->v >= limits->max_rate || sum * root->share >= limits->mean_rate ||
+    const lac_micro_cell *c = &m->tree.cell[who];
+    m->at_limit = c->v >= limits->max_rate || root->rate * root->share >= limits->mean_rate ||
                   lac_micro_cell_let_go(&m->rules, c);
     return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
 }
@@ -297,10 +293,6 @@ lac_status lac_micro_advance(lac_micro *m, const lac_micro_limits *limits, lac_e
     lac_status status = LAC_OK;
     int64_t last = m->counts.updates + m->tree.openings + limits->updates;
     m->at_limit = false;
-    m->counted = 0.0;
-    for (uint32_t i = 0; i < m->tree.n; i++) {
-        m->counted += fmin(m->tree.cell[i].told, limits->most_rate);
-    }
     while (m->counts.updates + m->tree.openings < last && !m->at_limit && m->t < limits->stop &&
            !lac_micro_wants_shift(m)) {
         double slipped =

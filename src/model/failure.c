@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
-#include "base/vsum.h"
 #include "model/internal.h"
 
 // What acts on the mean slip at the start, over the nominal area.
@@ -32,8 +31,7 @@ static at_start look_at_start(const lac_problem *problem)
 
 lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip)
 {
-    lac_failure failure = {
-        .rate = rate, .most_rate = INFINITY, .slip = slip > 0.0 ? slip : problem->length};
+    lac_failure failure = {.rate = rate, .slip = slip > 0.0 ? slip : problem->length};
     bool held = problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL;
     if (held || rate >= LAC_NO_FAILURE_RATE) {
         return failure;
@@ -43,22 +41,42 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
     double counts = s.direct / s.eta;
     if (s.eta > 0.0 && reached < rate && counts < rate && counts > s.rate) {
         failure.rate = counts;
-        failure.most_rate = LAC_MOST_SHARE * counts;
         failure.lowered = true;
     }
     return failure;
 }
 
-double lac_failing_rate(const lac_failure *failure, size_t n, const double *v, double mean)
+// What all cells would be past the rate of failure if they slid as one: the load that they carry
+// against what would hold them then, in e-folds of that rate.
+static double past_as_one(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, double rate)
 {
-    double most = failure->most_rate;
-    double sum = 0.0;
-    if (!failure->lowered || lac_vmost(n, v) <= most) {
-        return fabs(mean);
+    const lac_friction *friction = problem->friction;
+    double eta = (problem->damping + problem->mean_damping) * (double)problem->n;
+    double load = eta * (fabs(motion->mean) - rate);
+    double held = eta * rate;
+    double u = log(rate);
+    for (size_t i = 0; i < problem->n; i++) {
+        double p = problem->pressure[i] * drive->share;
+        double f = lac_friction_coefficient(friction, i, motion->u[i], w[i]);
+        double along = (motion->v[i] < 0.0) == (motion->mean < 0.0) ? f : -f;
+        load += p * (along - lac_friction_coefficient(friction, i, u, w[i]));
+        held += p * lac_cellwise_of(&friction->column[LAC_A], i);
     }
-    for (size_t i = 0; i < n; i++) {
-        sum += fabs(v[i]) > most ? copysign(most, v[i]) : v[i]; // a NaN stays
+    return load / held;
+}
+
+double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
+                                const double *y, double *work)
+{
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    (void)lac_problem_drive(problem, t, &drive);
+    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    double past = log(fabs(motion.mean) / failure->rate);
+    if (!failure->lowered || !(past >= 0.0)) {
+        return past;
     }
-    double capped = fabs(sum) / (double)n;
-    return fabs(mean) < capped ? fabs(mean) : capped;
+    double as_one = past_as_one(problem, &drive, &motion, y + problem->n, failure->rate);
+    return as_one < past ? as_one : past;
 }

@@ -138,8 +138,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
     if (status != LAC_OK) {
         return status;
     }
-    mean = lac_failing_rate(failure, lac_problem_cells(problem), work, mean);
-    if (mean >= failure->rate) {
+    if (lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0) {
         return lac_fail(err, LAC_EINPUT,
                         "the mean slip rate at the start, %g m/s, is not below that of failure, "
                         "%g m/s",

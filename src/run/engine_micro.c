@@ -211,7 +211,6 @@ static lac_micro_limits limits_of(lac_engine *engine, double stop)
     updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
     return (lac_micro_limits){.stop = stop,
                               .mean_rate = c->too_early ? INFINITY : engine->failure.rate,
-                              .most_rate = engine->failure.most_rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
                               .mean_slip = slip_limit(engine) + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
@@ -225,14 +224,16 @@ static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
     cells *c = engine->inner;
     double mean;
     double max;
-    lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
-    mean = lac_failing_rate(&engine->failure, engine->n, engine->work, mean);
+    double t = lac_engine_clock(engine, engine->t);
+    bool failed = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
+                                           engine->work) >= 0.0;
+    lac_problem_speed(engine->problem, t, engine->y, &mean, &max, engine->work);
     double slip = lac_engine_mean_slip(engine, engine->slip);
     double most = slip_limit(engine);
-    if (slip < most && isfinite(most) && !(mean >= limits->mean_rate)) {
+    if (slip < most && isfinite(most) && !failed) {
         c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
     }
-    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= most);
+    return !failed && max < limits->max_rate && !(slip >= most);
 }
 
 static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)

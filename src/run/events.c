@@ -18,12 +18,12 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
     if (kind == LAC_CROSSING_GONE) {
         return fabs(lac_engine_mean_slip(engine, slip)) - engine->failure.slip;
     }
-    lac_problem_speed(engine->problem, lac_engine_clock(engine, t), y, &mean, &max, engine->work);
-    if (kind == LAC_CROSSING_RATE) {
-        return log(max / def->stop_rate);
+    double clock = lac_engine_clock(engine, t);
+    if (kind == LAC_CROSSING_FAILURE) {
+        return lac_problem_past_failure(engine->problem, &engine->failure, clock, y, engine->work);
     }
-    mean = lac_failing_rate(&engine->failure, engine->n, engine->work, mean);
-    return log(mean / engine->failure.rate);
+    lac_problem_speed(engine->problem, clock, y, &mean, &max, engine->work);
+    return log(max / def->stop_rate);
 }
 
 // A place to look within the step.

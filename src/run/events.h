@@ -6,7 +6,7 @@
 
 typedef enum lac_crossing_kind {
     LAC_CROSSING_NONE = 0,
-    LAC_CROSSING_FAILURE, // mean slip rate, lac_failing_rate
+    LAC_CROSSING_FAILURE, // mean slip rate, lac_problem_past_failure
     LAC_CROSSING_RATE,    // largest slip rate
     LAC_CROSSING_SLIP,    // mean slip
     LAC_CROSSING_GONE,    // mean slip, of failure

@@ -44,8 +44,7 @@ double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, 
 typedef double (*lac_follower_measure)(lac_follower *f, const lac_problem *problem, double t,
                                        const double *y);
 
-// ln of the size of the mean slip rate; and of the slip rate that failure is judged by over that of
-// failure.
+// ln of the size of the mean slip rate, and lac_problem_past_failure.
 double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double t,
                              const double *y);
 double lac_follower_past(lac_follower *f, const lac_problem *problem, double t, const double *y);

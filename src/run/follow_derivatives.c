@@ -44,11 +44,10 @@ double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double
 double lac_follower_past(lac_follower *f, const lac_problem *problem, double t, const double *y)
 {
     lac_failure failure = f->failure;
-    double mean = lac_follower_rate(f, problem, t, y);
     if (failure.lowered && problem != f->def->problem) {
         failure = lac_problem_failure(problem, f->def->failure_rate, f->def->failure_slip);
     }
-    return log(lac_failing_rate(&failure, f->n, f->probe + 2 * f->m, mean) / failure.rate);
+    return lac_problem_past_failure(problem, &failure, lac_follower_clock(f, t), y, f->work);
 }
 
 double lac_follower_reach(const lac_follower *f, const double *s)

@@ -231,8 +231,8 @@ static lac_status cross_break(run *r, lac_error *err)
                         "no slip rate and state balance the load that jumps at t = %g s", t);
     }
     measure_speed(r);
-    bool failed = lac_failing_rate(&engine->failure, engine->n, engine->work, r->mean_rate) >=
-                  engine->failure.rate;
+    bool failed =
+        lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
     if (failed || r->max_rate >= def->stop_rate) {
         r->done = true;
         r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
