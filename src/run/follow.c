@@ -237,8 +237,7 @@ static lac_status look(lac_follower *f, double t, size_t i, lac_error *err)
     for (size_t k = 0; k < count; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
         out->slip_by[i * count + k] = s[f->m - 1];
-        out->log_rate_by[i * count + k] =
-            lac_follower_by(f, lac_follower_log_rate, k, t, y, s);
+        out->log_rate_by[i * count + k] = lac_follower_by(f, lac_follower_log_rate, k, t, y, s);
     }
     return LAC_OK;
 }
@@ -311,9 +310,8 @@ static lac_status find_failure(lac_follower *f, bool by_slip, double t, double s
     double rate = lac_follower_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < f->def->nudges; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
-        out->failure_by[k] = by_slip
-                                 ? -s[f->m - 1] / rate
-                                 : -lac_follower_by(f, lac_follower_past, k, t, y, s) / growth;
+        out->failure_by[k] = by_slip ? -s[f->m - 1] / rate
+                                     : -lac_follower_by(f, lac_follower_past, k, t, y, s) / growth;
     }
     return LAC_OK;
 }
