@@ -12,7 +12,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
                            const lac_failure *failure, const double *y, double *work,
                            lac_error *err);
 
-// The largest slip rate must be a number that the formulation can hold. @param v  [n] of all cells
+// The largest slip rate must be one that every formulation can hold. @param v  [n] of all cells
 lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
                            lac_error *err);
 

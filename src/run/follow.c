@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/check.h"
+
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
     lac_follower *f = user;
@@ -363,6 +365,11 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     double *y = lac_vector_data(f->y);
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);
+    double mean, max;
+    lac_problem_speed(problem, at, y, &mean, &max, f->work);
+    if (lac_check_rates(problem, max, at, f->work, err) != LAC_OK) {
+        return LAC_ENUMERIC;
+    }
     if (CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
         (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
         CVodeSetInitStep(f->mem, h) != CV_SUCCESS ||
