@@ -221,8 +221,9 @@ bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load 
 /// failure.
 #define LAC_NO_FAILURE_RATE 1e3
 
-/// What counts as failure: the first of the mean slip rate rising through `rate`, and the mean
-/// slip, of either sign, coming to `slip`.
+/// What counts as failure: the first of the mean slip rate rising through `rate`, where that is
+/// lowered of all cells together (lac_problem_past_failure), and the mean slip, of either sign,
+/// coming to `slip`.
 typedef struct lac_failure {
     double rate;  ///< [m/s]
     bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
@@ -240,6 +241,20 @@ typedef struct lac_failure {
 ///              block 10 m
 /// @source derived from Rice (1993), doi 10.1029/93JB00191: the damping of plane waves
 lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip);
+
+/// How far a state is past the rate of failure, the one measure of runs, fits and forecasts: the
+/// logarithm of the mean slip rate over it. One cell that slips alone carries the mean of n cells
+/// past a rate that is lowered, and stops; so there it is no more than
+///     [sum p (f(v) - f(rate)) + n eta (mean - rate)]/[sum a p + n eta rate],
+/// which is >= 0 just where all cells, sliding as one with the states that they have under the load
+/// that they carry, would slide at `rate` or faster. Of cells that slip alike, or one, that is the
+/// same.
+/// @param work  its first n doubles are then the slip rates
+/// @return < 0 before failure; NaN where a rate is
+/// @cost  O(n)
+/// @source derived here; docs/theory/creep.md, eq. 11
+double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
+                                const double *y, double *work);
 
 /// Whether the effective normal pressure is positive at time t.
 bool lac_problem_pressed(const lac_problem *problem, double t);

@@ -46,3 +46,38 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
     }
     return failure;
 }
+
+// What all cells would be past the rate of failure if they slid as one: the load that they carry
+// against what would hold them then, in e-folds of that rate.
+static double past_as_one(const lac_problem *problem, const lac_drive *drive,
+                          const lac_motion *motion, const double *w, double rate)
+{
+    const lac_friction *friction = problem->friction;
+    double eta = (problem->damping + problem->mean_damping) * (double)problem->n;
+    double load = eta * (fabs(motion->mean) - rate);
+    double held = eta * rate;
+    double u = log(rate);
+    for (size_t i = 0; i < problem->n; i++) {
+        double p = problem->pressure[i] * drive->share;
+        double f = lac_friction_coefficient(friction, i, motion->u[i], w[i]);
+        double along = (motion->v[i] < 0.0) == (motion->mean < 0.0) ? f : -f;
+        load += p * (along - lac_friction_coefficient(friction, i, u, w[i]));
+        held += p * lac_cellwise_of(&friction->column[LAC_A], i);
+    }
+    return load / held;
+}
+
+double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
+                                const double *y, double *work)
+{
+    lac_workspace ws = lac_problem_split(problem, work);
+    lac_drive drive;
+    (void)lac_problem_drive(problem, t, &drive);
+    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    double past = log(fabs(motion.mean) / failure->rate);
+    if (!failure->lowered || !(past >= 0.0)) {
+        return past;
+    }
+    double as_one = past_as_one(problem, &drive, &motion, y + problem->n, failure->rate);
+    return as_one < past ? as_one : past;
+}

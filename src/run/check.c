@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/check.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -41,18 +40,11 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
                     massive ? "" : "solver.formulation traction or slip with ");
 }
 
-// The largest slip rate that a formulation tells from others [m/s].
-static double fastest(const lac_problem *problem)
-{
-    lac_formulation formulation = lac_problem_formulation(problem);
-    bool solved = formulation == LAC_FORMULATION_TRACTION || formulation == LAC_FORMULATION_SLIP;
-    return solved ? exp(LAC_FASTEST) * (1.0 - 1e-9) : DBL_MAX;
-}
-
 lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
                            lac_error *err)
 {
-    double most = fastest(problem);
+    // where the rate is solved for, what is faster is held there: one bound for all formulations
+    const double most = exp(LAC_FASTEST) * (1.0 - 1e-9);
     if (max <= most) {
         return LAC_OK;
     }
@@ -86,13 +78,6 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
         }
     }
     return LAC_OK;
-}
-
-void lac_check_failure(const lac_problem *problem, lac_run_def *def, lac_failure *failure)
-{
-    *failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
-    def->failure_rate = failure->rate;
-    def->failure_slip = failure->slip;
 }
 
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
@@ -134,8 +119,9 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     return LAC_OK;
 }
 
-lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
-                           double *work, lac_error *err)
+lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
+                           const lac_failure *failure, const double *y, double *work,
+                           lac_error *err)
 {
     double mean;
     double max;
@@ -144,11 +130,11 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, c
     if (status != LAC_OK) {
         return status;
     }
-    if (mean >= def->failure_rate) {
+    if (lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0) {
         return lac_fail(err, LAC_EINPUT,
                         "the mean slip rate at the start, %g m/s, is not below that of failure, "
                         "%g m/s",
-                        mean, def->failure_rate);
+                        mean, failure->rate);
     }
     if (max >= def->stop_rate) {
         return lac_fail(err, LAC_EINPUT,
@@ -174,10 +160,8 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
     if (def->fidelity == LAC_FIDELITY_EVENTS) {
         LAC_TRY(lac_engine_events_check(problem, err));
     }
-    lac_run_def own = *def;
-    lac_failure failure;
-    lac_check_failure(problem, &own, &failure);
-    status = lac_check_start(problem, &own, y, y + unknowns, err);
+    const lac_failure failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
+    status = lac_check_start(problem, def, &failure, y, y + unknowns, err);
 out:
     free(y);
     return status;

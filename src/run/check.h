@@ -4,17 +4,15 @@
 
 #include "lacuna/run.h"
 
-// Puts what counts as failure of the problem into the def, and into `failure`.
-void lac_check_failure(const lac_problem *problem, lac_run_def *def, lac_failure *failure);
-
 // Whether a run can be asked for like this.
 lac_status lac_check_def(const lac_run_def *def, lac_error *err);
 
 // Whether a run can start from y: below its limits, and slipping.
-lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def, const double *y,
-                           double *work, lac_error *err);
+lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
+                           const lac_failure *failure, const double *y, double *work,
+                           lac_error *err);
 
-// The largest slip rate must be a number that the formulation can hold. @param v  [n] of all cells
+// The largest slip rate must be one that every formulation can hold. @param v  [n] of all cells
 lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
                            lac_error *err);
 

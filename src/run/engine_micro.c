@@ -198,7 +198,10 @@ static double move_origin(lac_engine *engine, double by)
 }
 
 // The mean slip that ends the run; INFINITY: none.
-static double slip_limit(const lac_run_def *def) { return fmin(def->stop_slip, def->failure_slip); }
+static double slip_limit(const lac_engine *engine)
+{
+    return fmin(engine->def->stop_slip, engine->failure.slip);
+}
 
 static lac_micro_limits limits_of(lac_engine *engine, double stop)
 {
@@ -207,9 +210,9 @@ static lac_micro_limits limits_of(lac_engine *engine, double stop)
     int64_t updates = UPDATES_A_CELL * (int64_t)engine->n;
     updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
     return (lac_micro_limits){.stop = stop,
-                              .mean_rate = c->too_early ? INFINITY : def->failure_rate,
+                              .mean_rate = c->too_early ? INFINITY : engine->failure.rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
-                              .mean_slip = slip_limit(def) + c->lack,
+                              .mean_slip = slip_limit(engine) + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
                               .seen = c->rate != NULL ? tell : NULL,
                               .context = engine};
@@ -221,13 +224,16 @@ static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
     cells *c = engine->inner;
     double mean;
     double max;
-    lac_problem_speed(engine->problem, 0.0, engine->y, &mean, &max, engine->work);
+    double t = lac_engine_clock(engine, engine->t);
+    bool failed = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
+                                           engine->work) >= 0.0;
+    lac_problem_speed(engine->problem, t, engine->y, &mean, &max, engine->work);
     double slip = lac_engine_mean_slip(engine, engine->slip);
-    double most = slip_limit(engine->def);
-    if (slip < most && isfinite(most) && !(mean >= limits->mean_rate)) {
+    double most = slip_limit(engine);
+    if (slip < most && isfinite(most) && !failed) {
         c->lack = fmax(limits->mean_slip - slip, 1e-12 * slip);
     }
-    return mean < limits->mean_rate && max < limits->max_rate && !(slip >= most);
+    return !failed && max < limits->max_rate && !(slip >= most);
 }
 
 static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)

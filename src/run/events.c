@@ -16,10 +16,14 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
         return lac_engine_mean_slip(engine, slip) - def->stop_slip;
     }
     if (kind == LAC_CROSSING_GONE) {
-        return fabs(lac_engine_mean_slip(engine, slip)) - def->failure_slip;
+        return fabs(lac_engine_mean_slip(engine, slip)) - engine->failure.slip;
     }
-    lac_problem_speed(engine->problem, lac_engine_clock(engine, t), y, &mean, &max, engine->work);
-    return kind == LAC_CROSSING_FAILURE ? log(mean / def->failure_rate) : log(max / def->stop_rate);
+    double clock = lac_engine_clock(engine, t);
+    if (kind == LAC_CROSSING_FAILURE) {
+        return lac_problem_past_failure(engine->problem, &engine->failure, clock, y, engine->work);
+    }
+    lac_problem_speed(engine->problem, clock, y, &mean, &max, engine->work);
+    return log(max / def->stop_rate);
 }
 
 // A place to look within the step.
@@ -78,13 +82,11 @@ static bool locate(probe *p, double low, double *high)
     return look(p, *high, &ignored);
 }
 
-static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
-                    double mean_before)
+static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind)
 {
     switch (kind) {
     case LAC_CROSSING_FAILURE:
-        return mean_before < def->failure_rate &&
-               past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
+        return past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_RATE:
         return !isnan(def->stop_rate) && past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_SLIP:
@@ -123,14 +125,14 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
                            lac_engine_time(engine));
 }
 
-lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double mean_before,
-                             lac_crossing_kind *found, lac_error *err)
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
+                             lac_error *err)
 {
     lac_status status = LAC_OK;
     *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
     for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_GONE; kind++) {
-        if (crossed(engine, def, kind, mean_before)) {
+        if (crossed(engine, def, kind)) {
             *found = kind;
             LAC_TRY(take_back(engine, def, kind, err));
         }

@@ -6,7 +6,7 @@
 
 typedef enum lac_crossing_kind {
     LAC_CROSSING_NONE = 0,
-    LAC_CROSSING_FAILURE, // mean slip rate
+    LAC_CROSSING_FAILURE, // mean slip rate, lac_problem_past_failure
     LAC_CROSSING_RATE,    // largest slip rate
     LAC_CROSSING_SLIP,    // mean slip
     LAC_CROSSING_GONE,    // mean slip, of failure
@@ -14,8 +14,7 @@ typedef enum lac_crossing_kind {
 
 // Looks for the first limit crossed upwards within the step just made; where one was, the
 // engine's time, state and slip are taken back to the crossing.
-// @param mean_before  mean slip rate at the start of the step
-lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, double mean_before,
-                             lac_crossing_kind *found, lac_error *err);
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
+                             lac_error *err);
 
 #endif

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/check.h"
+
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
     lac_follower *f = user;
@@ -155,7 +157,6 @@ static lac_status start(lac_follower *f, lac_error *err)
     if (!(fabs(mean) > 0.0) || !isfinite(mean)) {
         return lac_fail(err, LAC_EINPUT, "the mean slip rate at the start is %g m/s", mean);
     }
-    f->before = log(fabs(mean));
     lac_problem_weights(def->problem, y, 1.0, f->scale);
     for (size_t i = 0; i + 1 < f->m; i++) {
         f->scale[i] = 1.0 / f->scale[i];
@@ -234,11 +235,11 @@ static lac_status look(lac_follower *f, double t, size_t i, lac_error *err)
         return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
     }
     out->slip[i] = y[f->m - 1];
-    out->log_rate[i] = log(fabs(lac_follower_rate(f, f->def->problem, t, y)));
+    out->log_rate[i] = lac_follower_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
         out->slip_by[i * count + k] = s[f->m - 1];
-        out->log_rate_by[i * count + k] = lac_follower_rate_by(f, k, t, y, s);
+        out->log_rate_by[i * count + k] = lac_follower_by(f, lac_follower_log_rate, k, t, y, s);
     }
     return LAC_OK;
 }
@@ -252,20 +253,20 @@ static void look_at_start(lac_follower *f)
     for (; out->reached < f->def->n && f->def->time[out->reached] <= 0.0; out->reached++) {
         size_t i = out->reached;
         out->slip[i] = 0.0;
-        out->log_rate[i] = f->before;
+        out->log_rate[i] = lac_follower_log_rate(f, f->def->problem, 0.0, y);
         for (size_t k = 0; k < count; k++) {
             out->slip_by[i * count + k] = 0.0;
             out->log_rate_by[i * count + k] =
-                lac_follower_rate_by(f, k, 0.0, y, lac_vector_data(f->s[k]));
+                lac_follower_by(f, lac_follower_log_rate, k, 0.0, y, lac_vector_data(f->s[k]));
         }
     }
 }
 
-static double log_rate_at(lac_follower *f, double t)
+static double past_at(lac_follower *f, double t)
 {
     return CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS
                ? NAN
-               : log(fabs(lac_follower_rate(f, f->def->problem, t, lac_vector_data(f->seen))));
+               : lac_follower_past(f, f->def->problem, t, lac_vector_data(f->seen));
 }
 
 static double slip_at(lac_follower *f, double t)
@@ -276,35 +277,22 @@ static double slip_at(lac_follower *f, double t)
 }
 
 // The crossing of the failure rate, or slip, between two times of the last step, by bisection: both
-// are smooth there, and no step is long.
+// are continuous there, and no step is long.
 static double find_crossing(lac_follower *f, bool by_slip, double low, double high)
 {
-    double limit = by_slip ? f->failure.slip : log(f->failure.rate);
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
         if (!(middle > low && middle < high)) {
             break;
         }
-        bool past = (by_slip ? slip_at(f, middle) : log_rate_at(f, middle)) >= limit;
+        bool past = by_slip ? slip_at(f, middle) >= f->failure.slip : past_at(f, middle) >= 0.0;
         low = past ? low : middle;
         high = past ? middle : high;
     }
     return high;
 }
 
-// d ln(failure rate)/dp of the k-th nudge: a parameter moves what counts as failure where that is
-// a p/eta.
-static double limit_by(const lac_follower *f, size_t k)
-{
-    const lac_nudge *nudge = &f->def->nudge[k];
-    double rate = f->def->failure_rate;
-    double slip = f->def->failure_slip;
-    double high = lac_problem_failure(nudge->high, rate, slip).rate;
-    double low = lac_problem_failure(nudge->low, rate, slip).rate;
-    return f->failure.lowered ? log(high / low) / (2.0 * nudge->step) : 0.0;
-}
-
-// dt_f/dp = -(dg/dp)/(dg/dt), g the logarithm of the mean rate over that of failure, or the slip.
+// dt_f/dp = -(dg/dp)/(dg/dt), g of lac_follower_past, or the slip.
 static lac_status find_failure(lac_follower *f, bool by_slip, double t, double step, lac_error *err)
 {
     lac_follow *out = f->out;
@@ -314,7 +302,7 @@ static lac_status find_failure(lac_follower *f, bool by_slip, double t, double s
         return LAC_OK;
     }
     double h = 1e-3 * step;
-    double growth = (log_rate_at(f, t) - log_rate_at(f, t - h)) / h;
+    double growth = (past_at(f, t) - past_at(f, t - h)) / h;
     if (CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS ||
         CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
@@ -324,9 +312,8 @@ static lac_status find_failure(lac_follower *f, bool by_slip, double t, double s
     double rate = lac_follower_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < f->def->nudges; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
-        out->failure_by[k] = by_slip
-                                 ? -s[f->m - 1] / rate
-                                 : (limit_by(f, k) - lac_follower_rate_by(f, k, t, y, s)) / growth;
+        out->failure_by[k] = by_slip ? -s[f->m - 1] / rate
+                                     : -lac_follower_by(f, lac_follower_past, k, t, y, s) / growth;
     }
     return LAC_OK;
 }
@@ -338,12 +325,12 @@ static lac_status look_back(lac_follower *f, double t, bool *done, lac_error *er
     lac_status status = LAC_OK;
     sunrealtype step = 0.0;
     (void)CVodeGetLastStep(f->mem, &step);
-    double now = log_rate_at(f, t);
+    double now = past_at(f, t);
     if (isnan(now)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate at t = %.17g s", f->origin + t);
     }
     bool by_slip = slip_at(f, t) >= f->failure.slip;
-    bool by_rate = f->before < log(f->failure.rate) && now >= log(f->failure.rate);
+    bool by_rate = now >= 0.0;
     if (by_slip || by_rate) {
         double gone = by_slip ? find_crossing(f, true, t - step, t) : INFINITY;
         double fast = by_rate ? find_crossing(f, false, t - step, t) : INFINITY;
@@ -351,7 +338,6 @@ static lac_status look_back(lac_follower *f, double t, bool *done, lac_error *er
         LAC_TRY(find_failure(f, gone < fast, t, step, err));
         *done = true;
     }
-    f->before = now;
     while (f->out->reached < def->n && def->time[f->out->reached] - f->origin <= t) {
         double at = fmax(def->time[f->out->reached] - f->origin, t - step);
         LAC_TRY(look(f, at, f->out->reached, err));
@@ -379,7 +365,11 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     double *y = lac_vector_data(f->y);
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);
-    f->before = log(fabs(lac_follower_rate(f, problem, 0.0, y)));
+    double mean, max;
+    lac_problem_speed(problem, at, y, &mean, &max, f->work);
+    if (lac_check_rates(problem, max, at, f->work, err) != LAC_OK) {
+        return LAC_ENUMERIC;
+    }
     if (CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
         (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
         CVodeSetInitStep(f->mem, h) != CV_SUCCESS ||
@@ -392,7 +382,7 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
 // Whether a jump of the loads was the failure itself, whose time no parameter of a state moves.
 static bool fell(lac_follower *f, double at)
 {
-    if (f->before < log(f->failure.rate)) {
+    if (!(lac_follower_past(f, f->def->problem, 0.0, lac_vector_data(f->y)) >= 0.0)) {
         return false;
     }
     f->out->failed = true;
@@ -452,7 +442,7 @@ lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error 
     LAC_TRY(allocate(&f, err));
     LAC_TRY(start(&f, err));
     f.failure = lac_problem_failure(def->problem, def->failure_rate, def->failure_slip);
-    if (f.before >= log(f.failure.rate)) {
+    if (lac_follower_past(&f, def->problem, 0.0, lac_vector_data(f.y)) >= 0.0) {
         out->failed = true;
         out->failure_time = 0.0;
         goto out;

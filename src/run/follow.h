@@ -22,7 +22,6 @@ typedef struct lac_follower {
     double slip_scale;    // slip that counts as an e-fold does [m]
     lac_failure failure;  // what counts as it
     double origin, limit;
-    double before;      // ln of the mean rate before the step
     double rtol;        // what a step is held to: lac_engine_rtol
     int64_t beginnings; // breaks crossed
 } lac_follower;
@@ -41,6 +40,15 @@ bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double
 // Mean slip rate, signed [m/s].
 double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, const double *y);
 
+// What is seen of a state whose derivatives are wanted.
+typedef double (*lac_follower_measure)(lac_follower *f, const lac_problem *problem, double t,
+                                       const double *y);
+
+// ln of the size of the mean slip rate, and lac_problem_past_failure.
+double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double t,
+                             const double *y);
+double lac_follower_past(lac_follower *f, const lac_problem *problem, double t, const double *y);
+
 // A step along s that moves no component by more than a small part of an e-fold; 0 where s is 0.
 double lac_follower_reach(const lac_follower *f, const double *s);
 
@@ -48,8 +56,9 @@ double lac_follower_reach(const lac_follower *f, const double *s);
 bool lac_follower_sensitivity(lac_follower *f, size_t k, double t, const double *y, const double *s,
                               double *sdot);
 
-// Derivative of ln(mean rate) by the k-th nudge. @param s  [m]
-double lac_follower_rate_by(lac_follower *f, size_t k, double t, const double *y, const double *s);
+// Derivative of a measure by the k-th nudge. @param s  [m]
+double lac_follower_by(lac_follower *f, lac_follower_measure measure, size_t k, double t,
+                       const double *y, const double *s);
 
 // Takes state and sensitivities across a jump of the loads at time t.
 bool lac_follower_jump(lac_follower *f, double t);

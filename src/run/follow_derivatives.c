@@ -35,6 +35,21 @@ double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, 
     return sum / (double)f->n;
 }
 
+double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)
+{
+    return log(fabs(lac_follower_rate(f, problem, t, y)));
+}
+
+// A parameter moves what counts as failure where that is a p/eta.
+double lac_follower_past(lac_follower *f, const lac_problem *problem, double t, const double *y)
+{
+    lac_failure failure = f->failure;
+    if (failure.lowered && problem != f->def->problem) {
+        failure = lac_problem_failure(problem, f->def->failure_rate, f->def->failure_slip);
+    }
+    return lac_problem_past_failure(problem, &failure, lac_follower_clock(f, t), y, f->work);
+}
+
 double lac_follower_reach(const lac_follower *f, const double *s)
 {
     double largest = 0.0;
@@ -75,18 +90,18 @@ bool lac_follower_sensitivity(lac_follower *f, size_t k, double t, const double 
     return true;
 }
 
-double lac_follower_rate_by(lac_follower *f, size_t k, double t, const double *y, const double *s)
+double lac_follower_by(lac_follower *f, lac_follower_measure measure, size_t k, double t,
+                       const double *y, const double *s)
 {
     const lac_nudge *nudge = &f->def->nudge[k];
     double by = lac_follower_reach(f, s);
     double slope = 0.0;
     for (int side = -1; by > 0.0 && side <= 1; side += 2) {
         move(f, y, side * by, s, f->probe);
-        slope += side / (2.0 * by) * log(fabs(lac_follower_rate(f, f->def->problem, t, f->probe)));
+        slope += side / (2.0 * by) * measure(f, f->def->problem, t, f->probe);
     }
-    double more = log(fabs(lac_follower_rate(f, nudge->high, t, y)));
-    double less = log(fabs(lac_follower_rate(f, nudge->low, t, y)));
-    return slope + (more - less) / (2.0 * nudge->step);
+    double change = measure(f, nudge->high, t, y) - measure(f, nudge->low, t, y);
+    return slope + change / (2.0 * nudge->step);
 }
 
 // J(y, p) is the state behind the jump: dJ/dy s + dJ/dp takes the place of s.

@@ -216,7 +216,6 @@ static lac_status cross_break(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
     double t = r->next_break;
-    double mean_before = r->mean_rate;
     r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
@@ -232,7 +231,8 @@ static lac_status cross_break(run *r, lac_error *err)
                         "no slip rate and state balance the load that jumps at t = %g s", t);
     }
     measure_speed(r);
-    bool failed = mean_before < def->failure_rate && r->mean_rate >= def->failure_rate;
+    bool failed =
+        lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
     if (failed || r->max_rate >= def->stop_rate) {
         r->done = true;
         r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
@@ -241,11 +241,11 @@ static lac_status cross_break(run *r, lac_error *err)
 }
 
 // Whether and why the run ends with the step just made.
-static lac_status look_for_end(run *r, double mean_before, lac_error *err)
+static lac_status look_for_end(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_crossing_kind crossing;
-    lac_status status = lac_crossing_find(engine, r->def, mean_before, &crossing, err);
+    lac_status status = lac_crossing_find(engine, r->def, &crossing, err);
     if (status != LAC_OK) {
         return status;
     }
@@ -271,13 +271,12 @@ static lac_status step(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     lac_status status = LAC_OK;
     double stop = fmin(fmin(r->def->end, r->next_break), lac_course_sweep_end(r));
-    double mean_before = r->mean_rate;
     LAC_TRY(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
     r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                engine->work, err));
-    LAC_TRY(look_for_end(r, mean_before, err));
+    LAC_TRY(look_for_end(r, err));
     if (!engine->kind->sweeps) {
         LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
     }
@@ -339,7 +338,7 @@ static void report_progress(const run *r)
     lac_progress progress = {.time = lac_engine_time(r->engine),
                              .end = r->def->end,
                              .mean_rate = r->mean_rate,
-                             .failure_rate = r->def->failure_rate,
+                             .failure_rate = r->engine->failure.rate,
                              .steps = r->engine->counts.steps};
     r->def->progress(r->def->context, &progress);
 }
@@ -397,7 +396,7 @@ static lac_status begin(run *r, lac_error *err)
     const lac_run_def *def = r->def;
     lac_status status = LAC_OK;
     measure_speed(r);
-    LAC_TRY(lac_check_start(r->problem, def, engine->y, engine->work, err));
+    LAC_TRY(lac_check_start(r->problem, def, &engine->failure, engine->y, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
@@ -465,11 +464,11 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
 {
     lac_status status = LAC_OK;
     *result = (lac_run_result){.end = LAC_END_ERROR, .failure_origin = NAN, .failure_local = NAN};
-    lac_run_def own = *def;
-    run r = {.problem = problem, .def = &own, .sink = sink, .result = result};
+    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
-    lac_check_failure(problem, &own, &result->failure);
-    LAC_TRY(lac_engine_create(problem, &own, &r.engine, err));
+    result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
+    LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
+    r.engine->failure = result->failure;
     r.engine->sink = sink;
     LAC_TRY(allocate_output(&r, err));
     LAC_TRY(def->resume != NULL ? take_up(&r, err) : begin(&r, err));
