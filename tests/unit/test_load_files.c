@@ -205,6 +205,38 @@ static void netcdf_reads_as_csv(void **state)
     clear(&r);
 }
 
+// A column of a file says its unit itself, or has none: SI, and a doubt.
+static void a_missing_unit_is_doubted(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *unit, *per; // of the file; of the case
+        double value;
+        const char *doubt;
+    } cases[] = {{"kPa", NULL, 1000.0, NULL},
+                 {NULL, NULL, 1.0, "series.nc: level: no unit is named: taken as Pa"},
+                 {NULL, "9807 Pa", 9807.0, NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lac_load_clock clock = {.dated = true, .start = 1577836800.0, .end = 86400.0};
+        assert_int_equal(lac_load_files_create(&clock.files, NULL), LAC_OK);
+        ready r = {.slot = slot_over("series", true, "", "value", "level")};
+        char **file = (char **)r.slot.params;
+        free(*file);
+        *file = strdup(write_netcdf("days since 2020-01-01 00:00", cases[i].unit));
+        if (cases[i].per != NULL) {
+            set_text(&r.slot, "per", cases[i].per);
+        }
+        must_prepare(&r, &clock);
+        assert_near(at(&r, 0), cases[i].value, 1e-9);
+        const char *doubt = lac_load_files_doubt(clock.files, 0);
+        assert_true((doubt != NULL) == (cases[i].doubt != NULL));
+        assert_true(doubt == NULL || strstr(doubt, cases[i].doubt) != NULL);
+        assert_null(lac_load_files_doubt(clock.files, 1));
+        clear(&r);
+        lac_load_files_free(clock.files);
+    }
+}
+
 // A lake that rises evenly for 4 s from the interface's elevation, then stands.
 static const char *const rising = "t,h\n-100,10\n0,10\n4,18\n20,18\n";
 
@@ -388,6 +420,7 @@ int main(void)
         cmocka_unit_test(smooth_curves_overshoot_nowhere),
         cmocka_unit_test(columns_of_any_quantity),
         cmocka_unit_test(netcdf_reads_as_csv),
+        cmocka_unit_test(a_missing_unit_is_doubted),
         cmocka_unit_test(a_lagging_reservoir_follows_exponentially),
         cmocka_unit_test(a_diffusing_reservoir_is_a_convolution),
         cmocka_unit_test(a_lake_below_the_interface_is_dry),
