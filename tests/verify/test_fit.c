@@ -365,7 +365,7 @@ static void every_run_is_told_of(void **state)
         (void)snprintf(tail, sizeof tail,
                        "fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
                        "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
-                       "displacement: d, starts: 8, steps: %d, burn: 5, rounds: 0, walkers: 8}\n",
+                       "displacement: d, starts: 8, steps: %d, burn: 5, rounds: 0, walkers: 10}\n",
                        sampled ? 10 : 0);
         lac_case *c = read_case(tail);
         lac_fit *fit = make_fit(c, &r);
