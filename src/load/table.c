@@ -30,6 +30,25 @@ static lac_status split_column(const char *text, char name[LONGEST], const char 
     return LAC_OK;
 }
 
+static lac_status blame_factor(const char *per, const char *unit, const char *si, lac_error *err)
+{
+    char *end = NULL;
+    if (per == NULL) {
+        return lac_fail(err, LAC_EINPUT, "the column's unit \"%s\" must be one such as \"%s\"",
+                        unit, si);
+    }
+    (void)strtod(per, &end);
+    if (end == per) {
+        return lac_fail(err, LAC_EINPUT,
+                        "per: \"%s\" must be a number and a unit such as \"1 %s%s%s\"", per, si,
+                        unit != NULL ? "/" : "", unit != NULL ? unit : "");
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
+                    "as \"1 %s\"",
+                    unit != NULL ? unit : "", per, si);
+}
+
 // What one unit of the column comes to: "9810 Pa/m" and "m" are 9810 Pa.
 static lac_status find_factor(const struct lac_units *units, const char *per, const char *unit,
                               const char *si, double *factor, lac_error *err)
@@ -45,14 +64,7 @@ static lac_status find_factor(const struct lac_units *units, const char *per, co
     if (status == LAC_OK && unit == NULL && per == NULL) {
         *factor = 1.0;
     }
-    if (status != LAC_OK) {
-        return lac_fail(
-            err, LAC_EINPUT,
-            "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
-            "as \"1 %s\"",
-            unit != NULL ? unit : "", per != NULL ? per : "1", si);
-    }
-    return LAC_OK;
+    return status == LAC_EINPUT ? blame_factor(per, unit, si, err) : status;
 }
 
 // Readings that are there, on the clock of the run.
