@@ -174,7 +174,7 @@ class Usage(Case):
         for text in texts:
             self.assertRegex(text, r"example: (source <\()?lacuna")
             self.assertLessEqual(max(map(len, text.splitlines())), 80, text)
-        for command in commands[:-1]:  # completion is not listed
+        for command in commands:
             self.assertIn(f"  {command} ", texts[0])
 
 
