@@ -6,7 +6,10 @@
 
 #include "series/text.h"
 
-enum { TELLING = 10 };           // readings that no smooth curve explains
+enum {
+    TELLING = 10, // readings that no smooth curve explains, and as many that are whole steps apart
+    SKIPPED = 20, // of so many gaps one may be too long to tell anything
+};
 static const double bits = 4.0;  // errors of a value, in last bits
 static const double clear = 8.0; // a step over the error of what is divided by it
 static const double coarser = 1.5;
@@ -18,11 +21,12 @@ static int compare(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-// The gaps between the distinct values, in their order. @return how many
-static size_t find_gaps(size_t n, const double *x, double error, double *gap)
+// The gaps between the distinct values, in their order, and how many values come again.
+static size_t find_gaps(size_t n, const double *x, double error, double *gap, size_t *again)
 {
     size_t count = 0;
     size_t gaps = 0;
+    *again = 0;
     for (size_t i = 0; i < n; i++) {
         if (!isnan(x[i])) {
             gap[count++] = x[i];
@@ -31,6 +35,7 @@ static size_t find_gaps(size_t n, const double *x, double error, double *gap)
     qsort(gap, count, sizeof *gap, compare);
     for (size_t i = 1; i < count; i++) { // a gap is written where its values are no longer needed
         const double step = gap[i] - gap[i - 1];
+        *again += step > error ? 0 : 1;
         if (step > error) {
             gap[gaps++] = step;
         }
@@ -46,25 +51,30 @@ static double may_be_off(double gap, double step, double error)
     return clear * off > step ? INFINITY : off;
 }
 
-// The greatest step of which all gaps are whole multiples: Euclid's algorithm with errors.
-static double divide(size_t n, const double *gap, double error)
+// The greatest step of which all gaps are whole multiples: Euclid's algorithm with errors. By
+// chance a gap is one with less than one in four.
+static double divide(size_t n, const double *gap, double error, size_t again)
 {
     double step = n > 0 ? gap[0] : 0.0;
     double way = 0.0;
     double steps = 0.0;
+    size_t told = 0;
     for (size_t i = 0; i < n && step > 2.0 * clear * error; i++) {
         const double left = fabs(remainder(gap[i], step));
         const double off = may_be_off(gap[i], step, error);
         if (left > off) { // begins anew with a step at most half as long
             step = left;
             way = steps = 0.0;
+            told = 0;
             i = (size_t)-1;
         } else if (isfinite(off)) {
+            told++;
             way += gap[i];
             steps += rint(gap[i] / step);
         }
     }
-    return step > 2.0 * clear * error && steps > 0.0 ? way / steps : 0.0;
+    const bool believed = told + again > TELLING && n - told <= n / SKIPPED;
+    return step > 2.0 * clear * error && believed && steps > 0.0 ? way / steps : 0.0;
 }
 
 // Readings off the parabola through two before and one after by more than half a step.
@@ -98,7 +108,9 @@ lac_status lac_series_resolve(size_t n, const double *time, const double *x, dou
     }
     for (size_t k = 0; k < sizeof type / sizeof *type; k++) {
         const double error = bits * type[k] * most;
-        const double step = divide(find_gaps(n, x, error, gap), gap, error);
+        size_t again;
+        const size_t gaps = find_gaps(n, x, error, gap, &again);
+        const double step = divide(gaps, gap, error, again);
         if (step > coarser * *digit && count_rough(n, time, x, step) >= TELLING) {
             *digit = *digit > 0.0 ? *digit * rint(step / *digit) : step;
             break;

@@ -186,6 +186,25 @@ static void steps_of_the_sensor_are_found(void **state)
     }
 }
 
+// Of noise in full precision nothing is a step, however many of its numbers are close.
+static void noise_has_no_steps(void **state)
+{
+    (void)state;
+    for (int seed = 0; seed < 300; seed++) {
+        const int n = 12 + seed % 90;
+        char text[4096] = "t,d\n";
+        for (int i = 0; i < n; i++) {
+            const size_t used = strlen(text);
+            const double u = fmod(1e4 * fabs(sin(12.9898 * i + 78.233 * seed)), 1.0);
+            (void)snprintf(text + used, sizeof text - used, "%d,%.14f\n", i, 1.0 + u + 0.01 * i);
+        }
+        lac_series *s = NULL;
+        assert_int_equal(read_text(text, strlen(text), &s, NULL), LAC_OK);
+        assert_true(s->displacement_digit < 1e-16);
+        lac_series_free(s);
+    }
+}
+
 // Of numbers in netCDF: single precision's 0.1, a double's 0.5; what has no steps has its type's.
 static void steps_of_numbers_are_found(void **state)
 {
@@ -226,11 +245,9 @@ static void steps_of_numbers_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubts_are_told),
-        cmocka_unit_test(rows_that_contradict_are_counted),
-        cmocka_unit_test(last_digits_are_known),
-        cmocka_unit_test(steps_of_the_sensor_are_found),
-        cmocka_unit_test(steps_of_numbers_are_found),
+        cmocka_unit_test(doubts_are_told),       cmocka_unit_test(rows_that_contradict_are_counted),
+        cmocka_unit_test(last_digits_are_known), cmocka_unit_test(steps_of_the_sensor_are_found),
+        cmocka_unit_test(noise_has_no_steps),    cmocka_unit_test(steps_of_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }
