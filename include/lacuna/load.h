@@ -60,6 +60,10 @@ typedef struct lac_load_files lac_load_files;
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_load_files_create(lac_load_files **out, lac_error *err);
 
+/// The index-th thing that was taken for want of a word in what was read ("p.csv: head: no unit is
+/// named: taken as Pa"), and should be asked about; NULL past the last.
+const char *lac_load_files_doubt(const lac_load_files *files, size_t index);
+
 /// Frees what was kept; NULL is fine.
 void lac_load_files_free(lac_load_files *files);
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "base/hidden.h"
 #include "case/sections.h"
 
 // A text that grows; `failed` once memory was short.
@@ -60,13 +61,10 @@ static unsigned decode(const unsigned char *p, size_t *n)
     return c;
 }
 
-// Whether YAML takes the character as it is within double quotes.
+// Whether YAML takes the character, which is not hidden, as it is within double quotes.
 static bool is_printable(unsigned c)
 {
-    if (c == '"' || c == '\\' || c == 0x2028 || c == 0x2029 || c == 0xfeff) {
-        return false;
-    }
-    return (c >= 0x20 && c < 0x7f) || (c >= 0xa0 && c < 0xfffe) || c >= 0x10000;
+    return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
 }
 
 static void put_quoted(writer *w, const char *text)
@@ -75,7 +73,7 @@ static void put_quoted(writer *w, const char *text)
     while (*text != '\0') {
         size_t n;
         unsigned c = decode((const unsigned char *)text, &n);
-        if (is_printable(c)) {
+        if (is_printable(c) && lac_hidden_length(text, n) == 0) {
             put_bytes(w, text, n);
         } else {
             put(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);

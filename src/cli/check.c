@@ -35,21 +35,13 @@ static lac_status add_finding(findings *f, const char *key, const lac_error *why
 {
     lac_case_report *report = f->report;
     char text[2000];
-    lac_case_issue *grown = realloc(report->issue, (report->count + 1) * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
+    const lac_status added = cli_report_add(report, f->source, key, why->message, false, err);
+    if (added != LAC_OK) {
+        return added;
     }
-    report->issue = grown;
-    lac_case_issue *issue = &grown[report->count++];
-    *issue = (lac_case_issue){.file = strdup(f->source->path),
-                              .key = strdup(key),
-                              .value = strdup(""),
-                              .message = strdup(why->message)};
-    report->errors++;
     f->status = f->status == LAC_OK ? status : f->status;
-    cli_note("%s", lac_case_issue_format(issue, text, sizeof text));
-    bool whole = issue->file != NULL && issue->key != NULL && issue->message != NULL;
-    return whole && issue->value != NULL ? LAC_OK : lac_fail_memory(err);
+    cli_note("%s", lac_case_issue_format(&report->issue[report->count - 1], text, sizeof text));
+    return LAC_OK;
 }
 
 // Reads what the loads of a list name, each for itself.

@@ -9,19 +9,25 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { C1_LEAD = 0xc2, BLOCK = 4096 }; // in UTF-8 the controls 0x80 to 0x9f follow this byte
+#include "base/hidden.h"
+
+enum { BLOCK = 4096, HELD = 4 };
+
+// The first bytes of a character whose others have not come.
+typedef struct held {
+    char bytes[HELD];
+    size_t count;
+} held;
 
 size_t cli_clean(char *text, size_t n)
 {
     size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n;) {
         const unsigned char c = (unsigned char)text[i];
-        const bool second = kept > 0 && (unsigned char)text[kept - 1] == C1_LEAD;
-        if (second && c >= 0x80 && c <= 0x9f) {
-            text[kept - 1] = '?';
-        } else {
-            text[kept++] = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f ? '?' : text[i];
-        }
+        const size_t hidden = c < 0x80 ? 0 : lac_hidden_length(text + i, n - i);
+        const bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        text[kept++] = control || hidden > 0 ? '?' : text[i];
+        i += hidden > 0 ? hidden : 1;
     }
     return kept;
 }
@@ -39,19 +45,18 @@ static bool write_all(const char *text, size_t n)
     return true;
 }
 
-// A first byte of two that stands last waits for the other.
 static ssize_t write_clean(void *context, const char *text, size_t n)
 {
-    bool *waits = context;
-    char block[BLOCK + 1];
+    held *h = context;
+    char block[BLOCK + HELD];
     for (size_t done = 0; done < n;) {
         const size_t more = n - done < BLOCK ? n - done : BLOCK;
-        size_t filled = *waits ? 1 : 0;
-        block[0] = (char)C1_LEAD;
-        memcpy(block + filled, text + done, more);
-        filled = cli_clean(block, filled + more);
-        *waits = (unsigned char)block[filled - 1] == C1_LEAD;
-        if (!write_all(block, filled - (*waits ? 1 : 0))) {
+        memcpy(block, h->bytes, h->count);
+        memcpy(block + h->count, text + done, more);
+        const size_t filled = cli_clean(block, h->count + more);
+        h->count = lac_hidden_begun(block, filled);
+        memcpy(h->bytes, block + filled - h->count, h->count);
+        if (!write_all(block, filled - h->count)) {
             return 0;
         }
         done += more;
@@ -61,9 +66,9 @@ static ssize_t write_clean(void *context, const char *text, size_t n)
 
 void cli_clean_stdout(void)
 {
-    static bool waits;
+    static held begun;
     const cookie_io_functions_t functions = {.write = write_clean};
-    FILE *clean = fopencookie(&waits, "w", functions);
+    FILE *clean = fopencookie(&begun, "w", functions);
     if (clean != NULL) {
         (void)setvbuf(clean, NULL, isatty(STDOUT_FILENO) == 1 ? _IOLBF : _IOFBF, BUFSIZ);
         stdout = clean;

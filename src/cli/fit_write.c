@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/hidden.h"
 #include "base/write_text.h"
 #include "cli/fit.h"
 #include "cli/json.h"
@@ -108,12 +109,9 @@ static lac_status write_whole(const char *path, const char *head, const char *te
 // Whether YAML takes the character of so many bytes in the line of a comment.
 static bool is_plain(const unsigned char *s, size_t length)
 {
-    static const char *const breaks[] = {"\xe2\x80\xa8", "\xe2\x80\xa9", "\xef\xbb\xbf",
-                                         "\xef\xbf\xbe", "\xef\xbf\xbf"};
-    bool plain = length > 1 ? s[0] != 0xc2 || s[1] >= 0xa0 : length == 1 && *s >= 0x20 && *s < 0x7f;
-    for (size_t i = 0; length == 3 && i < sizeof breaks / sizeof *breaks; i++) {
-        plain = plain && memcmp(s, breaks[i], 3) != 0;
-    }
+    const bool none = length == 3 && memcmp(s, "\xef\xbf", 2) == 0 && s[2] >= 0xbe; // of Unicode
+    const bool plain = length > 1 ? !none && lac_hidden_length((const char *)s, length) == 0
+                                  : length == 1 && *s >= 0x20 && *s < 0x7f;
     return plain;
 }
 

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "base/hidden.h"
 #include "base/units.h"
 
 size_t cli_utf8_length(const unsigned char *s)
@@ -47,6 +48,20 @@ static void put(FILE *out, const char *format, ...)
     va_end(args);
 }
 
+// By its number, in two halves where it is beyond 16 bits.
+static void write_escaped(FILE *out, const unsigned char *s, size_t length)
+{
+    unsigned c = length == 1 ? *s : *s & (0xffu >> (length + 1));
+    for (size_t i = 1; i < length; i++) {
+        c = (c << 6) | (s[i] & 0x3fu);
+    }
+    if (c > 0xffff) {
+        put(out, "\\u%04x", 0xd7c0u + (c >> 10));
+        c = 0xdc00u + (c & 0x3ffu);
+    }
+    put(out, "\\u%04x", c);
+}
+
 static void write_character(FILE *out, const unsigned char *s, size_t length)
 {
     if (length == 0) {
@@ -55,8 +70,8 @@ static void write_character(FILE *out, const unsigned char *s, size_t length)
         put(out, "\\%c", *s);
     } else if (*s == '\n') {
         put(out, "\\n");
-    } else if (*s < 0x20 || *s == 0x7f) {
-        put(out, "\\u%04x", (unsigned)*s);
+    } else if (*s < 0x20 || *s == 0x7f || lac_hidden_length((const char *)s, length) > 0) {
+        write_escaped(out, s, length);
     } else {
         (void)fwrite(s, 1, length, out);
     }

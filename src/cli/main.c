@@ -41,9 +41,7 @@ static void print_help(void)
     puts("Lacuna: creep, acceleration and failure of rough rock joints.\n"
          "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
     for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
-        if ((command->options & CLI_OPT_UNLISTED) == 0) {
-            printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
-        }
+        printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
     cli_options_help(CLI_OPT_COMMON);

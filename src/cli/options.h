@@ -33,8 +33,7 @@ enum {
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
-    CLI_OPT_VIEW = 1 << 29,     ///< a run's page while it goes on
-    CLI_OPT_UNLISTED = 1 << 30, ///< of a command: not in `lacuna --help`, which fits a screen
+    CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
     CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,

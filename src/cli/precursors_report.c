@@ -111,6 +111,21 @@ static void print_ends(const lac_outlook *o)
     }
 }
 
+// Calibrated intervals know how late or early a method is.
+static void print_beside(const lac_outlook *o)
+{
+    bool beside = false;
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast *f = &o->forecast[k];
+        beside = beside || (f->issued && !(f->low50 <= f->time && f->time <= f->high50));
+    }
+    if (beside) {
+        printf(
+            "  A time beside its 50 %% interval: by so much the method is late, or early, where it "
+            "was calibrated.\n");
+    }
+}
+
 static void print_values(const lac_outlook *o)
 {
     printf("\n");
@@ -227,6 +242,7 @@ void cli_precursors_print(const cli_precursors_result *r, bool verbose)
     for (size_t k = 0; r->outlook->asked && k < r->outlook->count; k++) {
         print_forecast(r, &r->outlook->forecast[k]);
     }
+    print_beside(r->outlook);
     print_ends(r->outlook);
     if (verbose) {
         print_values(r->outlook);

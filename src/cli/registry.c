@@ -66,7 +66,7 @@ static const cli_command commands[] = {
      "lacuna describe friction aging", 0, 2, 0, cli_describe},
     {"completion", "SHELL", "completion of commands and options for a shell",
      "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
-     "source <(lacuna completion bash)", 1, 1, CLI_OPT_UNLISTED, cli_completion},
+     "source <(lacuna completion bash)", 1, 1, 0, cli_completion},
 };
 
 const cli_command *cli_command_at(size_t index)

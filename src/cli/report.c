@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/date.h"
@@ -74,6 +75,48 @@ void cli_report_json(cli_json *json, const char *key, const lac_case_report *rep
     cli_json_close(json, ']');
 }
 
+lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,
+                          const char *message, bool warning, lac_error *err)
+{
+    lac_case_issue *grown = realloc(report->issue, (report->count + 1) * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    report->issue = grown;
+    lac_case_issue *issue = &grown[report->count++];
+    *issue = (lac_case_issue){.file = strdup(c->path),
+                              .key = strdup(key),
+                              .value = strdup(""),
+                              .message = strdup(message),
+                              .warning = warning};
+    report->errors += warning ? 0 : 1;
+    const bool whole = issue->file != NULL && issue->key != NULL && issue->value != NULL;
+    return whole && issue->message != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+// Adds what the files of the loads leave open; one that cannot be read is told of by who needs it.
+static lac_status ask_loads(const lac_case *c, lac_case_report *report, lac_error *err)
+{
+    const lac_load_slots slots = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    lac_load_files *files = NULL;
+    lac_load_set loads;
+    lac_status status = LAC_OK;
+    if (!lac_load_slots_need_files(&slots)) {
+        return LAC_OK;
+    }
+    LAC_TRY(lac_load_files_create(&files, err));
+    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
+    if (lac_load_set_create(&slots, &clock, &loads, NULL) == LAC_OK) {
+        lac_load_set_clear(&loads);
+    }
+    for (size_t i = 0; lac_load_files_doubt(files, i) != NULL; i++) {
+        LAC_TRY(cli_report_add(report, c, "load", lac_load_files_doubt(files, i), true, err));
+    }
+out:
+    lac_load_files_free(files);
+    return status;
+}
+
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_report *report, lac_error *err)
 {
@@ -81,6 +124,8 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     lac_case_report *all = report != NULL ? report : &own;
     const lac_case_request how = {purpose, request->overrides, request->set_count};
     lac_status status = lac_case_read(request->argument[0], &how, c, all, err);
+    const bool runs = purpose == LAC_FOR_RUN || purpose == LAC_FOR_FIT || purpose == LAC_FOR_CHECK;
+    status = status == LAC_OK && runs ? ask_loads(*c, all, err) : status;
     cli_report_print(all, request);
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line

@@ -15,7 +15,13 @@ void cli_report_print_of(const lac_case_report *report, const cli_request *reque
 /// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
 void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings);
 
-/// Reads the request's case and prints what is wrong with it.
+/// Adds an error, or a warning, that was found beyond the text of the case.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,
+                          const char *message, bool warning, lac_error *err);
+
+/// Reads the request's case and prints what is wrong with it, and what the files of its loads leave
+/// open (a column without a unit) as warnings.
 /// @param purpose  what the command does with it
 /// @param report  kept for the caller, who clears it; NULL where only errors are to be printed
 /// @return what lac_case_read returns

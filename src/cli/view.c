@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/date.h"
+#include "base/hidden.h"
 #include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/progress.h"
@@ -72,11 +73,12 @@ static void escape(const char *text, char *out, size_t size)
     size_t used = 0;
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0' && used + 7 < size;) {
         const size_t length = cli_utf8_length(s);
-        const bool plain = length > 1 || (*s >= 0x20 && *s != '"' && *s != '\\' && *s != 0x7f);
+        const bool plain = length > 1 ? lac_hidden_length((const char *)s, length) == 0
+                                      : *s >= 0x20 && *s != '"' && *s != '\\' && *s != 0x7f;
         used += (size_t)(length > 0 && plain ? snprintf(out + used, size - used, "%.*s",
                                                         (int)length, (const char *)s)
                                              : snprintf(out + used, size - used, "\\u%04x",
-                                                        length > 0 ? (unsigned)*s : 0xfffdU));
+                                                        length == 1 ? (unsigned)*s : 0xfffdU));
         s += length > 0 ? length : 1;
     }
     out[used] = '\0';

@@ -25,11 +25,28 @@ typedef struct search {
     double *r, *by, *white, *one; // white and one lie side by side
     size_t rows;
     const lac_fit_watch *watch;
+    const char *stage; // what is being done, and how much of it is
+    size_t done, total;
 } search;
 
 static bool interrupted(const lac_fit_watch *watch)
 {
     return watch->interrupted != NULL && watch->interrupted(watch->context);
+}
+
+// Asked before every run, which may take long where readings are many.
+static void tell(const search *s)
+{
+    if (s->watch->progress != NULL) {
+        s->watch->progress(s->watch->context, s->stage, s->done, s->total);
+    }
+}
+
+static void begin(search *s, const char *stage, size_t total)
+{
+    s->stage = stage;
+    s->done = 0;
+    s->total = total;
 }
 
 static bool bounded(const lac_fit *fit, size_t k)
@@ -125,6 +142,7 @@ static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
     if (interrupted(s->watch)) {
         return GSL_EFAILED;
     }
+    tell(s);
     read_line(fit, z, u);
     lac_follow seen = {.slip = s->seen.slip, .log_rate = s->seen.log_rate};
     fit->runs++;
@@ -166,6 +184,7 @@ static int jacobian(const gsl_vector *z, void *context, gsl_matrix *out)
     search *s = context;
     lac_fit *fit = s->fit;
     double u[LAC_MOST_FITTED];
+    tell(s);
     read_line(fit, z, u);
     fit->runs++;
     if (lac_fit_model_differentiate(&fit->model[0], u, &s->seen, fit->by, NULL) != LAC_OK) {
@@ -247,6 +266,7 @@ static double rate_start(search *s, double *x)
     lac_fit *fit = s->fit;
     const lac_fit_data *data = &fit->data;
     lac_follow seen = {.slip = s->seen.slip, .log_rate = s->seen.log_rate};
+    tell(s);
     fit->runs++;
     lac_status status = lac_fit_model_run(&fit->model[0], x, data->time[data->n - 1], data->n,
                                           data->time, &seen, NULL);
@@ -324,7 +344,8 @@ static size_t find_starts(search *s, double start[BEST_STARTS][LAC_FIT_UNKNOWNS]
     double value[BEST_STARTS];
     size_t kept = 0;
     *alive = 0;
-    for (int64_t i = 0; i < fit->def->starts && !interrupted(s->watch); i++) {
+    begin(s, "starts tried", (size_t)fit->def->starts);
+    for (int64_t i = 0; i < fit->def->starts && !interrupted(s->watch); i++, s->done++) {
         double x[LAC_FIT_UNKNOWNS];
         memcpy(x, fit->best, sizeof x);
         if (i > 0) {
@@ -414,14 +435,12 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     size_t kept = find_starts(&s, start, &result->alive);
     result->tried = (size_t)fit->def->starts;
     lac_fit_model_tighten(&fit->model[0], true);
-    for (size_t i = 0; i < kept && !interrupted(watch); i++) {
+    begin(&s, "least-squares descents", kept);
+    for (size_t i = 0; i < kept && !interrupted(watch); i++, s.done++) {
         double found = refine(&s, start[i]);
         if (found > best) {
             best = found;
             memcpy(fit->best, start[i], sizeof start[i]);
-        }
-        if (watch->progress != NULL) {
-            watch->progress(watch->context, "least-squares descents", i + 1, kept);
         }
     }
     if (interrupted(watch)) {

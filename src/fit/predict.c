@@ -91,12 +91,16 @@ static void run_draws(prediction *p, const lac_fit_watch *watch)
     const lac_chain *chain = p->fit->chain;
     const int draws = (int)p->draws;
     size_t all = draws > 0 ? chain->walkers * chain->steps : 0;
-    if (watch->progress != NULL) {
-        watch->progress(watch->context, "draws run on", 0, p->draws);
-    }
+    size_t done = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(p->fit->threads)
     for (int i = 0; i < draws; i++) {
         size_t which = (size_t)i * all / p->draws;
+        size_t now;
+#pragma omp atomic capture
+        now = done++;
+        if (omp_get_thread_num() == 0 && watch->progress != NULL) {
+            watch->progress(watch->context, "draws run on", now, p->draws);
+        }
         look(p, omp_get_thread_num(), chain->x + which * chain->dimension,
              p->displacement + (size_t)i * TIMES, p->rate + (size_t)i * TIMES, &p->failure[i]);
     }

@@ -43,10 +43,11 @@ static double end_of(const lac_finding *fit, double spread, int level, double q)
 static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast *f)
 {
     const lac_calibration *c = &kind->calibration;
-    f->low90 = now + end_of(&f->fit, c->spread, 0, c->low90);
+    // what calibration knows of a method's bias may leave its own time beside the interval
+    f->low90 = fmin(f->time, now + end_of(&f->fit, c->spread, 0, c->low90));
     f->low50 = now + end_of(&f->fit, c->spread, 1, c->low50);
     f->high50 = now + end_of(&f->fit, c->spread, 3, c->high50);
-    f->high90 = now + end_of(&f->fit, c->spread, 4, c->high90);
+    f->high90 = fmax(f->time, now + end_of(&f->fit, c->spread, 4, c->high90));
     f->issued = isfinite(f->low90) && isfinite(f->high90);
     if (!f->issued) {
         (void)lac_finding_refuse(&f->fit, "its error is not finite");

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forecast/window.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { BRIDGED = 3, LAST_INTERVALS = 3 };
+enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3 };
 static const double above_noise = 3.0; // errors of the last displacement
 static const double beyond = 1e150;    // what is not computed with, nor its inverse
 
@@ -110,6 +111,65 @@ static bool has_onset(const lac_forecast_def *def, const lac_motion *m, char *re
     return reason[0] == '\0';
 }
 
+static size_t first_at(size_t n, const double *time, double start)
+{
+    size_t i = 0;
+    while (i < n && time[i] < start) {
+        i++;
+    }
+    return i;
+}
+
+// Off the least-squares line of x over t, or off the mean of x where it must be level.
+static double rms_off_line(size_t n, const double *t, const double *x, bool level, double *slope)
+{
+    double mean_t = 0.0;
+    double mean_x = 0.0;
+    double tt = 0.0;
+    double tx = 0.0;
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean_t += (t[i] - t[0]) / (double)n;
+        mean_x += (x[i] - x[0]) / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        tt += (t[i] - t[0] - mean_t) * (t[i] - t[0] - mean_t);
+        tx += (t[i] - t[0] - mean_t) * (x[i] - x[0] - mean_x);
+    }
+    *slope = level ? 0.0 : tx / tt;
+    for (size_t i = 0; i < n; i++) {
+        const double off = x[i] - x[0] - mean_x - *slope * (t[i] - t[0] - mean_t);
+        sum += off * off / (double)n;
+    }
+    return sqrt(sum);
+}
+
+// The gate that takes the onset's place with --since: more than a line, rounded to the last digit.
+static bool is_curved(const lac_motion *m, double since, char *reason)
+{
+    const size_t size = m->integrated ? m->velocities : m->n;
+    const double *time = m->integrated ? m->velocity_time : m->time;
+    const size_t first = first_at(size, time, since);
+    const size_t n = size - first;
+    double slope = 0.0;
+    if (n < LINE) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "too few readings: %zu since --since, at least %d", n, (int)LINE);
+        return false;
+    }
+    const double off =
+        rms_off_line(n, time + first, (m->integrated ? m->velocity : m->displacement) + first,
+                     m->integrated, &slope);
+    const double digit = m->integrated ? m->rounding[size - 1] : m->resolution;
+    if (off <= digit + 2.0 * DBL_EPSILON * fabs(slope * time[size - 1])) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: the %zu readings since --since are those of a steady "
+                       "motion, but for the last digits",
+                       n);
+    }
+    return reason[0] == '\0';
+}
+
 // The reading that the onset's first interval begins with.
 static double start_of(const lac_forecast_def *def, const lac_motion *m)
 {
@@ -141,6 +201,8 @@ void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *s
                        beyond, 1.0 / beyond);
     } else if (!onset && (isnan(def->since) || m->velocities == 0)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", no_onset);
+    } else if (!onset && !is_curved(m, def->since, reason)) {
+        // it says why
     } else if (is_lost_in_noise(m, intervals)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "noise floor: the last %zu intervals moved it by no more than %.0f times "
@@ -150,15 +212,6 @@ void lac_window_gate(const lac_forecast_def *def, const lac_motion *m, double *s
         *start = start_of(def, m);
     }
     *accelerating = onset && reason[0] == '\0';
-}
-
-static size_t first_at(size_t n, const double *time, double start)
-{
-    size_t i = 0;
-    while (i < n && time[i] < start) {
-        i++;
-    }
-    return i;
 }
 
 // How many groups n readings make, and where group g begins: the first and the last are alone.

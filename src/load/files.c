@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings kept in memory: loads that are made again and again (lacuna fit) read their files once.
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +15,15 @@ typedef struct kept {
     struct kept *next;
 } kept;
 
+// What was taken for want of a word.
+typedef struct doubt {
+    char *text;
+    struct doubt *next;
+} doubt;
+
 struct lac_load_files {
     kept *first;
+    doubt *doubts;
 };
 
 lac_status lac_load_files_create(lac_load_files **out, lac_error *err)
@@ -31,8 +39,46 @@ static void free_kept(kept *entry)
     free(entry);
 }
 
+lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
+                               lac_error *err)
+{
+    const size_t size = strlen(path) + strlen(text) + 3;
+    doubt *entry = calloc(1, sizeof *entry);
+    doubt **end = &files->doubts;
+    if (entry == NULL || (entry->text = malloc(size)) == NULL) {
+        free(entry);
+        return lac_fail_memory(err);
+    }
+    (void)snprintf(entry->text, size, "%s: %s", path, text);
+    while (*end != NULL) {
+        end = &(*end)->next;
+    }
+    *end = entry;
+    return LAC_OK;
+}
+
+const char *lac_load_files_doubt(const lac_load_files *files, size_t index)
+{
+    const doubt *entry = files->doubts;
+    while (entry != NULL && index-- > 0) {
+        entry = entry->next;
+    }
+    return entry != NULL ? entry->text : NULL;
+}
+
+static void free_doubts(doubt *entry)
+{
+    while (entry != NULL) {
+        doubt *next = entry->next;
+        free(entry->text);
+        free(entry);
+        entry = next;
+    }
+}
+
 void lac_load_files_free(lac_load_files *files)
 {
+    free_doubts(files != NULL ? files->doubts : NULL);
     while (files != NULL && files->first != NULL) {
         kept *entry = files->first;
         files->first = entry->next;

@@ -30,6 +30,25 @@ static lac_status split_column(const char *text, char name[LONGEST], const char 
     return LAC_OK;
 }
 
+static lac_status blame_factor(const char *per, const char *unit, const char *si, lac_error *err)
+{
+    char *end = NULL;
+    if (per == NULL) {
+        return lac_fail(err, LAC_EINPUT, "the column's unit \"%s\" must be one such as \"%s\"",
+                        unit, si);
+    }
+    (void)strtod(per, &end);
+    if (end == per) {
+        return lac_fail(err, LAC_EINPUT,
+                        "per: \"%s\" must be a number and a unit such as \"1 %s%s%s\"", per, si,
+                        unit != NULL ? "/" : "", unit != NULL ? unit : "");
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
+                    "as \"1 %s\"",
+                    unit != NULL ? unit : "", per, si);
+}
+
 // What one unit of the column comes to: "9810 Pa/m" and "m" are 9810 Pa.
 static lac_status find_factor(const struct lac_units *units, const char *per, const char *unit,
                               const char *si, double *factor, lac_error *err)
@@ -45,14 +64,7 @@ static lac_status find_factor(const struct lac_units *units, const char *per, co
     if (status == LAC_OK && unit == NULL && per == NULL) {
         *factor = 1.0;
     }
-    if (status != LAC_OK) {
-        return lac_fail(
-            err, LAC_EINPUT,
-            "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
-            "as \"1 %s\"",
-            unit != NULL ? unit : "", per != NULL ? per : "1", si);
-    }
-    return LAC_OK;
+    return status == LAC_EINPUT ? blame_factor(per, unit, si, err) : status;
 }
 
 // Readings that are there, on the clock of the run.
@@ -75,6 +87,25 @@ static lac_status keep_readings(const lac_series *series, double shift, double f
     return LAC_OK;
 }
 
+// Notes what is doubtful but for the units of the time, which are seconds by the load's own word,
+// and of the column, where `per` says what one of it makes.
+static lac_status note_doubts(const lac_readings_def *def, const char *name,
+                              const lac_series *series, lac_load_files *files, lac_error *err)
+{
+    const char *said[] = {def->time, def->per != NULL ? name : def->time};
+    lac_status status = LAC_OK;
+    for (size_t i = 0; files != NULL && i < series->doubts && status == LAC_OK; i++) {
+        bool wanted = true;
+        for (size_t k = 0; k < 2; k++) {
+            const size_t n = strlen(said[k]);
+            wanted = wanted && (strncmp(series->doubt[i], said[k], n) != 0 ||
+                                strncmp(series->doubt[i] + n, ": ", 2) != 0);
+        }
+        status = wanted ? lac_load_files_note(files, def->path, series->doubt[i], err) : LAC_OK;
+    }
+    return status;
+}
+
 // The numbers of the column are read as they stand; `factor` has their unit.
 static lac_status read_column(const lac_readings_def *def, const char *name, const char *unit,
                               const lac_load_clock *clock, lac_readings *out, lac_error *err)
@@ -89,8 +120,11 @@ static lac_status read_column(const lac_readings_def *def, const char *name, con
                            .time = def->time,
                            .value = name,
                            .value_unit = unit,
-                           .value_si = unit != NULL ? unit : "1"};
+                           .value_si = unit != NULL       ? unit
+                                       : def->per != NULL ? "1"
+                                                          : def->si};
     LAC_TRY(lac_series_read(&file, units, &series, err));
+    LAC_TRY(note_doubts(def, name, series, clock->files, err));
     if (series->dated && !clock->dated) {
         LAC_TRY(
             lac_fail(err, LAC_EINPUT, "%s: has dates, so time.start must be a date", def->path));

@@ -22,7 +22,8 @@ typedef struct lac_readings_def {
     double offset;      ///< laid on the run this much later [s]
 } lac_readings_def;
 
-/// Reads a column.
+/// Reads a column. One without a unit, and without `per`, is asked about as that of a monitoring
+/// series is (lac_series_read): taken as SI, which the clock's `files` keep as a doubt, or refused.
 /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
 lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
                              lac_readings *out, lac_error *err);
@@ -30,6 +31,11 @@ lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *
 /// The same without a look at what the clock's `files` keep.
 lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *clock,
                              lac_readings *out, lac_error *err);
+
+/// Keeps a doubt about a file that was read: lac_load_files_doubt.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
+                               lac_error *err);
 
 void lac_readings_clear(lac_readings *readings);
 

@@ -99,10 +99,10 @@ out:
     return status;
 }
 
-// Values to bytes: 0 is missing, 1 to 255 the range.
+// Values to bytes: 0 is missing, or what has no place in the range; 1 to 255 the range.
 static uint8_t to_byte(double value, double low, double high)
 {
-    if (isnan(value)) {
+    if (!isfinite(value)) {
         return 0;
     }
     const double place = high > low ? (value - low) / (high - low) : 0.0;
@@ -119,6 +119,19 @@ static void find_range(size_t n, const double *value, double *low, double *high)
     }
 }
 
+// Marks what has no logarithm, where there is any.
+static void write_backwards(lac_page_text *text, size_t n, const double *value, uint8_t *bytes)
+{
+    bool any = false;
+    for (size_t i = 0; i < n; i++) {
+        bytes[i] = isinf(value[i]) ? 1 : 0;
+        any = any || bytes[i] != 0;
+    }
+    if (any) {
+        lac_page_bytes(text, "backwards", bytes, n);
+    }
+}
+
 static void write_map(lac_page_text *text, size_t n, const double *value, double low, double high,
                       uint8_t *bytes)
 {
@@ -129,6 +142,7 @@ static void write_map(lac_page_text *text, size_t n, const double *value, double
     lac_page_number(text, "low", low, 5);
     lac_page_number(text, "high", high, 5);
     lac_page_bytes(text, "map", bytes, n);
+    write_backwards(text, n, value, bytes);
     lac_page_close(text, '}');
 }
 
@@ -154,7 +168,7 @@ static lac_status read_field(const lac_page *page, const lac_page_raster *r, con
         if (*there) {
             lac_page_raster_summarise(r, f->how, row.value, 0.0, out);
             for (size_t i = 0; f->logarithm && i < r->squares; i++) {
-                out[i] = out[i] > 0.0 ? log10(out[i]) : NAN;
+                out[i] = out[i] > 0.0 ? log10(out[i]) : isnan(out[i]) ? NAN : -INFINITY;
             }
         }
         if (*there && rate) {

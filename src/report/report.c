@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hidden.h"
 #include "base/write_text.h"
 #include "report/assets.h"
 #include "report/run.h"
@@ -28,8 +29,13 @@ out:
 // A text as it may stand in HTML.
 static void put_escaped(lac_page_text *text, const char *plain)
 {
-    for (const char *c = plain; *c != '\0'; c++) {
-        if (*c == '<') {
+    const char *end = plain + strlen(plain);
+    for (const char *c = plain; c < end; c++) {
+        const size_t hidden = lac_hidden_length(c, (size_t)(end - c));
+        if (hidden > 0) {
+            lac_page_puts(text, "?");
+            c += hidden - 1;
+        } else if (*c == '<') {
             lac_page_puts(text, "&lt;");
         } else if (*c == '&') {
             lac_page_puts(text, "&amp;");

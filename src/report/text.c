@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hidden.h"
+
 enum { FIRST_ROOM = 1 << 16 };
 
 void lac_page_text_clear(lac_page_text *text)
@@ -73,7 +75,7 @@ void lac_page_close(lac_page_text *text, char bracket)
     text->comma = true;
 }
 
-// '<' is escaped so that no text can end the script that it stands in.
+// '<' is escaped so that no text can end the script that it stands in; hidden characters are '?'.
 void lac_page_string(lac_page_text *text, const char *key, const char *value)
 {
     begin(text, key);
@@ -82,9 +84,15 @@ void lac_page_string(lac_page_text *text, const char *key, const char *value)
         return;
     }
     lac_page_puts(text, "\"");
-    for (const char *c = value; *c != '\0'; c++) {
+    const char *end = value + strlen(value);
+    for (const char *c = value; c < end; c++) {
         char escaped[8];
-        if ((unsigned char)*c < 0x20 || *c == '"' || *c == '\\' || *c == '<' || *c == '\x7f') {
+        const size_t hidden = lac_hidden_length(c, (size_t)(end - c));
+        if (hidden > 0) {
+            lac_page_puts(text, "?");
+            c += hidden - 1;
+        } else if ((unsigned char)*c < 0x20 || *c == '"' || *c == '\\' || *c == '<' ||
+                   *c == '\x7f') {
             (void)snprintf(escaped, sizeof escaped, "\\u%04x", (unsigned)(unsigned char)*c);
             lac_page_puts(text, escaped);
         } else {

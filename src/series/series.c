@@ -13,6 +13,11 @@ lac_status lac_series_check(const lac_series_def *def, lac_error *err)
     return LAC_OK;
 }
 
+static lac_status resolve(const lac_series *s, const double *x, double *digit, lac_error *err)
+{
+    return x != NULL ? lac_series_resolve(s->n, s->time, x, digit, err) : LAC_OK;
+}
+
 lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
                            lac_series **out, lac_error *err)
 {
@@ -25,6 +30,14 @@ lac_status lac_series_read(const lac_series_def *def, const struct lac_units *un
     lac_status status = is_netcdf ? lac_series_read_netcdf(def, units, out, err)
                                   : lac_series_read_stream(stream, def, units, out, err);
     (void)fclose(stream);
+    LAC_TRY(status);
+    LAC_TRY(resolve(*out, (*out)->displacement, &(*out)->displacement_digit, err));
+    LAC_TRY(resolve(*out, (*out)->velocity, &(*out)->velocity_digit, err));
+out:
+    if (status != LAC_OK) {
+        lac_series_free(*out);
+        *out = NULL;
+    }
     return status;
 }
 

@@ -48,6 +48,19 @@ size_t lac_rows_merge(size_t *n, lac_row *rows, size_t *conflicts);
 lac_status lac_series_ask(const struct lac_units *units, const char *where, const char *name,
                           const char *si, bool *known, lac_error *err);
 
+/// What a column can tell apart: the greatest step of which all its differences are whole
+/// multiples, within the rounding of doubles, or of single precision. A sensor that counts in 0.5
+/// mm and writes "12.5" has that step, and so have 0.1f and what was written of it. Believed only
+/// of readings of which ten or more are off a parabola through their neighbours by more than half
+/// of it, as a line of equal steps has them too.
+/// @param time   [n] strictly increasing
+/// @param x      [n] NaN: not given
+/// @param digit  what the last digit or bit counts; 0: a double's; never made less
+/// @return LAC_OK; LAC_ENOMEM
+/// @cost  O(n log n)
+lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
+                              lac_error *err);
+
 /// Notes a doubt about what was read.
 void lac_series_doubt(lac_series *series, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

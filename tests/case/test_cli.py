@@ -174,7 +174,7 @@ class Usage(Case):
         for text in texts:
             self.assertRegex(text, r"example: (source <\()?lacuna")
             self.assertLessEqual(max(map(len, text.splitlines())), 80, text)
-        for command in commands[:-1]:  # completion is not listed
+        for command in commands:
             self.assertIn(f"  {command} ", texts[0])
 
 
@@ -221,6 +221,35 @@ class Cases(Case):
         whole = "\u00e9\x9b\u00c2" * 10000  # over many blocks of output
         done = self.expect(0, "run", "block.yaml", "-o", "y.nc", "--set", f'title="{whole}"'.replace("\x9b", "\\x9b"))
         self.assertEqual(done.stdout.splitlines()[0], whole.replace("\x9b", "?"))
+
+    def test_no_hidden_characters(self):
+        """What turns a line around or has no width is seen as ?, in JSON and in a case as its number; letters stay."""
+        hidden = [*range(0x80, 0xa0), 0x61c, 0x180e, *range(0x200b, 0x2010), *range(0x2028, 0x202f), *range(0x2060, 0x2070),
+                  0xfeff, *range(0xfff9, 0xfffc), 0xe0000, 0xe0041, 0xe007f]
+        seen = "\u00a0\u061b\u061d\u180d\u180f\u200a\u2010\u2027\u202f\u205f\u2070\ufefe\uff00\ufff8\ufffc\u4e2d\U000dffff\U000e0080"
+        title = "".join(chr(a) + b for a, b in zip(hidden, seen * 5))
+        words = ["--set", "title=\"" + "".join(f"\\U{ord(c):08x}" for c in title) + "\""]
+        shown = title.translate({c: "?" for c in hidden})
+        self.assertEqual(self.expect(0, "run", "block.yaml", "-o", "x.nc", *words).stdout.split("\n")[0], shown)
+        done = self.expect(0, "check", "block.yaml", *words).stdout
+        self.assertFalse(set(map(chr, hidden)) & set(done))
+        found = self.expect(0, "check", "block.yaml", "--json", *words).stdout
+        self.assertFalse(set(map(chr, hidden)) & set(found))
+        scene = json.loads(found)["scene"]
+        self.write("again.yaml", scene)
+        self.assertEqual(self.expect(0, "run", "again.yaml", "-o", "y.nc").stdout.split("\n")[0], shown)
+        self.expect(0, "report", "x.nc", "-o", "x.html")
+        with open(self.path("x.html"), encoding="utf-8") as file:
+            page = file.read()
+        self.assertIn(f"<title>{shown}", page)
+        self.assertFalse(set(map(chr, hidden[32:])) & set(page[page.index("<title>"):page.index("</title>")]))
+        self.assertIn(json.dumps(shown, ensure_ascii=False), page)
+        name = "a\u202eb\u200b.yaml"
+        self.assertIn("a?b?.yaml", self.expect(3, "run", name).stderr)
+        for n in range(4080, 4100):  # a character on the border of a block of output
+            done = self.expect(0, "run", "block.yaml", "-o", "z.nc", "--force", "--set",
+                               f'title="{"x" * n}\\u202e{"y" * 8}"')
+            self.assertEqual(done.stdout.split("\n")[0], "x" * n + "?" + "y" * 8)
 
     def test_check_counts_the_output(self):
         """Records and fields at stated times stand in the estimate as in the file; too fine ones are refused."""

@@ -90,12 +90,12 @@ class Completion(unittest.TestCase):
 
     def test_bash_knows_every_command(self):
         self.assertGreater(len(self.listed), 7)
-        self.assertEqual(self.bash(""), set(self.listed) | {"completion"})
+        self.assertEqual(self.bash(""), set(self.listed))
         self.assertEqual(self.bash("-"), self.common)
         self.assertEqual(self.bash("--json", "che"), {"check"})
 
     def test_bash_knows_the_options_of_each(self):
-        for command in self.listed + ["completion"]:
+        for command in self.listed:
             with self.subTest(command):
                 offered = self.bash(command, "-")
                 self.assertEqual(offered, self.common | options_of(command))
@@ -214,7 +214,7 @@ class Completion(unittest.TestCase):
                     word = name if shell == "zsh" else name.lstrip("-")
                     if name.startswith("--"):
                         self.assertRegex(self.script[shell], form.format(re.escape(word)))
-            for word in self.listed + ["completion"]:
+            for word in self.listed:
                 self.assertRegex(self.script[shell], rf"\b{word}\b")
             for kind in self.models["kinds"]:
                 for model in kind["models"]:
@@ -226,7 +226,7 @@ class Completion(unittest.TestCase):
             lines = call("fish", "--no-config", "-c", self.script["fish"] +
                          f"\ncomplete -C '{line}'").splitlines()
             return {text.split("\t")[0] for text in lines}
-        self.assertEqual(offered("lacuna "), set(self.listed) | {"completion"})
+        self.assertEqual(offered("lacuna "), set(self.listed))
         for command in self.listed:
             self.assertEqual({o for o in offered(f"lacuna {command} --")},
                              {o for o in self.common | options_of(command) if o[:2] == "--"})

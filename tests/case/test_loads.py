@@ -187,6 +187,32 @@ class Refusals(Loads):
             self.expect_line(3, "c.yaml: friction.spread.dc: map.nc: No such file or directory", "check", "c.yaml",
                              *grid, "--set", "friction.spread={dc: {map: {file: map.nc}}}")
 
+    def test_a_column_without_a_unit_is_asked_about(self):
+        """As SI, with a warning, where its name leaves it open; refused where its name says another unit."""
+        says = "load: p.csv: %s: no unit is named: taken as %s"
+        loads = (("series: {file: p.csv, time: t, value: '%s'}", "p", "pressure_kPa", "Pa", "kPa"),
+                 ("reservoir: {file: p.csv, time: t, level: '%s', elevation: 0 m}", "h", "h_cm", "m", "cm"),
+                 ("rain: {file: p.csv, time: t, rain: '%s', rise: 9 kPa/m, drain: 1 day}", "fell", "fell (mm)", "m", "mm"))
+        for load, plain, other, unit, wrong in loads:
+            for column, given, lines, errors in (
+                    (plain, plain, [says % (plain, unit)], []), (plain, f"{plain}:{unit}", [], []),
+                    (f"{plain}_{unit}", f"{plain}_{unit}", [], []), (other, f"{other}:{wrong}", [], []),
+                    (other, other, [], [f'p.csv:1: {other}: has no unit, and its name says {wrong}: which is it, '
+                                        f'"{other}:{wrong}" or "{other}:{unit}"?'])):
+                self.write("p.csv", f"t,{column}\n0,1\n1e9,2\n")
+                self.write("c.yaml", test_cli.BLOCK.replace(
+                    "3 MPa\"}", f"3 MPa\"}}, pore_pressure: [{{{load % given}}}]"))
+                done = self.expect(2 if errors else 0, "check", "c.yaml", "--json")
+                found = json.loads(done.stdout)
+                self.assertEqual([f"{w['key']}: {w['message']}" for w in found["warnings"]], lines)
+                self.assertEqual([e["message"] for e in found["errors"]], errors)
+                self.assertEqual(done.stderr.count("warning"), len(lines))
+                for line in lines:
+                    for command in (["check", "c.yaml"], ["run", "c.yaml", "-o", "o.nc", "--force", "--until", "1 hour"]):
+                        self.assertEqual(self.expect(0, *command).stderr.splitlines()[0],
+                                         "lacuna: warning: c.yaml: " + line)
+                        self.assertNotIn("warning", self.expect(0, *command, "-q").stderr)
+
 
 def main():
     if len(sys.argv) < 3:

@@ -264,14 +264,20 @@ class Precursors(unittest.TestCase):
 
     def test_a_line_is_no_false_alarm(self):
         self.write("line.csv", "t,d\n" + "".join(f"{i},{1000 + 0.7 * i:.3f}\n" for i in range(200)))
-        answer = self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--rolling",
-                          "--issues", "20", "--failed-at", "never")
-        self.assertAlmostEqual(answer["series"]["resolution_m"], 1e-6, delta=1e-18)
-        self.assertGreaterEqual(answer["series"]["noise_m"], answer["series"]["resolution_m"])
-        for skill in answer["rolling"]["skill"]:
-            self.assertEqual((skill["issued"], skill["false_alarms"]), (0, 0), skill["method"])
-        f = self.of(self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--since", "0 s"), "block")
-        self.assertIn("too vague", f["reason"])  # not sure to 1e-6, as of numbers without a last digit
+        for since in ([], ["--since", "0 s"], ["--since", "20 hour"]):
+            answer = self.ask("line.csv", "--displacement", "d:mm", "--time-format", "hour", "--rolling",
+                              "--issues", "20", "--failed-at", "never", *since)
+            self.assertAlmostEqual(answer["series"]["resolution_m"], 1e-6, delta=1e-18)
+            self.assertGreaterEqual(answer["series"]["noise_m"], answer["series"]["resolution_m"])
+            for skill in answer["rolling"]["skill"]:
+                self.assertEqual((skill["issued"], skill["false_alarms"]), (0, 0), skill["method"])
+        self.assertIn("no acceleration: the 180 readings since --since are those of a steady motion",
+                      self.of(answer, "block")["reason"])
+        self.write("law.csv", "t,d\n" + "".join(f"{i},{1000 - 20 * math.log(1 - i / 240):.3f}\n" for i in range(200)))
+        answer = self.ask("law.csv", "--displacement", "d:mm", "--time-format", "hour", "--since", "20 hour")
+        for method in ("log", "block", "voight", "persistence"):
+            self.assertTrue(self.of(answer, method)["issued"], method)
+        self.assertAlmostEqual(self.of(answer, "log")["tc_s"] / 3600, 240, delta=0.1)
 
     def test_numbers_of_netcdf_have_a_last_digit_too(self):
         law = numpy.array([float(row.split(",")[1]) for row in LOG_LAW[1:]])

@@ -101,7 +101,7 @@ class Joint(unittest.TestCase):
         place = numpy.floor(column(self.file, "y") / self.file.grid_dy_m).astype(int) * self.file.grid_nx
         place += numpy.floor(column(self.file, "x") / self.file.grid_dx_m).astype(int)
         self.assertEqual(cells["place"], list(place))
-        limit = 10 * column(self.file, "slip_rate")[0]
+        limit, back = 10 * column(self.file, "slip_rate")[0], 0
         for k, shown in enumerate(cells["snapshot_time"]):
             which = numpy.argmin(abs(time - shown))
             drawn = cells["rate"][k]
@@ -109,11 +109,16 @@ class Joint(unittest.TestCase):
             values = drawn["low"] + (values - 1) / 254 * (drawn["high"] - drawn["low"])
             candidates = [i for i in range(len(time)) if abs(time[i] - shown) <= 1e-9 * time[which]]
             step = (drawn["high"] - drawn["low"]) / 254
-            # weak cells turn back now and then: they have no place on a logarithmic scale
+            # weak cells turn back now and then: they have no place on a logarithmic scale, but one of their own
+            turned = numpy.frombuffer(base64.b64decode(drawn.get("backwards", "")), numpy.uint8)
+            turned = turned if turned.size > 0 else numpy.zeros(len(values))
+            back += turned.sum()
+            self.assertTrue(any(numpy.array_equal(turned, rate[i] <= 0) for i in candidates))
             near = min(abs(values - numpy.log10(abs(rate[i])))[rate[i] > 0].max() for i in candidates
                        if numpy.array_equal(values < drawn["low"], rate[i] <= 0))
             self.assertLessEqual(near, 0.51 * step + 1e-4)
             self.assertIn(cells["slipping_cells"][k], [numpy.sum(rate[i] >= limit) for i in candidates])
+        self.assertGreater(back, 0)
 
     def test_forecasts_see_nothing_later(self):
         """A forecast stands as it would from the readings up to its time alone."""

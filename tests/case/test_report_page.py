@@ -265,6 +265,23 @@ class Page(unittest.TestCase):
             f"return rampOf({{block: {block}}}, {{colours: [STICK, SLIP], ends: ['sticks', 'slips']}}).style.background").count("50%")
         self.assertEqual((colours(1), colours(2)), (2, 0))
 
+    def test_squares_that_slip_backwards(self):
+        """They are drawn, in a colour that no range has, and the key says what they are."""
+        self.show("joint")
+        painted = self.driver.execute_script("""
+          const canvas = element('canvas', {width: '4', height: '1'}), map = {map: btoa('\\x00\\xff\\x01\\x00'), backwards: btoa('\\x01\\x00\\x00\\x00')};
+          paint(canvas, {nx: 4, ny: 1, place: [0, 1, 2, 3]}, squaresOf(map), RAMP);
+          return [[...canvas.getContext('2d').getImageData(0, 0, 4, 1).data], BACK, RAMP]""")
+        (pixels, back, ramp) = painted
+        self.assertEqual(pixels[0:4], [*back, 255])
+        self.assertEqual(pixels[8:12], [*ramp[0], 255])
+        self.assertEqual(pixels[15], 0)  # missing
+        between = lambda a, b, t: sum((x + t * (y - x) - z) ** 2 for x, y, z in zip(a, b, back)) ** 0.5
+        self.assertGreater(min(between(a, b, t / 10) for a, b in zip(ramp, ramp[1:]) for t in range(11)), 60)
+        titles = [figure.find_element(By.TAG_NAME, "h3").text for figure in self.driver.find_elements(By.CSS_SELECTOR, "#cells figure")
+                  if any("slips backwards" in p.text for p in figure.find_elements(By.CSS_SELECTOR, ".back"))]
+        self.assertEqual(titles, ["Slip rate"])
+
     def test_charts_by_keys(self):
         self.show("joint")
         frame = self.driver.find_element(By.CSS_SELECTOR, "#motion .frame")

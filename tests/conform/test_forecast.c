@@ -101,6 +101,7 @@ static void assert_same(const lac_forecast *a, const lac_forecast *b)
 static void assert_in_order(const lac_forecast *f)
 {
     if (f->issued) {
+        assert_true(f->low90 <= f->time && f->time <= f->high90);
         assert_true(f->issue_time < f->low90 && f->low90 < f->low50 && f->low50 < f->high50 &&
                     f->high50 < f->high90 && isfinite(f->high90) && f->time > f->issue_time);
         assert_true(f->fit.reason[0] == '\0');

@@ -205,6 +205,38 @@ static void netcdf_reads_as_csv(void **state)
     clear(&r);
 }
 
+// A column of a file says its unit itself, or has none: SI, and a doubt.
+static void a_missing_unit_is_doubted(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *unit, *per; // of the file; of the case
+        double value;
+        const char *doubt;
+    } cases[] = {{"kPa", NULL, 1000.0, NULL},
+                 {NULL, NULL, 1.0, "series.nc: level: no unit is named: taken as Pa"},
+                 {NULL, "9807 Pa", 9807.0, NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lac_load_clock clock = {.dated = true, .start = 1577836800.0, .end = 86400.0};
+        assert_int_equal(lac_load_files_create(&clock.files, NULL), LAC_OK);
+        ready r = {.slot = slot_over("series", true, "", "value", "level")};
+        char **file = (char **)r.slot.params;
+        free(*file);
+        *file = strdup(write_netcdf("days since 2020-01-01 00:00", cases[i].unit));
+        if (cases[i].per != NULL) {
+            set_text(&r.slot, "per", cases[i].per);
+        }
+        must_prepare(&r, &clock);
+        assert_near(at(&r, 0), cases[i].value, 1e-9);
+        const char *doubt = lac_load_files_doubt(clock.files, 0);
+        assert_true((doubt != NULL) == (cases[i].doubt != NULL));
+        assert_true(doubt == NULL || strstr(doubt, cases[i].doubt) != NULL);
+        assert_null(lac_load_files_doubt(clock.files, 1));
+        clear(&r);
+        lac_load_files_free(clock.files);
+    }
+}
+
 // A lake that rises evenly for 4 s from the interface's elevation, then stands.
 static const char *const rising = "t,h\n-100,10\n0,10\n4,18\n20,18\n";
 
@@ -322,7 +354,15 @@ static const wrong wrongs[] = {
      "ends 5 s before the run's end; must reach it"},
     {"series", "t,p\n1,1\n50,2\n", "value", "p", NULL, NULL, "begins 1 s after the run's start"},
     {"series", "t,p\n0,1\n50,2\n", "value", "p:m", NULL, NULL,
-     "one unit of the column (\"m\") times per (\"1\") must be a quantity such as \"1 Pa\""},
+     "series: the column's unit \"m\" must be one such as \"Pa\""},
+    {"series", "t,p\n0,1\n50,2\n", "value", "p:word", NULL, NULL,
+     "series: the column's unit \"word\" must be one such as \"Pa\""},
+    {"reservoir", "t,p\n0,1\n50,2\n", "level", "p:Pa", NULL, NULL,
+     "reservoir: the column's unit \"Pa\" must be one such as \"m\""},
+    {"series", "t,p\n0,1\n50,2\n", "value", "p:m", "per", "kPa/m",
+     "series: per: \"kPa/m\" must be a number and a unit such as \"1 Pa/m\""},
+    {"series", "t,p\n0,1\n50,2\n", "value", "p", "per", "p",
+     "series: per: \"p\" must be a number and a unit such as \"1 Pa\""},
     {"series", "t,p\n0,1\n50,2\n", "value", "p:m", "per", "3 parsec", "(\"3 parsec\")"},
     {"series", "t,p\n0,1\n50,2\n", "value", "q", NULL, NULL, "has no column \"q\""},
     {"series", "t,p\n0,1\n50,2\n", "value", ":m", NULL, NULL, "must be a column and its unit"},
@@ -388,6 +428,7 @@ int main(void)
         cmocka_unit_test(smooth_curves_overshoot_nowhere),
         cmocka_unit_test(columns_of_any_quantity),
         cmocka_unit_test(netcdf_reads_as_csv),
+        cmocka_unit_test(a_missing_unit_is_doubted),
         cmocka_unit_test(a_lagging_reservoir_follows_exponentially),
         cmocka_unit_test(a_diffusing_reservoir_is_a_convolution),
         cmocka_unit_test(a_lake_below_the_interface_is_dry),

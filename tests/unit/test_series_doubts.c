@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <netcdf.h>
 #include <stdio.h>
 
 #include "base/units.h"
@@ -140,12 +141,113 @@ static void last_digits_are_known(void **state)
     }
 }
 
+// Counts of a slope that creeps and shakes, and curves that are no counts, at hour i.
+static double creeps(int i) { return (double)(5 * i / 7 + (7919 * i) % 5); }
+static double runs_on_a_line(int i) { return 1000.0 + 0.7 * i; }
+static double runs_on_a_parabola(int i) { return 1000.0 + 0.02 * i * i; }
+
+enum { HOURS = 60 };
+
+// Counts of 0.5 mm, also in single precision, are seen; lines, parabolas and few readings are not.
+static void steps_of_the_sensor_are_found(void **state)
+{
+    (void)state;
+    static const struct {
+        double (*count)(int hour);
+        double step;
+        const char *format;
+        bool single;
+        int hours, off; // one reading, of this hour, is off the steps
+        double digit;   // of a column in mm [m]
+    } columns[] = {{creeps, 0.5, "%.1f", false, HOURS, -1, 5e-4},
+                   {creeps, 0.5, "%.3f", false, HOURS, -1, 5e-4},
+                   {creeps, 0.5, "%.1f", false, HOURS, 30, 1e-4},
+                   {creeps, 0.5, "%.1f", false, 12, -1, 1e-4},
+                   {creeps, 0.1, "%.12g", true, HOURS, -1, 1e-4},
+                   {creeps, 0.1, "%.1f", false, HOURS, -1, 1e-4},
+                   {runs_on_a_line, 1.0, "%.3f", false, HOURS, -1, 1e-6},
+                   {runs_on_a_parabola, 1.0, "%.3f", false, HOURS, -1, 1e-6}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        char text[4096] = "t,d\n";
+        for (int i = 0; i < columns[k].hours; i++) {
+            const size_t used = strlen(text);
+            double d = columns[k].step * columns[k].count(i);
+            d = columns[k].single ? (double)(float)d : d;
+            (void)snprintf(text + used, sizeof text - used, "%d,",
+                           3600 * i + (columns[k].count == creeps ? 60 * (i % 3) : 0));
+            (void)snprintf(text + strlen(text), sizeof text - strlen(text), columns[k].format,
+                           i == columns[k].off ? d + 0.1 : d);
+            (void)strcat(text, "\n");
+        }
+        lac_series *s = NULL;
+        assert_int_equal(read_text(text, strlen(text), &s, NULL), LAC_OK);
+        assert_true(fabs(s->displacement_digit / columns[k].digit - 1.0) < 1e-6);
+        lac_series_free(s);
+    }
+}
+
+// Of noise in full precision nothing is a step, however many of its numbers are close.
+static void noise_has_no_steps(void **state)
+{
+    (void)state;
+    for (int seed = 0; seed < 300; seed++) {
+        const int n = 12 + seed % 90;
+        char text[4096] = "t,d\n";
+        for (int i = 0; i < n; i++) {
+            const size_t used = strlen(text);
+            const double u = fmod(1e4 * fabs(sin(12.9898 * i + 78.233 * seed)), 1.0);
+            (void)snprintf(text + used, sizeof text - used, "%d,%.14f\n", i, 1.0 + u + 0.01 * i);
+        }
+        lac_series *s = NULL;
+        assert_int_equal(read_text(text, strlen(text), &s, NULL), LAC_OK);
+        assert_true(s->displacement_digit < 1e-16);
+        lac_series_free(s);
+    }
+}
+
+// Of numbers in netCDF: single precision's 0.1, a double's 0.5; what has no steps has its type's.
+static void steps_of_numbers_are_found(void **state)
+{
+    (void)state;
+    static const struct {
+        nc_type type;
+        double step, noise, digit; // [mm, mm, m]
+    } columns[] = {{NC_FLOAT, 0.1, 0.0, 1e-4},
+                   {NC_DOUBLE, 0.5, 0.0, 5e-4},
+                   {NC_DOUBLE, 0.1, 1e-5, 0.0},
+                   {NC_FLOAT, 0.1, 0.05, 0x1p-23 * 4.6e-3}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        int id = 0, dim = 0, time = 0, var = 0;
+        double t[HOURS], d[HOURS];
+        const char *path = scratch_path(&folder, "steps.nc");
+        for (int i = 0; i < HOURS; i++) {
+            t[i] = i;
+            d[i] = columns[k].step * creeps(i) + columns[k].noise * sin(i * i);
+        }
+        assert_int_equal(nc_create(path, NC_NETCDF4 | NC_CLOBBER, &id), NC_NOERR);
+        (void)nc_def_dim(id, "t", HOURS, &dim);
+        (void)nc_def_var(id, "t", NC_DOUBLE, 1, &dim, &time);
+        (void)nc_def_var(id, "d", columns[k].type, 1, &dim, &var);
+        (void)nc_put_att_text(id, time, "units", 4, "hour");
+        (void)nc_put_att_text(id, var, "units", 2, "mm");
+        (void)nc_enddef(id);
+        (void)nc_put_var_double(id, time, t);
+        assert_int_equal(nc_put_var_double(id, var, d), NC_NOERR);
+        assert_int_equal(nc_close(id), NC_NOERR);
+        const lac_series_def def = {.path = path, .time = "t", .displacement = "d"};
+        lac_series *s = NULL;
+        assert_int_equal(lac_series_read(&def, units, &s, NULL), LAC_OK);
+        assert_true(fabs(s->displacement_digit - columns[k].digit) <= 0.1 * columns[k].digit);
+        lac_series_free(s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubts_are_told),
-        cmocka_unit_test(rows_that_contradict_are_counted),
-        cmocka_unit_test(last_digits_are_known),
+        cmocka_unit_test(doubts_are_told),       cmocka_unit_test(rows_that_contradict_are_counted),
+        cmocka_unit_test(last_digits_are_known), cmocka_unit_test(steps_of_the_sensor_are_found),
+        cmocka_unit_test(noise_has_no_steps),    cmocka_unit_test(steps_of_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }

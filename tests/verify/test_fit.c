@@ -331,6 +331,62 @@ static void a_time_is_fitted_by_runs(void **state)
     assert_int_equal(result.unknown[1].by, LAC_BY_SENSITIVITY);
 }
 
+// What a watcher was told, by stage.
+typedef struct told {
+    size_t stages, calls[4], done;
+    const char *stage[4];
+} told;
+
+static void count_calls(void *context, const char *stage, size_t done, size_t total)
+{
+    told *t = context;
+    if (t->stages == 0 || strcmp(t->stage[t->stages - 1], stage) != 0) {
+        t->stage[t->stages++] = stage;
+        t->done = 0;
+    }
+    assert_true(t->stages <= 4 && t->done <= done && done <= total);
+    t->done = done;
+    t->calls[t->stages - 1]++;
+}
+
+// Every run of the least squares, every step and every draw is told of: long ones show how far
+// they are.
+static void every_run_is_told_of(void **state)
+{
+    (void)state;
+    static const char *const stages[] = {"starts tried", "least-squares descents",
+                                         "steps of the sampler", "draws run on"};
+    readings r;
+    lac_fit_result result;
+    make_readings(&r, 0.2, 2e-3 / day, 0.8, 0.1e-3, 2);
+    for (int sampled = 0; sampled < 2; sampled++) {
+        char tail[512];
+        told t = {0};
+        (void)snprintf(tail, sizeof tail,
+                       "fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
+                       "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
+                       "displacement: d, starts: 8, steps: %d, burn: 5, rounds: 0, walkers: 10}\n",
+                       sampled ? 10 : 0);
+        lac_case *c = read_case(tail);
+        lac_fit *fit = make_fit(c, &r);
+        const lac_fit_watch watch = {.progress = count_calls, .context = &t};
+        assert_int_equal(lac_fit_run(fit, &watch, &result, NULL), LAC_OK);
+        assert_int_equal(t.stages, sampled ? 4 : 2);
+        for (size_t i = 0; i < t.stages; i++) {
+            assert_string_equal(t.stage[i], stages[i]);
+        }
+        assert_int_equal(t.calls[0], 8);
+        if (sampled) {
+            assert_int_equal(t.calls[2], 15);
+            assert_int_equal(t.calls[3], result.draws);
+        } else {
+            assert_int_equal(t.calls[0] + t.calls[1] + 1, result.runs); // the one that judges
+        }
+        lac_fit_free(fit);
+        lac_case_free(c);
+    }
+}
+
 static void too_few_readings(void **state)
 {
     (void)state;
@@ -358,6 +414,7 @@ int main(void)
         cmocka_unit_test(both_have_one_likelihood),
         cmocka_unit_test(the_combination_is_known),
         cmocka_unit_test(a_time_is_fitted_by_runs),
+        cmocka_unit_test(every_run_is_told_of),
         cmocka_unit_test(too_few_readings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -233,6 +233,14 @@ static void what_falls_fails_as_what_rises(void **state)
     lac_outlook_free(o);
 }
 
+static void expect_not_asked(const lac_forecast_def *def, const lac_readings *readings)
+{
+    lac_outlook *o = NULL;
+    assert_int_equal(lac_outlook_create(def, readings, &o, NULL), LAC_OK);
+    assert_false(o->asked);
+    lac_outlook_free(o);
+}
+
 // A line that is rounded does not accelerate at any reading, whatever its digits, steps and rate.
 static void a_rounded_line_does_not_accelerate(void **state)
 {
@@ -252,13 +260,34 @@ static void a_rounded_line_does_not_accelerate(void **state)
         for (size_t n = 8; n <= N; n++) {
             const lac_readings readings = {
                 .n = n, .time = times, .displacement = displacement, .displacement_digit = digit};
-            const lac_forecast_def def = lac_forecast_default();
-            lac_outlook *o = NULL;
-            assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
-            assert_false(o->asked);
-            lac_outlook_free(o);
+            lac_forecast_def def = lac_forecast_default();
+            expect_not_asked(&def, &readings);
+            def.since = times[k % 5];
+            expect_not_asked(&def, &readings);
         }
     }
+}
+
+// A speed that is rounded is level too; one that rises by more in the end is not.
+static void a_rounded_speed_does_not_accelerate(void **state)
+{
+    (void)state;
+    lac_forecast_def def = lac_forecast_default();
+    def.since = 0.0;
+    for (size_t i = 0; i < N; i++) {
+        times[i] = 3600.0 * (double)i;
+        velocity[i] = 1e-6 * (7.0 + (double)(i % 2));
+    }
+    const lac_readings readings = {
+        .n = N, .time = times, .velocity = velocity, .velocity_digit = 1e-6};
+    expect_not_asked(&def, &readings);
+    for (size_t i = 0; i < N; i++) {
+        velocity[i] *= 1.0 + (double)i;
+    }
+    lac_outlook *o = NULL;
+    assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+    assert_true(o->asked);
+    lac_outlook_free(o);
 }
 
 // --since takes the onset's place: seven velocities and their acceleration are not asked for then.
@@ -325,6 +354,7 @@ int main(void)
         cmocka_unit_test(inverse_velocity_is_late_on_a_block),
         cmocka_unit_test(what_falls_fails_as_what_rises),
         cmocka_unit_test(a_rounded_line_does_not_accelerate),
+        cmocka_unit_test(a_rounded_speed_does_not_accelerate),
         cmocka_unit_test(since_replaces_the_gate_of_the_onset),
         cmocka_unit_test(smoothing_widens_the_noise_gate),
     };

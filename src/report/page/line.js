@@ -6,15 +6,15 @@ const placeTick = (data) => scaledLengths(data.cells.nx * data.cells.dx);
 
 // Bytes of a field's snapshots by column of the line; 0 where nothing touches.
 function columnsOf(cells, maps) {
-  return maps.map(({ map }) => {
-    const bytes = bytesOf(map), row = new Uint8Array(cells.nx);
-    cells.place.forEach((column, k) => (row[column] = bytes[k]));
+  return maps.map((map) => {
+    const squares = squaresOf(map), row = new Uint16Array(cells.nx);
+    cells.place.forEach((column, k) => (row[column] = squares[k]));
     return row;
   });
 }
 
 function colourTable(colours) {
-  return Array.from({ length: 256 }, (_, b) => (b === 0 ? [0, 0, 0, 0] : [...mix(colours, (b - 1) / 254), 255]));
+  return Array.from({ length: BACKWARDS + 1 }, (_, b) => (b === 0 ? [0, 0, 0, 0] : [...colourOf(colours, b), 255]));
 }
 
 // Places of the snapshots on the upright axis, from 0 to 1.
@@ -49,6 +49,7 @@ function strataFigure(data, kind, state) {
   const value = (i) => {
     const map = cells[kind.key][state.at], byte = rows[state.at][i];
     if (byte === 0) return "no contact";
+    if (byte === BACKWARDS) return "backwards, or at rest";
     return kind.ends ? (byte > 128 ? kind.ends[1] : kind.ends[0]) : kind.words(map.low + ((byte - 1) / 254) * (map.high - map.low));
   };
   const spec = {
@@ -69,7 +70,7 @@ function strataFigure(data, kind, state) {
   const { low: least, high: most } = cells[kind.key][0];
   low.textContent = kind.ends ? kind.ends[0] : kind.words(least);
   high.textContent = kind.ends ? kind.ends[1] : kind.words(most);
-  whole.querySelector(".frame").after(element("div", { class: "key" }, rampOf(cells, kind), element("div", { class: "ends" }, low, high)));
+  whole.querySelector(".frame").after(element("div", { class: "key" }, rampOf(cells, kind), element("div", { class: "ends" }, low, high), ...backOf(cells, kind)));
   return whole;
 }
 

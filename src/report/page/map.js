@@ -4,7 +4,7 @@
 
 // Viridis-like, so that order shows in grey and to all eyes; light end last.
 const RAMP = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
-const STICK = [128, 139, 152], SLIP = [214, 106, 20];
+const STICK = [128, 139, 152], SLIP = [214, 106, 20], BACK = [224, 40, 122], BACKWARDS = 256;
 
 function mix(colours, place) {
   const at = Math.min(0.9999, Math.max(0, place)) * (colours.length - 1), k = Math.floor(at), t = at - k;
@@ -27,6 +27,23 @@ function bytesOf(text) {
   return bytes;
 }
 
+// What the squares of a map show: 0 nothing, 1 to 255 its range, BACKWARDS what has no place in it.
+function squaresOf(map) {
+  const squares = Uint16Array.from(bytesOf(map.map));
+  if (map.backwards) bytesOf(map.backwards).forEach((b, k) => b && (squares[k] = BACKWARDS));
+  return squares;
+}
+
+const colourOf = (colours, b) => (b === BACKWARDS ? BACK : mix(colours, (b - 1) / 254));
+
+// The key of squares that have no place in the range; none where no map has one.
+function backOf(cells, kind) {
+  if (!cells[kind.key].some((map) => map.backwards)) return [];
+  const square = element("i");
+  square.style.background = `rgb(${BACK.join(",")})`;
+  return [element("p", { class: "back" }, square, "slips backwards, or stands")];
+}
+
 // Paints the squares; y runs up, as on a map.
 function paint(canvas, cells, bytes, colours) {
   const { nx, ny, place } = cells, context = canvas.getContext("2d");
@@ -34,7 +51,7 @@ function paint(canvas, cells, bytes, colours) {
   for (let k = 0; k < place.length; k++) {
     if (bytes[k] === 0) continue;
     const row = ny - 1 - Math.floor(place[k] / nx), at = 4 * (row * nx + (place[k] % nx));
-    const [r, g, b] = mix(colours, (bytes[k] - 1) / 254);
+    const [r, g, b] = colourOf(colours, bytes[k]);
     image.data.set([r, g, b, 255], at);
   }
   context.putImageData(image, 0, 0);
@@ -100,12 +117,12 @@ function mapFigure(cells, kind) {
   const low = element("span"), high = element("span");
   const show = (k) => {
     const map = cells[kind.key][kind.still ? 0 : k];
-    paint(canvas, cells, bytesOf(map.map), kind.colours);
+    paint(canvas, cells, squaresOf(map), kind.colours);
     low.textContent = kind.ends ? kind.ends[0] : kind.words(map.low);
     high.textContent = kind.ends ? kind.ends[1] : kind.words(map.high);
-    canvas.setAttribute("aria-label", `${kind.title}, from ${low.textContent} to ${high.textContent}`);
+    canvas.setAttribute("aria-label", `${kind.title}, from ${low.textContent} to ${high.textContent}${map.backwards ? ", some backwards" : ""}`);
   };
-  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, rampOf(cells, kind), element("div", { class: "ends" }, low, high), element("figcaption", {}, kind.caption));
+  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, rampOf(cells, kind), element("div", { class: "ends" }, low, high), ...backOf(cells, kind), element("figcaption", {}, kind.caption));
   return { whole, show };
 }
 

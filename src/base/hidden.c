@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/hidden.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+// Characters of the same bytes but the last one.
+static const struct {
+    char first[5];
+    unsigned char last;
+} forms[] = {
+    {"\xc2\x80", 0x9f},         {"\xd8\x9c", 0x9c},     {"\xe1\xa0\x8e", 0x8e},
+    {"\xe2\x80\x8b", 0x8f},     {"\xe2\x80\xa8", 0xae}, {"\xe2\x81\xa0", 0xaf},
+    {"\xef\xbb\xbf", 0xbf},     {"\xef\xbf\xb9", 0xbb}, {"\xf3\xa0\x80\x80", 0xbf},
+    {"\xf3\xa0\x81\x80", 0xbf},
+};
+
+enum { FORMS = sizeof forms / sizeof *forms, LONGEST = 4 };
+
+size_t lac_hidden_length(const char *text, size_t n)
+{
+    for (size_t k = 0; n > 1 && (unsigned char)*text > 0x7f && k < FORMS; k++) {
+        const size_t length = strlen(forms[k].first);
+        if (n < length || memcmp(text, forms[k].first, length - 1) != 0) {
+            continue;
+        }
+        const unsigned char last = (unsigned char)text[length - 1];
+        if (last >= (unsigned char)forms[k].first[length - 1] && last <= forms[k].last) {
+            return length;
+        }
+    }
+    return 0;
+}
+
+static bool is_begun(const char *text, size_t n)
+{
+    bool begun = false;
+    for (size_t k = 0; k < FORMS; k++) {
+        begun = begun || (n < strlen(forms[k].first) && memcmp(text, forms[k].first, n) == 0);
+    }
+    return begun;
+}
+
+size_t lac_hidden_begun(const char *text, size_t n)
+{
+    size_t begun = n < LONGEST ? n : LONGEST - 1;
+    while (begun > 0 && !is_begun(text + n - begun, begun)) {
+        begun--;
+    }
+    return begun;
+}
