@@ -57,12 +57,14 @@ add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/c
 set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
 
 # lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
+# These are the long ones, so they begin. The label `once` says that sanitizers show nothing more: what is
+# tested is Python, a page in a browser or numbers, by commands that other tests give the program too.
 function(lacuna_python_test name)
   add_test(NAME case.${name}
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
                    $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${${name}_files})
   set(labels case ${ARGN})
-  set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600
+  set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600 COST 100
                        ENVIRONMENT "${case_environment}")
 endfunction()
 
@@ -103,6 +105,9 @@ lacuna_python_test(test_resume)
 
 # What is left where a program is killed, or a file call fails, at each of them in turn.
 set(test_every_call_files $<TARGET_FILE:at_call>)
+if(LACUNA_SANITIZE)
+  list(APPEND test_every_call_files --step 4)
+endif()
 lacuna_python_test(test_every_call)
 
 # Trades, stopped and killed ones among them, and runs that keep an accuracy.
@@ -111,6 +116,9 @@ lacuna_python_test(test_trade)
 
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/memory.c)
+
+# Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
+set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)
 
 # What a page of a run that goes on is made from.
 target_sources(unit_test_view_inbox PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/view_inbox.c)
@@ -156,7 +164,7 @@ foreach(page ${pages})
   add_test(NAME case.${name}
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
                    $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${page})
-  set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 300
+  set_tests_properties(case.${name} PROPERTIES LABELS "case;once" TIMEOUT 300
                        ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
 
@@ -180,7 +188,7 @@ target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_depe
 target_link_options(unit_test_memory PRIVATE
                     -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=fsync)
 add_test(NAME unit.test_memory COMMAND unit_test_memory)
-set_tests_properties(unit.test_memory PROPERTIES LABELS unit ENVIRONMENT
+set_tests_properties(unit.test_memory PROPERTIES LABELS unit COST 200 ENVIRONMENT
   "${case_environment};UDUNITS2_XML_PATH=${CMAKE_CURRENT_SOURCE_DIR}/memory/units.xml;OMP_WAIT_POLICY=passive")
 
 # The fractal measures as the program gives them, and the tools that read them.
@@ -205,7 +213,7 @@ lacuna_python_test(test_precursors)
 # The page of a run: its numbers, and what a browser makes of it. tools/install-packages --test
 # brings the browser; without it the test fails.
 lacuna_python_test(test_report)
-lacuna_python_test(test_report_page)
+lacuna_python_test(test_report_page once)
 
 # The same page while a run goes on, which is held where the tests look at it.
 add_library(hold_at_checkpoint MODULE stop/hold_at_checkpoint.c)
@@ -216,7 +224,7 @@ lacuna_python_test(test_view)
 lacuna_python_test(test_view_page)
 
 # The notebook, and figures for a publication.
-lacuna_python_test(test_pictures)
+lacuna_python_test(test_pictures once)
 
 # Fits, and what they write; the bundled cases for it check.
 lacuna_python_test(test_fit)

@@ -76,9 +76,15 @@ double lac_engine_rtol(double rtol, int64_t beginnings)
     return fmax(rtol * share, fmin(rtol, least));
 }
 
-// Steps of a one-step method that a stretch is worth: as many cost what a method of many steps
-// takes to find its order and length.
-enum { MOST_BRIEF = 8 };
+// Steps of a one-step method that a stretch is worth: about as many cost what a method of many
+// steps takes for it from a new beginning. The closer that one is held, the more steps it needs, at
+// order five as tolerance^(-1/6).
+static double worth_in_steps(const lac_engine *engine)
+{
+    const double unsharpened = 10.0;
+    double rtol = engine->def->rtol;
+    return unsharpened * pow(rtol / lac_engine_rtol(rtol, engine->beginnings), 1.0 / 6.0);
+}
 
 // Whether the stretch up to the next break is one of few steps for an explicit method. What its
 // steps are bounded by: 3.3 times the time in which the stiffest motion decays.
@@ -94,7 +100,7 @@ static bool is_brief(const lac_engine *engine, double *h)
     double fastest = lac_problem_fastest(engine->problem, lac_engine_clock(engine, engine->t),
                                          engine->y, engine->work);
     *h = fmax(*h, fmin(2.0 * rest, 1.0 / fastest)); // beyond it: no sliver is left
-    return rest * fastest <= stable * MOST_BRIEF;
+    return rest * fastest <= stable * engine->worth;
 }
 
 // Hands the state over to the other method.
@@ -124,6 +130,7 @@ lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
     engine->before = engine->counts;
     lac_problem_forget(engine->problem, engine->work);
     double brief = h;
+    engine->worth = worth_in_steps(engine);
     engine->turn = is_brief(engine, &brief) ? LAC_TURN_BRIEF : LAC_TURN_OWN;
     if (engine->turn == LAC_TURN_BRIEF) {
         return begin_brief(engine, brief, err);
@@ -164,7 +171,7 @@ lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err)
         return engine->kind->advance(engine, stop, err);
     }
     lac_engine_count(engine);
-    if (engine->counts.steps - engine->before.steps < MOST_BRIEF) {
+    if ((double)(engine->counts.steps - engine->before.steps) < engine->worth) {
         return advance_brief(engine, stop, err);
     }
     stop -= engine->t;

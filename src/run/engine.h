@@ -33,6 +33,7 @@ typedef struct lac_engine {
     double peak;          // largest slip rate within the last step, where the kind knows it [m/s]
     double rtol;          // what a step is held to: lac_engine_rtol
     int64_t beginnings;   // anew of a method of many steps so far, where loads break
+    double worth; // steps of the one-step method that the stretch since the last restart is worth
     lac_engine_turn turn;
     struct lac_engine *brief; // one-step method for short stretches between breaks; NULL: not yet
 } lac_engine;

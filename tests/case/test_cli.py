@@ -581,7 +581,8 @@ class Signals(Case):
 class Terminal(Case):
     """The progress bar, on a terminal only."""
 
-    def stderr_of_run(self, *words, **environment):
+    def stderr_of_run(self, *words, until=None, **environment):
+        """What comes within three seconds, or up to a pattern."""
         self.write("long.yaml", LONG)
         master, slave = pty.openpty()
         process = subprocess.Popen([PROGRAM, "run", "long.yaml", *words], cwd=self.folder,
@@ -590,7 +591,7 @@ class Terminal(Case):
                                         **environment})
         os.close(slave)
         text, deadline = b"", time.monotonic() + 3
-        while time.monotonic() < deadline:
+        while time.monotonic() < deadline and not (until and re.search(until, text.decode(errors="replace"))):
             if select.select([master], [], [], 0.1)[0]:
                 text += os.read(master, 4096)
         process.kill()
@@ -599,13 +600,15 @@ class Terminal(Case):
         return text.decode()
 
     def test_bar(self):
-        text = self.stderr_of_run()
-        self.assertRegex(text, r"\r\[.*\] +\d+ % .* of 30 day")
+        bar = r"\r\[.*\] +\d+ % .* of 30 day"
+        text = self.stderr_of_run(until=bar)
+        self.assertRegex(text, bar)
         self.assertIn("\033[32m", text)
 
     def test_no_colour(self):
-        text = self.stderr_of_run(NO_COLOR="1")
-        self.assertRegex(text, r"\r\[[#-]*\] +\d+ %")
+        bar = r"\r\[[#-]*\] +\d+ %"
+        text = self.stderr_of_run(until=bar, NO_COLOR="1")
+        self.assertRegex(text, bar)
         self.assertNotIn("\033[32m", text)
 
     def test_no_bar(self):

@@ -3,10 +3,12 @@
 """What is left where a program is killed, or a file call fails, at each of its file calls in turn.
 
 usage: test_every_call.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
+       test_every_call.py PROGRAM SOURCE_FOLDER AT_CALL --step N
        test_every_call.py PROGRAM SOURCE_FOLDER AT_CALL --all [SCENE ...]
 
 AT_CALL is the library of tests/stop. With --all every command and every way to fail, which takes an
-hour, and counts; else a run with checkpoints, killed and torn.
+hour, and counts; else a run with checkpoints, killed and torn, at every call or, for a slow program,
+every N-th.
 
 After each of them the output is absent or the one that was there before; or it opens in netCDF4 with
 all that was synced; or Lacuna reads it with all that was synced, says so in one line that names
@@ -30,7 +32,7 @@ import netCDF4
 
 from test_resume import CASE, OWN
 
-PROGRAM, SOURCE, LIBRARY = "", "", ""
+PROGRAM, SOURCE, LIBRARY, STEP = "", "", "", 1
 EIO, ENOSPC = 5, 28
 ALL_WAYS = ["kill", "tear", f"fail={EIO}", f"fail={ENOSPC}", f"full={ENOSPC}"]
 
@@ -317,12 +319,12 @@ def attempt(task):
     return task, STUDY.attempt(*task)
 
 
-def try_all(name, ways, step=1):
+def try_all(name, ways):
     """Every way at every call of a scene: how many calls, what was left how often, what is wrong."""
     global STUDY
     STUDY = Study(name, scenes()[name])
     counts, wrong = collections.Counter(), []
-    tasks = [(how, k) for how in ways for k in range(1, STUDY.calls + 1, step)]
+    tasks = [(how, k) for how in ways for k in range(1, STUDY.calls + 1, STEP)]
     with multiprocessing.Pool(min(4, os.cpu_count() or 1)) as pool:
         for (how, k), (what, fault) in pool.imap_unordered(attempt, tasks, chunksize=4):
             counts[what] += 1
@@ -355,10 +357,13 @@ def try_everything(names):
 
 
 def main():
-    global PROGRAM, SOURCE, LIBRARY
+    global PROGRAM, SOURCE, LIBRARY, STEP
     PROGRAM, SOURCE, LIBRARY = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
     if sys.argv[1:2] == ["--all"]:
         sys.exit(try_everything(sys.argv[2:]) > 0)
+    if sys.argv[1:2] == ["--step"]:
+        STEP = int(sys.argv.pop(2))
+        del sys.argv[1]
     unittest.main()
 
 
