@@ -11,12 +11,18 @@ typedef struct at_start {
     double eta;    // what uniform slip is damped by [Pa s/m]
 } at_start;
 
+// What uniform slip takes off all cells together [Pa s/m].
+static double damped_together(const lac_problem *problem)
+{
+    double drag = problem->damping + problem->mean_damping;
+    return (double)problem->n * drag + problem->drag * problem->sum_pressure;
+}
+
 static at_start look_at_start(const lac_problem *problem)
 {
     double n = (double)problem->n;
     double to_nominal = problem->cell_area / problem->nominal_area;
-    double drag = problem->mean_damping + problem->drag * problem->sum_pressure / n;
-    at_start s = {.eta = (problem->damping + drag) * n * to_nominal};
+    at_start s = {.eta = damped_together(problem) * to_nominal};
     lac_drive drive;
     (void)lac_problem_drive(problem, 0.0, &drive);
     for (size_t i = 0; i < problem->n; i++) {
@@ -53,7 +59,7 @@ static double past_as_one(const lac_problem *problem, const lac_drive *drive,
                           const lac_motion *motion, const double *w, double rate)
 {
     const lac_friction *friction = problem->friction;
-    double eta = (problem->damping + problem->mean_damping) * (double)problem->n;
+    double eta = damped_together(problem);
     double load = eta * (fabs(motion->mean) - rate);
     double held = eta * rate;
     double u = log(rate);
