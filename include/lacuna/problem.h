@@ -228,7 +228,20 @@ typedef struct lac_failure {
     double rate;  ///< [m/s]
     bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
     double slip;  ///< [m]
+    double start; ///< mean slip rate at the start [m/s]
+    double reach; ///< at which damping holds what weakening drives from there to the rate asked
+                  ///< for [m/s]; INFINITY: nothing is in the way
 } lac_failure;
+
+/// What acts on the mean slip of a joint at the start, over the nominal area.
+typedef struct lac_failure_start {
+    double rate;   ///< mean slip rate [m/s]
+    double direct; ///< a p [Pa]
+    double excess; ///< (b - a) p [Pa]
+    double eta;    ///< what uniform slip is damped by [Pa s/m]; 0: nothing
+    bool held;     ///< by a spring, or rock that stays behind
+    double length; ///< slip that is failure where none is named [m]
+} lac_failure_start;
 
 /// The one definition of failure, for runs, fits, forecasts and trades; docs/theory/creep.md.
 /// Weakening leaves (b - a) p ln(rate/rate at the start) to drive a joint, p the effective normal
@@ -241,6 +254,9 @@ typedef struct lac_failure {
 ///              block 10 m
 /// @source derived from Rice (1993), doi 10.1029/93JB00191: the damping of plane waves
 lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip);
+
+/// The same of a joint whose cells are not known.
+lac_failure lac_failure_from(const lac_failure_start *start, double rate, double slip);
 
 /// How far a state is past the rate of failure, the one measure of runs, fits and forecasts: the
 /// logarithm of the mean slip rate over it. One cell that slips alone carries the mean of n cells

@@ -121,6 +121,9 @@ lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene
                                      lac_error *err);
 void lac_scene_contact_clear(lac_scene_contact *contact);
 
+/// eta = G/(2 cs) [Pa s/m]; no shear speed and no density: 0.
+double lac_damping_of(const lac_material_def *material);
+
 /// Builds the whole scene of a case. The case must outlive it.
 /// @return as lac_scene_contact_solve
 lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err);

@@ -7,10 +7,12 @@
 #include "cli/command.h"
 #include "cli/compare.h"
 #include "cli/estimate.h"
+#include "cli/failure.h"
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/words.h"
 #include "lacuna/scene.h"
+#include "lacuna/transfer.h"
 
 // A scene of up to this many grid cells is built whole: quick, and the surest check.
 static const double small_grid = 4096;
@@ -107,8 +109,36 @@ out:
     return status;
 }
 
+// Whether a spring or the rock around holds the mean slip.
+static bool is_held(const lac_case *c, const lac_load_state *start)
+{
+    const lac_slot *transfer = &c->transfer;
+    bool elastic = transfer->about != NULL && strcmp(transfer->about->name, "elastic") == 0;
+    const lac_transfer_elastic *rock = transfer->params;
+    return start->spring_stiffness > 0.0 ||
+           (elastic && (rock->outside != 0 || !isnan(rock->thickness)));
+}
+
+// What counts as failure of a joint whose cells are not known: of one that slips evenly, by the
+// case's own values.
+static lac_failure failure_about(const lac_case *c, const lac_load_state *start, double pressure)
+{
+    const lac_friction_params *law = c->friction.params;
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    double force = pressure - start->pore;
+    const lac_failure_start at = {
+        .rate = c->initial.slip_rate,
+        .direct = law->a * force,
+        .excess = (law->b - law->a) * force,
+        .eta = lac_inertia_mass(c) > 0.0 ? 0.0 : lac_damping_of(&c->material),
+        .held = is_held(c, start),
+        .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy)};
+    return lac_failure_from(&at, c->run.failure_rate, c->run.failure_slip);
+}
+
 // What the loads come to at the start of a run whose scene is too large to be built.
-static lac_status try_start(const lac_case *c, lac_load_files *files, lac_error *err)
+static lac_status try_start(const lac_case *c, lac_load_files *files, lac_failure *failure,
+                            lac_error *err)
 {
     const lac_normal_load *normal = (const void *)c->normal.about;
     const double pressure = normal->pressure(c->normal.params, c->material.density);
@@ -133,16 +163,19 @@ static lac_status try_start(const lac_case *c, lac_load_files *files, lac_error 
         return lac_fail(err, LAC_EINPUT, "load.shear: comes to %g Pa at the start; must be > 0",
                         lac_load_shear(&sum, pressure));
     }
+    if (!isnan(c->initial.slip_rate)) {
+        *failure = failure_about(c, &sum, pressure);
+    }
     return LAC_OK;
 }
 
-static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac_load_files *files,
+static lac_status try_scene(const lac_case *c, cli_estimate *estimate, lac_load_files *files,
                             lac_error *err)
 {
     lac_scene *scene = NULL;
     const bool runs = c->friction.about != NULL && !isnan(c->run.end);
     if (estimate->grid_cells > small_grid) {
-        return runs ? try_start(c, files, err) : LAC_OK;
+        return runs ? try_start(c, files, &estimate->failure, err) : LAC_OK;
     }
     if (!runs) {
         return try_contact(c, err);
@@ -150,6 +183,8 @@ static lac_status try_scene(const lac_case *c, const cli_estimate *estimate, lac
     lac_status status = lac_scene_create_with(c, files, &scene, err);
     if (status == LAC_OK) {
         status = lac_run_check(scene->problem, &c->run, err);
+        estimate->failure =
+            lac_problem_failure(scene->problem, c->run.failure_rate, c->run.failure_slip);
     }
     lac_scene_free(scene);
     return status;
@@ -217,6 +252,9 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     } else if (status == LAC_OK) {
         printf("%s", scene);
         cli_estimate_print(&estimate);
+    }
+    if (status == LAC_OK) {
+        cli_failure_warn(&estimate.failure);
     }
     status = report.errors > 0 ? status : cli_blame(c, status, err); // else said already
     free(scene);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/advice.h"
+#include "cli/failure.h"
 #include "cli/words.h"
 #include "lacuna/contact.h"
 #include "lacuna/friction.h"
@@ -430,6 +431,11 @@ void cli_estimate_print(const cli_estimate *e)
     if (!isnan(e->stiffness_ratio)) {
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
+    if (e->failure.lowered) {
+        char rate[64];
+        printf("#   failure rate    %s\n", cli_quantity(e->failure.rate, "m/s", rate, sizeof rate));
+        cli_wrap("#     ", cli_failure_lowered);
+    }
     if (e->own_steps) {
         printf("#   steps           of each cell its own, %d to %d\n", OWN_FEWEST, OWN_STEPS);
         cli_wrap("#     ", e->faster != NULL
@@ -470,6 +476,8 @@ void cli_estimate_json(cli_json *json, const cli_estimate *e)
     cli_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
     cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
     cli_json_text(json, "faster_fidelity", e->faster);
+    cli_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
+    cli_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
     cli_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
     cli_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
     cli_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);

@@ -4,6 +4,7 @@
 
 #include "cli/json.h"
 #include "lacuna/case.h"
+#include "lacuna/problem.h"
 
 /// What a case will cost, without solving its contact.
 typedef struct cli_estimate {
@@ -25,6 +26,7 @@ typedef struct cli_estimate {
     double records, file_bytes; ///< at stated times up to the end: records; they and the fields
     double cascade_time;        ///< of `lacuna rg`, or of the cascade that a run follows, in
                                 ///< the times above then [s]; NaN: none
+    lac_failure failure;        ///< what counts as it; rate 0: not known before the run
 } cli_estimate;
 
 /// Estimates the cost; generates the surface (not its contact), so that it is a check too.

@@ -4,6 +4,7 @@
 
 #include "base/units.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/inputs.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
@@ -280,6 +281,7 @@ static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_st
 {
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
         warn_of_balance(job, outcome);
+        cli_failure_warn(&outcome->result.failure);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         cli_outcome_json(outcome);

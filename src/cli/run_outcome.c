@@ -8,6 +8,7 @@
 
 #include "base/date.h"
 #include "base/units.h"
+#include "cli/failure.h"
 #include "cli/measures.h"
 #include "cli/run_accuracy.h"
 #include "cli/run_analysis.h"
@@ -93,8 +94,7 @@ static void print_failure(const cli_outcome *outcome)
     }
     if (result->failure.lowered) {
         (void)lac_units_format(result->failure.rate, "m/s", rate, sizeof rate);
-        cli_row("failure rate", "%s, a p/eta: damping holds the joint below that of the case",
-                rate);
+        cli_row("failure rate", "%s, %s", rate, cli_failure_lowered);
     }
 }
 

@@ -3,26 +3,21 @@
 
 #include "model/internal.h"
 
-// What acts on the mean slip at the start, over the nominal area.
-typedef struct at_start {
-    double rate;   // mean slip rate [m/s]
-    double direct; // a p [Pa]
-    double excess; // (b - a) p [Pa]
-    double eta;    // what uniform slip is damped by [Pa s/m]
-} at_start;
-
 // What uniform slip takes off all cells together [Pa s/m].
 static double damped_together(const lac_problem *problem)
 {
-    double drag = problem->damping + problem->mean_damping;
-    return (double)problem->n * drag + problem->drag * problem->sum_pressure;
+    double each = problem->damping + problem->mean_damping;
+    return (double)problem->n * each + problem->drag * problem->sum_pressure;
 }
 
-static at_start look_at_start(const lac_problem *problem)
+static lac_failure_start look_at_start(const lac_problem *problem)
 {
     double n = (double)problem->n;
     double to_nominal = problem->cell_area / problem->nominal_area;
-    at_start s = {.eta = damped_together(problem) * to_nominal};
+    lac_failure_start s = {.eta = damped_together(problem) * to_nominal,
+                           .held =
+                               problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL,
+                           .length = problem->length};
     lac_drive drive;
     (void)lac_problem_drive(problem, 0.0, &drive);
     for (size_t i = 0; i < problem->n; i++) {
@@ -36,21 +31,28 @@ static at_start look_at_start(const lac_problem *problem)
     return s;
 }
 
-lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip)
+lac_failure lac_failure_from(const lac_failure_start *start, double rate, double slip)
 {
-    lac_failure failure = {.rate = rate, .slip = slip > 0.0 ? slip : problem->length};
-    bool held = problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL;
-    if (held || rate >= LAC_NO_FAILURE_RATE) {
+    lac_failure failure = {.rate = rate,
+                           .slip = slip > 0.0 ? slip : start->length,
+                           .start = start->rate,
+                           .reach = INFINITY};
+    if (start->held || !(start->eta > 0.0) || rate >= LAC_NO_FAILURE_RATE) {
         return failure;
     }
-    at_start s = look_at_start(problem);
-    double reached = s.excess * log(rate / s.rate) / s.eta;
-    double counts = s.direct / s.eta;
-    if (s.eta > 0.0 && reached < rate && counts < rate && counts > s.rate) {
+    double counts = start->direct / start->eta;
+    failure.reach = start->excess * log(rate / start->rate) / start->eta;
+    if (failure.reach < rate && counts < rate && counts > start->rate) {
         failure.rate = counts;
         failure.lowered = true;
     }
     return failure;
+}
+
+lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip)
+{
+    const lac_failure_start start = look_at_start(problem);
+    return lac_failure_from(&start, rate, slip);
 }
 
 // What all cells would be past the rate of failure if they slid as one: the load that they carry

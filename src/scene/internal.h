@@ -18,9 +18,6 @@ lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_sc
 // Counts boxes where the grid is large enough for a dimension.
 lac_status lac_scene_contact_count(lac_scene_contact *contact, lac_error *err);
 
-// eta = G/(2 cs) [Pa s/m]; no shear speed and no density: 0.
-double lac_damping_of(const lac_material_def *material);
-
 // Where a parameter varies.
 typedef struct lac_spread_place {
     const lac_domain *domain;

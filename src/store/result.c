@@ -23,7 +23,7 @@ static lac_status put_failure(const lac_store *s, const lac_run_result *r, lac_e
     if (r->failure.lowered) {
         LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "failure_rate_comment",
                             "a p/eta at the start: radiation damping holds the joint below "
-                            "time.failure.mean_slip_rate",
+                            "time.failure.mean_slip_rate; judged by all cells as one",
                             err));
     }
     if (isfinite(r->failure.slip)) {

@@ -200,6 +200,28 @@ class Cases(Case):
         self.assertEqual(done["estimate"]["contact_cells"], 1)
         self.assertEqual(done["estimate"]["unknowns"], 2)
 
+    def test_failure_rate_of_a_light_joint(self):
+        """a p/eta by hand, 3 um/s at 1 kPa: said, and warned of where it is near the rate at the start, or
+        below it; of a grid too large to be built too. Nothing of it with mass, or under a spring."""
+        rock = "material={shear_modulus: 20 GPa, poisson: 0.25, shear_speed: 3 km/s, density: 2500 kg/m3}"
+        spring = "load.shear=[{spring: {stiffness: 1 GPa/m, speed: 1 nm/s}}]"
+        near = "warning: the failure rate, 3 um/s, is only 3 times the slip rate at the start"
+        for size in 0, 8:
+            for pressure, rate, settings, lowered, said in (
+                    ("1 kPa", "1e-9", [], True, None), ("1 kPa", "1e-6", [], True, near),
+                    ("1 Pa", "1e-6", [], False, "warning: time.failure.mean_slip_rate: 1 m/s is out of reach"),
+                    ("1 kPa", "1e-6", ["inertia={thickness: 1 m}"], False, None), ("1 kPa", "1e-6", [spring], False, None)):
+                words = [rock, f"load.normal.pressure={pressure}", f"initial.slip_rate={rate} m/s", *settings,
+                         f"interface={{size: 1 m, levels: {size}, domain: {{full: {{}}}}}}"]
+                if not size:
+                    words[-1] = "interface={size: 1 m, levels: 0}"
+                done = self.expect(0, "check", "block.yaml", "--json", *[x for w in words for x in ("--set", w)])
+                found = json.loads(done.stdout)["estimate"]
+                self.assertEqual(found["failure_rate_lowered"], lowered, words)
+                self.assertAlmostEqual(found["failure_rate_m_s"] / (0.01 * 1e3 / (20e9 / 6e3) if lowered else 1), 1)
+                self.assertIn(said or "", done.stderr)
+                self.assertEqual("warning" in done.stderr, said is not None, done.stderr)
+
     def test_no_control_characters(self):
         """A title, a column or a file's name is no command to the terminal; other characters stay."""
         self.write("s.csv", "t,d\x1b[2J\x9bx\n0,1\n1,2\n2,3\n")

@@ -243,7 +243,14 @@ class Fit(unittest.TestCase):
         self.assertAlmostEqual(by_slip["mean_slip_m"], 1, places=9)
         self.assertLess(by_slip["failure_time_s"], run["failure_time_s"])
         said_run = self.run_program("run", case, "-o", self.out, "--force")
-        self.assertIn("a p/eta: damping holds the joint below that of the case", said_run.stdout)
+        words = "a p/eta: damping holds the joint below that of the case; judged by all cells as one"
+        self.assertIn(words, said_run.stdout)
+        self.assertNotIn("warning", said_run.stderr)
+        checked = self.run_program("check", case).stdout.split("failure rate")[1]
+        self.assertIn(words, " ".join(checked.replace("#", "").split()))
+        checked = json.loads(self.run_program("check", case, "--json").stdout)["estimate"]
+        self.assertEqual((checked["failure_rate_m_s"], checked["failure_rate_lowered"]),
+                         (run["failure_rate_m_s"], True))
 
     def test_wrong_requests(self):
         """Each says in one line what is wrong, and leaves no file."""
