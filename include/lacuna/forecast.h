@@ -135,7 +135,7 @@ typedef struct lac_forecast {
     double time;                         ///< of failure [s]; NaN: none
     double low50, high50, low90, high90; ///< [s]; NaN: none. That of 90 % holds `time`, that of 50
                                          ///< % may lie beside it: the method's bias
-    lac_finding fit; ///< also where it is not issued, as far as it went
+    lac_finding fit;                     ///< also where it is not issued, as far as it went
 } lac_forecast;
 
 /// All methods at the last of the readings given.

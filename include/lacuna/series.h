@@ -47,10 +47,10 @@ typedef struct lac_series {
     size_t conflicts;          ///< duplicates whose value differs from the one that is kept
     double displacement_digit; ///< least difference of two displacements: what the last digit
                                ///< counts or the step that the sensor counts in [m]; 0: not known
-    double velocity_digit; ///< the same of a velocity [m/s]
-    double time_unit;      ///< of what the file counts time in [s]; 0: dates
-    char time_name[16];    ///< its name, "day"; "" where dates or not known
-    size_t doubts;         ///< what was taken for want of a word, and should be asked about
+    double velocity_digit;     ///< the same of a velocity [m/s]
+    double time_unit;          ///< of what the file counts time in [s]; 0: dates
+    char time_name[16];        ///< its name, "day"; "" where dates or not known
+    size_t doubts;             ///< what was taken for want of a word, and should be asked about
     char doubt[LAC_SERIES_DOUBTS][LAC_SERIES_DOUBT_TEXT];
 } lac_series;
 

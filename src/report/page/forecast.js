@@ -53,7 +53,7 @@ function methodRows(f) {
 }
 
 // An interval corrects for what its method makes of slopes of rate-and-state friction.
-const BARS = "Bars: 90 % intervals, of one method, calibrated on simulated failures and as wide as to hold its method's time: one of 50 % may lie beside that.";
+const BARS = "Bars: 90 % intervals, of one method, calibrated on simulated failures and wide enough to hold its time; one of 50 % may lie beside its method's time.";
 
 // All forecasts of a method (or of all) over the times of issue, as dots with 90 % bars.
 function issuedDots(f, method, value) {
