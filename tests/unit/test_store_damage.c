@@ -24,10 +24,7 @@
 enum { KILLS = 25, DAMAGED = 300, PATIENCE = 10 /* seconds */ };
 
 // Of so many cases a tenth where LACUNA_FEW is set, as under valgrind.
-static size_t some(size_t many)
-{
-    return getenv("LACUNA_FEW") == NULL ? many : (many + 9) / 10;
-}
+static size_t some(size_t many) { return getenv("LACUNA_FEW") == NULL ? many : (many + 9) / 10; }
 
 // Waits for a child; its exit status, or 1000 + the signal that ended it.
 static int outcome(pid_t child)
