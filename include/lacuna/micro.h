@@ -107,10 +107,6 @@ double lac_micro_peak(lac_micro *micro);
 
 lac_micro_counts lac_micro_count(const lac_micro *micro);
 
-/// Adds the blocks' share of the traction of every cell at the time reached, from the lazy sums:
-/// -K slip, slip as the cells have told it. For tests. @param traction, slip  [n]; overwritten
-void lac_micro_told(const lac_micro *micro, double *traction, double *slip);
-
 LAC_END_C
 
 #endif

@@ -361,13 +361,3 @@ lac_status lac_micro_look(const lac_micro *m, const lac_micro_state *state, lac_
     }
     return LAC_OK;
 }
-
-void lac_micro_told(const lac_micro *m, double *traction, double *slip)
-{
-    for (uint32_t i = 0; i < m->tree.n; i++) {
-        const lac_micro_cell *c = &m->tree.cell[i];
-        lac_micro_view view = view_of(m, c, m->t);
-        slip[i] = c->slip + c->told * (m->t - c->t);
-        traction[i] = view.outer - c->stiffness * slip[i];
-    }
-}

@@ -220,6 +220,15 @@ class Completion(unittest.TestCase):
                 for model in kind["models"]:
                     self.assertIn(model["name"], self.script[shell])
 
+    def test_zsh_completes_values(self):
+        """Keys after --set alone, files after -o, nothing after a number."""
+        found = {}
+        for name, action in re.findall(r"'\*?(--?[a-z-]+)[=+]\[[^]]*\]:[^:]*:(.*)'", self.script["zsh"]):
+            found.setdefault(action, set()).add(name)
+        self.assertEqual(found["_lacuna_set"], {"--set"})
+        self.assertLessEqual({"-o", "--output"}, found["_files"])
+        self.assertIn("--threads", found[""])
+
     @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
     def test_fish(self):
         def offered(line):

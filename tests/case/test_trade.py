@@ -119,6 +119,15 @@ class Trade(Program):
             self.assertEqual(list(file["settings"][:]), ["solver.rtol=0.001", "solver.rtol=0.0001"])
             self.assertEqual(file.recommendation, said["recommendation"])
 
+    def test_columns(self):
+        """Each setting stands below its name, as far right as the longest before it asks for."""
+        rows = self.call("trade", BLOCK, "-o", self.out, "--dials", "rtol=1e-3:1e-4,method=bdf:erk").stdout.splitlines()
+        at = next(i for i, row in enumerate(rows) if row.split()[:2] == ["rtol", "method"])
+        self.assertEqual(rows[at].index("rtol"), 3)
+        self.assertEqual(rows[at].index("method"), 3 + len("0.0001 "))
+        self.assertEqual({(row[2:10], row[10:14]) for row in rows[at + 1:at + 5]},
+                         {(f" {rtol:6} ", f"{method} ") for rtol in ("0.001", "0.0001") for method in ("bdf", "erk")})
+
     def test_picture(self):
         """tools/plot_trade.py draws the file."""
         self.trade(BLOCK, *DIALS)
@@ -264,6 +273,19 @@ class Trade(Program):
         os.symlink(self.folder, self.runs)
         self.assertIn("out.nc.runs: Not a directory\n", self.trade(BLOCK, *DIALS, status=3))
         os.remove(self.runs)
+
+    def test_jobs(self):
+        """No more runs at once than asked for, by when each begins and ends with its file."""
+        for jobs in 1, 2:
+            log, spans = os.path.join(self.folder, f"log-{jobs}"), {}
+            self.trade(BLOCK, *DIALS, "--jobs", str(jobs), environment={**stopped(0, 0), "AT_CALL": "0:kill", "AT_CALL_LOG": log})
+            with open(log, encoding="utf-8") as file:
+                for at, line in enumerate(file):
+                    for run in re.findall(r"/run-(\d+)\.nc\n", line):
+                        spans[run] = (spans.get(run, (at,))[0], at)
+            self.assertEqual(len(spans), 7)
+            for begun, _ in spans.values():
+                self.assertLessEqual(sum(first <= begun <= last for first, last in spans.values()), jobs)
 
     def test_resume_refused(self):
         self.assertIn("No such file", self.trade(BLOCK, "--resume", status=3))

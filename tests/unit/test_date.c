@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "base/date.h"
+#include "series/time_format.h"
 
 static void known_dates_are_read(void **state)
 {
@@ -113,6 +114,40 @@ static void what_does_not_fit_is_empty(void **state)
     assert_string_equal(lac_date_format(-62167219201.0, text, sizeof text), "");
 }
 
+// Every mark of a pattern, on the 29th of February 2024 and on days that are not.
+static void patterns_are_followed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *pattern, *text;
+        double seconds; // NAN: refused
+    } cases[] = {
+        {"%d.%m.%Y %H:%M:%S", "29.02.2024 06:07:08.25", 1709186828.25},
+        {"%d.%m.%Y %H:%M:%S", "29.2.2024\t06:07:08,375", 1709186828.375},
+        {"%d.%m.%Y %H:%M:%S", "29.02.2024 06:07:60", NAN},
+        {"%d.%m.%Y %H:%M:%S", "29.02.2024 06:07:08.", NAN},
+        {"%y-%j %I:%M:%S %p %z", "24-060 06:07:08 PM +0200", 1709222828.0},
+        {"%y-%j %I:%M:%S %p %z", "24-060 4:07:08 pm Z", 1709222828.0},
+        {"%y-%j %I:%M:%S %p %z", "24-060 13:07:08 PM Z", NAN},
+        {"%Y%b%d %I%p", "2024Feb29 12AM", 1709164800.0},
+        {"%y%b%d %I%p", "71DEC31 12pm", 63028800.0},
+        {"%Y/%j", "2023/365", 1703980800.0},
+        {"%Y/%j", "2023/366", NAN},
+        {"%Y/%j", "2000/366", 978220800.0},
+        {"%Y/%j", "2100/366", NAN},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        double seconds = NAN;
+        bool dated = false;
+        lac_time_format format;
+        assert_int_equal(lac_time_format_read(cases[i].pattern, NULL, &format, NULL), LAC_OK);
+        bool taken = lac_time_format_take(&format, cases[i].text, '.', &seconds, &dated);
+        if (taken != !isnan(cases[i].seconds) || (taken && seconds != cases[i].seconds)) {
+            fail_msg("%s, %s: %.17g", cases[i].pattern, cases[i].text, seconds);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -120,6 +155,7 @@ int main(void)
         cmocka_unit_test(what_is_no_date_is_refused),
         cmocka_unit_test(agrees_with_the_calendar_of_libc),
         cmocka_unit_test(what_does_not_fit_is_empty),
+        cmocka_unit_test(patterns_are_followed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

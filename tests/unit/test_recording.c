@@ -91,6 +91,34 @@ static void test_from_memory(void **state)
     assert_int_equal(strncmp(err.message, "mine:", 5), 0);
 }
 
+// 4 x 2 cells of 1 m by 3 m, in Morton order: of a cell's number the even bits are its column.
+static void test_cells(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "lacuna: 1\n"
+        "interface: {size: \"4 m\", width: \"6 m\", cells_x: 4, cells_y: 2, domain: {full: {}}}\n"
+        "load: {normal: {pressure: \"1 MPa\"}}\n"
+        "friction: {aging: {a: 0.01, b: 0.015, dc: \"5 mm\"}}\n"
+        "initial: {slip_rate: \"1 um/s\", state: steady}\n"
+        "time: {end: \"1 s\"}\n";
+    lac_recording *recording = NULL;
+    lac_error err = {0};
+    assert_int_equal(
+        lac_record_case_text("cells", text, sizeof text - 1, 0, NULL, NULL, &recording, &err),
+        LAC_OK);
+    const lac_recorded x = find(recording, "x"), y = find(recording, "y");
+    assert_int_equal(x.count, 8);
+    assert_int_equal(y.count, 8);
+    for (unsigned c = 0; c < 8; c++) {
+        const unsigned column = (c & 1) | (c >> 1 & 2), row = c >> 1 & 1;
+        assert_true(x.values[c] == column + 0.5);
+        assert_true(y.values[c] == 3 * (row + 0.5));
+        assert_true(find(recording, "pressure").values[c] == 1e6);
+    }
+    lac_recording_free(recording);
+}
+
 static bool after_five(void *context)
 {
     int *asked = context;
@@ -166,9 +194,9 @@ static void test_beyond_a_run(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_block),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_from_memory),  cmocka_unit_test(test_stopped),
-        cmocka_unit_test(test_beyond_a_run),
+        cmocka_unit_test(test_a_block),     cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_from_memory), cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_stopped),     cmocka_unit_test(test_beyond_a_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

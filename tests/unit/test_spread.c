@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <netcdf.h>
+#include <stdio.h>
 
 #include "base/rng.h"
 #include "lacuna/store_map.h"
@@ -154,14 +155,22 @@ static void distributions_are_as_said(void **state)
     joint_clear(&j);
 }
 
+// FNV-1a
+static uint64_t hash_of(const char *key)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (; *key != '\0'; key++) {
+        hash = (hash ^ (unsigned char)*key) * 1099511628211u;
+    }
+    return hash;
+}
+
 static void numbers_are_those_of_the_place(void **state)
 {
     (void)state;
     joint j = full_joint(8, 8);
     double values[64], normal[2];
-    uint64_t key = 14695981039346656037u; // FNV-1a of "dc"
-    key = (key ^ 'd') * 1099511628211u;
-    key = (key ^ 'c') * 1099511628211u;
+    const uint64_t key = hash_of("dc");
     lac_spread spread = random_spread("lognormal", 0.3, 9);
     assert_int_equal(fill(&j, &spread, 1, 2, values, NULL), LAC_OK);
     for (size_t i = 0; i < 64; i++) {
@@ -170,6 +179,64 @@ static void numbers_are_those_of_the_place(void **state)
     }
     lac_slot_clear(&spread.slot);
     joint_clear(&j);
+}
+
+// A case of 4 x 4 cells: all that may vary of a law is given, 0.01 in SI if not what stands in its
+// row, and one parameter is spread.
+static lac_case *spread_case(const lac_descriptor *law, const char *key)
+{
+    char text[2048], list[1024] = "";
+    lac_case *c = NULL;
+    lac_case_report report;
+    const lac_case_request how = {LAC_FOR_RUN, NULL, 0};
+    for (size_t k = 0; k < law->param_count; k++) {
+        const lac_param *p = &law->params[k];
+        const size_t used = strlen(list);
+        if ((p->flags & LAC_CELLWISE) != 0) {
+            (void)snprintf(list + used, sizeof list - used, "%s%s: \"%g %s\"", used > 0 ? ", " : "",
+                           p->key, isnan(p->fallback) ? 0.01 : p->fallback, p->unit);
+        }
+    }
+    (void)snprintf(text, sizeof text,
+                   "lacuna: 1\n"
+                   "interface: {size: \"4 m\", levels: 2, domain: {full: {}}}\n"
+                   "load: {normal: {pressure: \"1 MPa\"}}\n"
+                   "friction: {%s: {%s}, spread: {%s: {lognormal: {sigma: 0.3, seed: 9}}}}\n"
+                   "initial: {slip_rate: \"1 um/s\", state: steady}\n"
+                   "time: {end: \"1 s\"}\n",
+                   law->name, list, key);
+    if (lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, NULL) != LAC_OK) {
+        fail_msg("%s", text);
+    }
+    lac_case_report_clear(&report);
+    return c;
+}
+
+// Whatever may vary does, the last row of a law's table as well as the first.
+static void every_parameter_of_a_law_spreads(void **state)
+{
+    (void)state;
+    for (size_t i = 0; lac_friction_law_at(i) != NULL; i++) {
+        const lac_descriptor *law = &lac_friction_law_at(i)->about;
+        for (size_t k = 0; k < law->param_count; k++) {
+            const lac_param *p = &law->params[k];
+            if ((p->flags & LAC_CELLWISE) == 0) {
+                continue;
+            }
+            lac_scene *scene = NULL;
+            lac_case *c = spread_case(law, p->key);
+            assert_int_equal(lac_scene_create(c, &scene, NULL), LAC_OK);
+            const lac_cellwise *has = lac_friction_values_of(scene->friction, p->key);
+            for (size_t cell = 0; cell < 16; cell++) {
+                double normal[2], middle = isnan(p->fallback) ? 0.01 : p->fallback;
+                lac_random_normal(9, LAC_STREAM_SPREAD, scene->contact.domain->index[cell],
+                                  hash_of(p->key), normal);
+                assert_true(lac_cellwise_of(has, cell) == middle * exp(0.3 * normal[0]));
+            }
+            lac_scene_free(scene);
+            lac_case_free(c);
+        }
+    }
 }
 
 // Spreads of one parameter multiply; two alike draw numbers of their own.
@@ -362,6 +429,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(distributions_are_as_said),
         cmocka_unit_test(numbers_are_those_of_the_place),
+        cmocka_unit_test(every_parameter_of_a_law_spreads),
         cmocka_unit_test(spreads_multiply),
         cmocka_unit_test(sizes_are_those_of_patches_and_blocks),
         cmocka_unit_test(impossible_ranges_are_refused),

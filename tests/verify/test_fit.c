@@ -311,6 +311,38 @@ static void the_combination_is_known(void **state)
     assert_true(result.axis[0].sigma > result.axis[2].sigma);
 }
 
+// The sampler begins about the best fit as wide as the least squares know it: neither from one
+// point, from which it would have to spread, nor from the ends of the ranges.
+static void walkers_start_as_far_apart_as_the_errors(void **state)
+{
+    (void)state;
+    enum { WALKERS = 60 };
+    readings r;
+    lac_fit_result result;
+    lac_error err = {""};
+    make_readings(&r, 0.08, 2e-3 / day, 0.8, 1e-3, 4);
+    lac_case *c =
+        read_case("fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
+                  "initial.slip_rate: {range: [\"0.5 mm/day\", \"10 mm/day\"]}}, time: t, "
+                  "displacement: d, starts: 8, steps: 8, burn: 0, rounds: 0, walkers: 60}\n");
+    lac_fit *fit = make_fit(c, &r);
+    if (lac_fit_run(fit, NULL, &result, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    const size_t row = result.chain->dimension;
+    for (size_t k = 0; k < 2; k++) {
+        double squares = 0.0;
+        for (size_t w = 0; w < WALKERS; w++) {
+            squares += pow(result.chain->x[w * row + k] - log(result.unknown[k].best), 2.0);
+        }
+        double wide = sqrt(squares / WALKERS) / result.unknown[k].error;
+        print_message("%zu: %.2f errors\n", k, wide);
+        assert_true(wide > 0.5 && wide < 2.0);
+    }
+    lac_fit_free(fit);
+    lac_case_free(c);
+}
+
 // When a load comes changes when it breaks: that derivative is by runs.
 static void a_time_is_fitted_by_runs(void **state)
 {
@@ -413,6 +445,7 @@ int main(void)
         cmocka_unit_test(least_squares_know_their_errors),
         cmocka_unit_test(both_have_one_likelihood),
         cmocka_unit_test(the_combination_is_known),
+        cmocka_unit_test(walkers_start_as_far_apart_as_the_errors),
         cmocka_unit_test(a_time_is_fitted_by_runs),
         cmocka_unit_test(every_run_is_told_of),
         cmocka_unit_test(too_few_readings),

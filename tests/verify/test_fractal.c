@@ -91,6 +91,20 @@ static void line_of_cells_has_dimension_one(void **state)
     assert_true(fabs(r.dimension - 1.0) < 1e-12);
 }
 
+// A free line has two ends and no sides, whichever way it runs.
+static void free_line_is_one_within_its_error(void **state)
+{
+    uint8_t *occupied = *state;
+    memset(occupied, 1, 300);
+    for (int along_y = 0; along_y < 2; along_y++) {
+        lac_grid grid = along_y ? grid_of(1, 300, false) : grid_of(300, 1, false);
+        lac_box_count r = dimension_of(grid, occupied, lac_box_default());
+        print_message("free line %.4f +- %.4f\n", r.dimension, r.error);
+        assert_true(fabs(r.dimension - 1.0) < 2.0 * r.error);
+        assert_true(r.error < 0.15);
+    }
+}
+
 static void single_cell_has_dimension_zero(void **state)
 {
     uint8_t *occupied = *state;
@@ -286,6 +300,7 @@ int main(void)
         TEST(full_square_has_dimension_two),
         TEST(free_square_is_two_within_its_error),
         TEST(line_of_cells_has_dimension_one),
+        TEST(free_line_is_one_within_its_error),
         TEST(single_cell_has_dimension_zero),
         TEST(carpets),
         TEST(random_cascades),

@@ -79,6 +79,18 @@ static void rounding_is_corrected(void **state)
     assert_true(fabs(plain - 1.0) > 0.05);
 }
 
+// Differences 0.5, -0.3, 1: two count, by their mean; what comes after the n-th is not looked at.
+static void positive_differences_are_counted(void **state)
+{
+    (void)state;
+    const double listed[] = {1.0, 1.5, 1.2, 2.2, 9.0};
+    double error = 0.0;
+    size_t used = 0;
+    const double b = lac_b_positive(4, listed, 0.2, &error, &used);
+    assert_int_equal(used, 2);
+    assert_true(fabs(b - 1.0 / (0.55 * log(10.0))) < 1e-14);
+}
+
 // After each large event small ones are missed for a while, as much as it is larger: b-positive
 // does not mind, the plain one does.
 static void incompleteness_is_borne(void **state)
@@ -369,6 +381,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(b_values_are_found),
         cmocka_unit_test(rounding_is_corrected),
+        cmocka_unit_test(positive_differences_are_counted),
         cmocka_unit_test(incompleteness_is_borne),
         cmocka_unit_test(incomplete_catalogues_are_cut),
         cmocka_unit_test(halves_are_binomial),
