@@ -33,9 +33,12 @@ static const char *pattern_fault(const char *pattern)
             continue;
         }
         at++;
+        if (*at == '%') {
+            continue;
+        }
         const char *mark = *at != '\0' ? strchr(marks, *at) : NULL;
         if (mark == NULL || strchr(seen, *at) != NULL) {
-            return *at == '%' ? NULL : "must have each of %Y %m %d %y %b %j %H %I %M %S %p %z once";
+            return "must have each of %Y %m %d %y %b %j %H %I %M %S %p %z once";
         }
         seen[strlen(seen)] = *at;
     }

@@ -135,6 +135,8 @@ static void patterns_are_followed(void **state)
         {"%Y/%j", "2023/366", NAN},
         {"%Y/%j", "2000/366", 978220800.0},
         {"%Y/%j", "2100/366", NAN},
+        {"%%%Y/%j", "%2023/365", 1703980800.0},
+        {"%%%Y/%j", "2023/365", NAN},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double seconds = NAN;
@@ -145,6 +147,11 @@ static void patterns_are_followed(void **state)
         if (taken != !isnan(cases[i].seconds) || (taken && seconds != cases[i].seconds)) {
             fail_msg("%s, %s: %.17g", cases[i].pattern, cases[i].text, seconds);
         }
+    }
+    const char *const wrong[] = {"%% %H", "%Y/%j %%%Y", "%Y/%j %q", "%Y/%j %"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        lac_time_format format;
+        assert_int_equal(lac_time_format_read(wrong[i], NULL, &format, NULL), LAC_EINPUT);
     }
 }
 
