@@ -43,6 +43,11 @@ time: {start: "2020-01-01", end: "200 day"}
 BARE = JOINT[:JOINT.index("analysis:")].replace("title:", "references: none\ntitle:")
 BRIEF = BLOCK.replace("200 day", "1 s")
 
+# A load that is taken back: some cells slip backwards then, others forwards.
+TURNED = (JOINT[:JOINT.index("analysis:")] + JOINT[JOINT.index("output:"):]).replace(
+    'v0: "1 um/s"', 'v0: "1 um/s", form: regularised').replace("rtol: 1e-4", "rtol: 1e-4, formulation: traction").replace(
+    '"1 day"', '"2 min"').replace('"200 MPa"}', '"200 MPa"}\n  shear: [{step: {value: "-125 MPa", at: "1 min"}}]')
+
 # Its load changes.
 STEP = BLOCK.replace('constant: {value: "0.2 MPa"}', 'step: {value: "0.02 MPa", at: "1 day"}')
 

@@ -93,15 +93,23 @@ class Joint(unittest.TestCase):
             self.assertEqual(count, numpy.sum(potency >= at_least * (1 - 1e-5)))
 
     def test_maps(self):
-        cells = self.page["cells"]
-        rate = column(self.file, "cell_slip_rate")
-        time = column(self.file, "snapshot_time")
+        self.check_maps(self.page["cells"], self.file)
+
+    def test_maps_of_cells_that_slip_backwards(self):
+        path = made("turned", scenes.TURNED)
+        with netCDF4.Dataset(path) as file:
+            self.assertGreater(self.check_maps(page_of(path)["cells"], file), 0)
+
+    def check_maps(self, cells, file):
+        """Gives back how many squares slip backwards."""
+        rate = column(file, "cell_slip_rate")
+        time = column(file, "snapshot_time")
         self.assertLessEqual(len(cells["snapshot_time"]), 40)
         self.assertEqual(cells["block"], 1)
-        place = numpy.floor(column(self.file, "y") / self.file.grid_dy_m).astype(int) * self.file.grid_nx
-        place += numpy.floor(column(self.file, "x") / self.file.grid_dx_m).astype(int)
+        place = numpy.floor(column(file, "y") / file.grid_dy_m).astype(int) * file.grid_nx
+        place += numpy.floor(column(file, "x") / file.grid_dx_m).astype(int)
         self.assertEqual(cells["place"], list(place))
-        limit, back = 10 * column(self.file, "slip_rate")[0], 0
+        limit, back = 10 * column(file, "slip_rate")[0], 0
         for k, shown in enumerate(cells["snapshot_time"]):
             which = numpy.argmin(abs(time - shown))
             drawn = cells["rate"][k]
@@ -109,7 +117,7 @@ class Joint(unittest.TestCase):
             values = drawn["low"] + (values - 1) / 254 * (drawn["high"] - drawn["low"])
             candidates = [i for i in range(len(time)) if abs(time[i] - shown) <= 1e-9 * time[which]]
             step = (drawn["high"] - drawn["low"]) / 254
-            # weak cells turn back now and then: they have no place on a logarithmic scale, but one of their own
+            # what slips backwards has no place on a logarithmic scale, but one of its own
             turned = numpy.frombuffer(base64.b64decode(drawn.get("backwards", "")), numpy.uint8)
             turned = turned if turned.size > 0 else numpy.zeros(len(values))
             back += turned.sum()
@@ -118,7 +126,7 @@ class Joint(unittest.TestCase):
                        if numpy.array_equal(values < drawn["low"], rate[i] <= 0))
             self.assertLessEqual(near, 0.51 * step + 1e-4)
             self.assertIn(cells["slipping_cells"][k], [numpy.sum(rate[i] >= limit) for i in candidates])
-        self.assertGreater(back, 0)
+        return back
 
     def test_forecasts_see_nothing_later(self):
         """A forecast stands as it would from the readings up to its time alone."""

@@ -106,7 +106,7 @@ class Page(unittest.TestCase):
         cls.driver = browser()
         cls.addClassCleanup(cls.driver.quit)
         for name, text in (("joint", scenes.JOINT), ("block", scenes.BLOCK), ("bare", scenes.BARE), ("brief", scenes.BRIEF), ("far", scenes.FAR),
-                           ("line", scenes.LINE)):
+                           ("line", scenes.LINE), ("turned", scenes.TURNED)):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
             cls.make(name, name)
         cls.make_fitted()
@@ -267,7 +267,7 @@ class Page(unittest.TestCase):
 
     def test_squares_that_slip_backwards(self):
         """They are drawn, in a colour that no range has, and the key says what they are."""
-        self.show("joint")
+        self.show("turned")
         painted = self.driver.execute_script("""
           const canvas = element('canvas', {width: '4', height: '1'}), map = {map: btoa('\\x00\\xff\\x01\\x00'), backwards: btoa('\\x01\\x00\\x00\\x00')};
           paint(canvas, {nx: 4, ny: 1, place: [0, 1, 2, 3]}, squaresOf(map), RAMP);
