@@ -7,6 +7,7 @@ usage: test_resume.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 AT_CALL is the library of tests/stop.
 """
 
+import fcntl
 import json
 import os
 import random
@@ -512,6 +513,19 @@ class Resume(unittest.TestCase):
         self.assertEqual(self.call("mend", "out.nc").stdout,
                          "out.nc: is whole, nothing to mend (running)\n")
         self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.html", "out.nc", "whole.nc"])
+
+    def test_a_lock_on_the_folder_stops_nobody(self):
+        """Not even where the whole command runs under it."""
+        folder = os.open(self.folder, os.O_RDONLY)
+        self.addCleanup(os.close, folder)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        self.run_case(0, "-q", "-o", "out.nc", "--until", "1 day")
+        self.run_case(0, "-q", "-o", "out.nc", "--until", "1 day", "--force")
+        # Another one that is about to give the same name.
+        with open(self.path("out.nc"), "r+b") as file:
+            fcntl.lockf(file, fcntl.LOCK_EX)
+            self.refused(3, "[^ ]*out.nc: cannot create: another process is writing there",
+                         "-o", "out.nc", "--until", "1 day", "--force")
 
     def test_complete_is_said_of_what_opens(self):
         self.run_case(0, "-q", "-o", "out.nc")
