@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The names under which files are built, and what a killed process left under one.
+#define _GNU_SOURCE // F_OFD_SETLK
 #include "base/part.h"
 
 #include <ctype.h>
@@ -13,9 +14,11 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/types.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { NAME_KEPT = 200, NUMBER = 24 }; // with the rest below the 255 bytes of a name
+enum { HOLD_TRIES = 100 };
 
 static const char middle[] = ".lacuna-";
 static const char ending[] = ".part";
@@ -88,38 +91,43 @@ bool lac_part_write(int fd, const void *bytes, size_t size)
     return true;
 }
 
-// The folder that a path lies in, open; -1 where it cannot be opened.
-static int open_folder(const char *path)
+void lac_part_sync_folder(const char *path)
 {
     int length = folder_length(path);
     char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
     int fd = name != NULL ? open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     free(name);
-    return fd;
-}
-
-void lac_part_sync_folder(const char *path)
-{
-    int fd = open_folder(path);
     if (fd >= 0) {
         (void)fsync(fd);
         (void)close(fd);
     }
 }
 
-int lac_part_hold_folder(const char *path)
+bool lac_part_hold(const char *path, int *held)
 {
-    int fd = open_folder(path);
-    if (fd >= 0) {
-        (void)flock(fd, LOCK_EX); // where the file system has no locks, nobody waits
+    const struct timespec pause = {.tv_nsec = 10000000};
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    bool free_now = false;
+    *held = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+    for (int k = 0; k < HOLD_TRIES && !free_now; k++) {
+        // Where the file system has no locks, nobody waits.
+        free_now = *held < 0 || fcntl(*held, F_OFD_SETLK, &lock) == 0 ||
+                   (errno != EAGAIN && errno != EACCES);
+        if (!free_now) {
+            (void)nanosleep(&pause, NULL);
+        }
     }
-    return fd;
+    if (!free_now) {
+        lac_part_let_go(*held);
+        *held = -1;
+    }
+    return free_now;
 }
 
-void lac_part_let_go(int folder)
+void lac_part_let_go(int held)
 {
-    if (folder >= 0) {
-        (void)close(folder);
+    if (held >= 0) {
+        (void)close(held);
     }
 }
 

@@ -20,10 +20,13 @@ bool lac_part_write(int fd, const void *bytes, size_t size);
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_part_sync_folder(const char *path);
 
-/// Waits for the folder of `path`, so that one process at a time gives names in it.
-/// @return to be given to lac_part_let_go
-int lac_part_hold_folder(const char *path);
-void lac_part_let_go(int folder);
+/// Holds a file whose name is to be taken, so that one process at a time does so. It is no lock
+/// that who reads or writes the file would see. Another that holds it is waited for, at most a
+/// second.
+/// @param held  to be given to lac_part_let_go
+/// @return false where another goes on holding it
+bool lac_part_hold(const char *path, int *held);
+void lac_part_let_go(int held);
 
 /// Removes what processes that are no more have left of files for that path: their number is not
 /// in use and nobody holds HDF5's lock on the file, as one on another machine would.

@@ -321,7 +321,7 @@ static lac_status compute(run_job *job, lac_error *err)
         outcome.status = "failed"; // the file is not whole
     }
     print_outcome(job, &outcome, status);
-    cli_view_end(job->view, outcome.status, outcome.result.failed,
+    cli_view_end(job->view, outcome.status, cli_outcome_failed(&outcome),
                  status != LAC_OK ? err->message : "");
     return status;
 }

@@ -39,11 +39,15 @@ static double apparent_friction(const lac_record *record)
 // Whether the computation broke, or its file is not whole.
 static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "failed") == 0; }
 
+bool cli_outcome_failed(const cli_outcome *outcome)
+{
+    return outcome->result.failed && !broke(outcome);
+}
+
 static double failure_time(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->result;
-    bool known = result->failed && !broke(outcome);
-    return known ? result->failure_origin + result->failure_local : NAN;
+    return cli_outcome_failed(outcome) ? result->failure_origin + result->failure_local : NAN;
 }
 
 // "" where the run has no date or no failure.

@@ -26,6 +26,10 @@ typedef struct cli_outcome {
 /// CPU time of the program so far [s].
 double cli_cpu_time(void);
 
+/// Whether the slope failed, of a run that did not break: what was computed then counts for
+/// nothing.
+bool cli_outcome_failed(const cli_outcome *outcome);
+
 /// The summary on stdout.
 void cli_outcome_print(const cli_outcome *outcome);
 

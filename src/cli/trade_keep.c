@@ -28,7 +28,7 @@ static char *join(const char *folder, const char *name)
 // Whether a trade gives a file this name: of a run, while it is made, and what stands beside it.
 static bool is_of_run(const char *name)
 {
-    static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-"};
+    static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-", ".mended.lacuna-"};
     name += *name == '.';
     if (strncmp(name, "run-", 4) != 0) {
         return false;

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 enum { LINE_MAX_BYTES = 1 << 24, NUMBER_MAX = 64 };
+enum { POWER_MAX = 400 }; // beyond what a double holds
 
 static lac_status append(lac_lines *lines, int byte, lac_error *err)
 {
@@ -198,7 +199,9 @@ int lac_text_digit(const char *field, char mark)
     const char *at = strchr(field, mark);
     const char *power = strpbrk(field, "eE");
     const int decimals = at != NULL ? (int)strspn(at + 1, "0123456789") : 0;
-    return (power != NULL ? (int)strtol(power + 1, NULL, 10) : 0) - decimals;
+    const long ten = power != NULL ? strtol(power + 1, NULL, 10) : 0;
+    const long clamped = ten < -POWER_MAX ? -POWER_MAX : ten > POWER_MAX ? POWER_MAX : ten;
+    return (int)clamped - decimals;
 }
 
 // Bytes of the UTF-8 character that begins a text; 0 where there is none.

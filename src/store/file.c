@@ -171,14 +171,18 @@ static int take_place(const lac_nc *file)
         return lac_part_publish(file->part, file->path, false);
     }
     // Of several that would take the same place one at a time looks who is there.
-    int folder = lac_part_hold_folder(file->path);
+    int held = -1;
     int failed = -1;
+    if (!lac_part_hold(file->path, &held)) {
+        errno = EWOULDBLOCK;
+        return failed;
+    }
     errno = EEXIST;
     if (stands_at(file->path, file->old_dev, file->old_inode)) {
         failed = lac_part_publish(file->part, file->path, true);
     }
     int reason = errno;
-    lac_part_let_go(folder);
+    lac_part_let_go(held);
     errno = reason;
     return failed;
 }
@@ -190,7 +194,9 @@ lac_status lac_nc_publish(lac_nc *file, lac_error *err)
             return lac_fail(err, LAC_EINPUT, "%s: %s", file->path,
                             file->force ? "was replaced meanwhile by another process" : "exists");
         }
-        return lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
+        return lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path,
+                        errno == EWOULDBLOCK ? "another process is writing there"
+                                             : strerror(errno));
     }
     file->published = true;
     return file->journal != NULL ? lac_journal_publish(file->journal, file->path, err) : LAC_OK;

@@ -274,6 +274,15 @@ class Trade(Program):
         self.assertIn("out.nc.runs: Not a directory\n", self.trade(BLOCK, *DIALS, status=3))
         os.remove(self.runs)
 
+    def test_takes_away_a_reader_s_copy(self):
+        """Of a run's file that was not closed, left by a reader that was killed."""
+        os.mkdir(self.runs)
+        for name in ("done", ".run-0.nc.mended.lacuna-1.part"):
+            with open(os.path.join(self.runs, name), "wb"):
+                pass
+        self.trade(BLOCK, *DIALS)
+        self.assertFalse(os.path.exists(self.runs))
+
     def test_jobs(self):
         """No more runs at once than asked for, by when each begins and ends with its file."""
         for jobs in 1, 2:

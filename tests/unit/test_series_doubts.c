@@ -15,6 +15,7 @@
 
 #include "base/units.h"
 #include "lacuna/series.h"
+#include "series/text.h"
 #include "support/scratch_group.h"
 
 static lac_units *units;
@@ -116,6 +117,17 @@ static void rows_that_contradict_are_counted(void **state)
             lac_series_free(s);
         }
     }
+}
+
+// No power of ten that a file may state overflows.
+static void last_digit_of_any_power(void **state)
+{
+    (void)state;
+    assert_int_equal(lac_text_digit("1,70", ','), -2);
+    assert_int_equal(lac_text_digit("3e2", '.'), 2);
+    assert_int_equal(lac_text_digit("1.5e-400", '.'), -401);
+    assert_int_equal(lac_text_digit("0.0e-2147483648", '.'), -401);
+    assert_int_equal(lac_text_digit("0.0e99999999999", '.'), 399);
 }
 
 // What the last digit counts, of the finest number of a column.
@@ -245,9 +257,13 @@ static void steps_of_numbers_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubts_are_told),       cmocka_unit_test(rows_that_contradict_are_counted),
-        cmocka_unit_test(last_digits_are_known), cmocka_unit_test(steps_of_the_sensor_are_found),
-        cmocka_unit_test(noise_has_no_steps),    cmocka_unit_test(steps_of_numbers_are_found),
+        cmocka_unit_test(doubts_are_told),
+        cmocka_unit_test(rows_that_contradict_are_counted),
+        cmocka_unit_test(last_digit_of_any_power),
+        cmocka_unit_test(last_digits_are_known),
+        cmocka_unit_test(steps_of_the_sensor_are_found),
+        cmocka_unit_test(noise_has_no_steps),
+        cmocka_unit_test(steps_of_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }
