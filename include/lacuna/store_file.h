@@ -27,10 +27,26 @@ lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **
 /// @return false also where somebody is writing it
 bool lac_store_is_cut(const char *path);
 
+/// What damage to the journal of a file that was not closed takes away. What a stopped write leaves
+/// at its end is none.
+typedef struct lac_store_loss {
+    bool damaged;     ///< else nothing is lost
+    uint64_t at;      ///< the first byte of the journal that cannot be read; 0: none of it can
+    uint64_t unread;  ///< bytes from there on
+    uint64_t records; ///< those that the journal gives all the same
+    int64_t own;      ///< those that the file shows without it; -1: it cannot be opened
+} lac_store_loss;
+
+/// Whether the journal of a file is damaged. The readers then read the file itself where that shows
+/// at least as many records as what is left of the journal gives, else the latter.
+/// @return false also where somebody is writing it
+bool lac_store_is_damaged(const char *path, lac_store_loss *loss);
+
 /// Makes such a file whole, so that every program can read it, in place: by a copy and rename. Its
-/// journal is removed. `status` stays what it was.
+/// journal is removed, unless it is damaged. `status` stays what it was.
 /// @param mended  false: nothing was to be done
-/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written, full disk); LAC_ENOMEM
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written, full disk; the file shows
+///         more records than its damaged journal gives); LAC_ENOMEM
 lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
 
 /// Closes it; NULL is fine.

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <gsl/gsl_errno.h>
+#include <inttypes.h>
 #include <omp.h>
 #include <string.h>
 #include <unistd.h>
@@ -83,8 +84,16 @@ static void say_what_is_cut(const cli_request *request)
 {
     const bool resumed = cli_given(request, CLI_OPT_RESUME) && request->output != NULL;
     const char *path = resumed ? request->output : request->argument[0];
-    if (request->command->run != cli_mend && !cli_given(request, CLI_OPT_QUIET) && path != NULL &&
-        lac_store_is_cut(path)) {
+    if (request->command->run == cli_mend || cli_given(request, CLI_OPT_QUIET) || path == NULL) {
+        return;
+    }
+    lac_store_loss loss;
+    if (lac_store_is_damaged(path, &loss)) {
+        cli_note("warning: %s.journal: is damaged: its last %" PRIu64 " bytes, from byte %" PRIu64
+                 " on, cannot be read; %s is read %s, which may lack what was synced",
+                 path, loss.unread, loss.at, path,
+                 loss.own >= (int64_t)loss.records ? "without it" : "up to there");
+    } else if (lac_store_is_cut(path)) {
         cli_note("warning: %s: its writer was stopped before it had closed it; all that was synced "
                  "is read; lacuna mend %s makes it readable for every program",
                  path, path);

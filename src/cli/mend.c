@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <inttypes.h>
+
 #include "cli/command.h"
 #include "cli/json.h"
 #include "cli/words.h"
@@ -20,9 +22,16 @@ lac_status cli_mend(const cli_request *request, lac_error *err)
     const char *path = request->argument[0];
     char word[32] = "";
     bool mended = false;
+    lac_store_loss loss;
+    const bool damaged = lac_store_is_damaged(path, &loss);
     lac_status status = lac_store_mend(path, &mended, err);
     if (status != LAC_OK) {
         return status;
+    }
+    if (damaged && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("warning: %s.journal: is damaged: its last %" PRIu64 " bytes, from byte %" PRIu64
+                 " on, cannot be read; %s may lack what was synced; its journal is kept",
+                 path, loss.unread, loss.at, path);
     }
     // Not every file of Lacuna says how it ended.
     if (lac_store_read_attribute(path, "status", word, sizeof word, NULL) != LAC_OK) {

@@ -12,9 +12,10 @@ typedef struct lac_input {
     int id;
     bool open;
     const char *path;
-    size_t size;    ///< of the file [bytes]
-    size_t records; ///< along `time`
-    int time;       ///< dimension
+    size_t size;         ///< of the file [bytes]
+    size_t records;      ///< along `time`
+    int time;            ///< dimension
+    lac_store_loss loss; ///< of its journal
 } lac_input;
 
 /// Opens a file of Lacuna, its seal or heap checked first. To be closed whatever the status.

@@ -136,23 +136,62 @@ static size_t width_of(uint32_t type)
     return type == NC_UBYTE ? 1 : type == NC_INT64 ? sizeof(long long) : sizeof(double);
 }
 
-// The entry at a place; false where what is there is none, or torn.
-static bool read_entry(const view *v, size_t at, entry *e)
+// What can be the beginning of an entry at a place; false also where there is no room for one.
+static bool read_beginning(const view *v, size_t at, entry *e)
 {
     uint64_t values = 1;
     if (at > v->size || v->size - at < sizeof *e) {
         return false;
     }
     memcpy(e, v->bytes + at, sizeof *e);
-    const unsigned char *name = v->bytes + at + sizeof *e;
-    if (e->rank > MAX_RANK || e->name > NC_MAX_NAME || e->size < e->name ||
-        e->size > v->size - at - sizeof *e || sum_of(e, at, name, name + e->name) != e->sum) {
+    if (e->rank > MAX_RANK || e->name > NC_MAX_NAME || e->size < e->name) {
         return false;
     }
     for (uint32_t d = 0; d < e->rank; d++) {
         values *= e->count[d];
     }
-    return e->name == 0 || e->size - e->name == values * width_of(e->type);
+    return e->size - e->name == (e->name > 0 ? values * width_of(e->type) : 0);
+}
+
+static bool has_room(const view *v, size_t at, const entry *e)
+{
+    return e->size <= v->size - at - sizeof *e;
+}
+
+// The entry at a place; false where what is there is none, or torn.
+static bool read_entry(const view *v, size_t at, entry *e)
+{
+    if (!read_beginning(v, at, e) || !has_room(v, at, e)) {
+        return false;
+    }
+    const unsigned char *name = v->bytes + at + sizeof *e;
+    return sum_of(e, at, name, name + e->name) == e->sum;
+}
+
+// Where the good entries end, and where the last of them is that marks a sync.
+static size_t walk(const view *v, const head *h, size_t *synced)
+{
+    entry e;
+    size_t at = (size_t)(sizeof *h + h->owner + h->base);
+    *synced = at;
+    for (; read_entry(v, at, &e); at += sizeof e + (size_t)e.size) {
+        *synced = e.name == 0 ? at : *synced;
+    }
+    return at;
+}
+
+// Whether a write that was stopped can have left what follows the good entries: as much of one
+// entry as it came to, and nothing after it.
+static bool is_torn(const view *v, size_t at)
+{
+    entry e;
+    if (v->size - at >= sizeof e && (!read_beginning(v, at, &e) || has_room(v, at, &e))) {
+        return false;
+    }
+    do {
+        at++;
+    } while (at < v->size && !read_entry(v, at, &e));
+    return at >= v->size;
 }
 
 static int put_entry(int id, const view *v, size_t at, const entry *e)
@@ -190,12 +229,10 @@ int lac_journal_replay(const char *path, int id)
     if (!open_journal(path, &v, &h)) {
         return errno;
     }
-    const size_t first = (size_t)(sizeof h + h.owner + h.base);
-    size_t synced = first;
-    for (size_t at = first; read_entry(&v, at, &e); at += sizeof e + (size_t)e.size) {
-        synced = e.name == 0 ? at : synced;
-    }
-    for (size_t at = first; code == NC_NOERR && at < synced && read_entry(&v, at, &e);
+    size_t synced = 0;
+    (void)walk(&v, &h, &synced);
+    for (size_t at = (size_t)(sizeof h + h.owner + h.base);
+         code == NC_NOERR && at < synced && read_entry(&v, at, &e);
          at += sizeof e + (size_t)e.size) {
         code = e.name > 0 ? put_entry(id, &v, at, &e) : NC_NOERR;
     }
@@ -217,17 +254,17 @@ bool lac_journal_copy_base(const char *path, int to)
     return good;
 }
 
-// Whether a file is not closed and holds the text that its journal says it does.
-static bool belongs(const char *path, const view *journal, const head *h)
+// A netCDF-4 file that is not closed, as memory; to be closed where it is one.
+static bool open_unclosed(const char *path, view *file)
 {
-    view file;
+    static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    bool good = fd >= 0 && open_view(path, &file);
-    if (good) {
-        const size_t searched = file.size < SEARCHED_MAX ? file.size : SEARCHED_MAX;
-        good = lac_nc_seal_state(fd, file.size) == LAC_SEAL_NONE &&
-               memmem(file.bytes, searched, journal->bytes + sizeof *h, (size_t)h->owner) != NULL;
-        close_view(&file);
+    bool good = fd >= 0 && open_view(path, file);
+    if (good &&
+        (file->size < sizeof signature || memcmp(file->bytes, signature, sizeof signature) != 0 ||
+         lac_nc_seal_state(fd, file->size) != LAC_SEAL_NONE)) {
+        close_view(file);
+        good = false;
     }
     if (fd >= 0) {
         (void)close(fd);
@@ -235,14 +272,51 @@ static bool belongs(const char *path, const view *journal, const head *h)
     return good;
 }
 
-bool lac_journal_waits(const char *path)
+// Whether a file is not closed and holds the text that its journal says it does.
+static bool belongs(const char *path, const view *journal, const head *h)
+{
+    view file;
+    if (!open_unclosed(path, &file)) {
+        return false;
+    }
+    const size_t searched = file.size < SEARCHED_MAX ? file.size : SEARCHED_MAX;
+    const bool good =
+        memmem(file.bytes, searched, journal->bytes + sizeof *h, (size_t)h->owner) != NULL;
+    close_view(&file);
+    return good;
+}
+
+// A journal whose head cannot be read: whether it is there, beside a file that is not closed.
+static void look_at_lost(const char *path, lac_store_loss *loss)
+{
+    char name[LAC_JOURNAL_NAME];
+    struct stat info;
+    view file;
+    if (lac_journal_name(path, name) && stat(name, &info) == 0 && S_ISREG(info.st_mode) &&
+        open_unclosed(path, &file)) {
+        close_view(&file);
+        loss->damaged = true;
+        loss->unread = (uint64_t)info.st_size;
+    }
+}
+
+bool lac_journal_waits(const char *path, lac_store_loss *loss)
 {
     view v;
     head h;
+    *loss = (lac_store_loss){.own = -1};
     if (!open_journal(path, &v, &h)) {
+        look_at_lost(path, loss);
         return false;
     }
     const bool waits = belongs(path, &v, &h);
+    if (waits) {
+        size_t synced = 0;
+        const size_t at = walk(&v, &h, &synced);
+        loss->damaged = !is_torn(&v, at);
+        loss->at = loss->damaged ? at : 0;
+        loss->unread = loss->damaged ? v.size - at : 0;
+    }
     close_view(&v);
     return waits;
 }
@@ -320,7 +394,11 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
     lac_part_sweep(j->name);
     (void)unlink(j->part);
     j->fd = open(j->part, O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
-    if (j->fd < 0 || flock(j->fd, LOCK_EX | LOCK_NB) != 0 || !write_base(j, file->part, owner)) {
+    // Where the file system has no locks, nobody else is told.
+    if (j->fd >= 0 && flock(j->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        LAC_TRY(lac_fail(err, LAC_EIO, "%s: another process is writing it", j->name));
+    }
+    if (j->fd < 0 || !write_base(j, file->part, owner)) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", j->name, strerror(errno)));
     }
 out:

@@ -55,15 +55,16 @@ static uint64_t length_of_cut(int fd)
     return length > size && length - size <= GIVEN_BACK_MAX ? length : 0;
 }
 
-lac_cut lac_nc_cut(const char *path)
+lac_cut lac_nc_cut(const char *path, lac_store_loss *loss)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    *loss = (lac_store_loss){.own = -1};
     if (fd < 0) {
         return LAC_CUT_NONE;
     }
-    lac_cut cut = lac_journal_waits(path) ? LAC_CUT_JOURNAL
-                  : length_of_cut(fd) > 0 ? LAC_CUT_SHORT
-                                          : LAC_CUT_NONE;
+    lac_cut cut = lac_journal_waits(path, loss) ? LAC_CUT_JOURNAL
+                  : length_of_cut(fd) > 0       ? LAC_CUT_SHORT
+                                                : LAC_CUT_NONE;
     (void)close(fd);
     return cut;
 }
@@ -77,7 +78,8 @@ bool lac_nc_is_written(const char *path)
 
 bool lac_store_is_cut(const char *path)
 {
-    return !lac_nc_is_written(path) && lac_nc_cut(path) != LAC_CUT_NONE;
+    lac_store_loss loss;
+    return !lac_nc_is_written(path) && lac_nc_cut(path, &loss) != LAC_CUT_NONE;
 }
 
 static bool copy_bytes(int from, int to)
@@ -105,7 +107,7 @@ static bool pad(const char *path, int to)
     return good;
 }
 
-// A new file `FOLDER/.NAME.mended.lacuna-PID.part`.
+// A new file, its owner's only as the file may be: `FOLDER/.NAME.mended.lacuna-PID.part`.
 static int open_copy(const char *path, char **copy)
 {
     char *name = lac_part_beside(path, ".mended");
@@ -114,7 +116,7 @@ static int open_copy(const char *path, char **copy)
     if (*copy != NULL) {
         lac_part_sweep(name);
         (void)unlink(*copy);
-        fd = open(*copy, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        fd = open(*copy, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     }
     free(name);
     return fd;
@@ -132,8 +134,45 @@ static int open_copy_elsewhere(const char *path, char **copy)
     return fd;
 }
 
+// Records, or steps of a history: along the longest of the dimensions that grow.
+static size_t records_of(int id)
+{
+    int dims[NC_MAX_DIMS];
+    int n = 0;
+    size_t longest = 0;
+    if (nc_inq_unlimdims(id, &n, NULL) != NC_NOERR || n > NC_MAX_DIMS ||
+        nc_inq_unlimdims(id, &n, dims) != NC_NOERR) {
+        return 0;
+    }
+    for (int d = 0; d < n; d++) {
+        size_t length = 0;
+        (void)nc_inq_dimlen(id, dims[d], &length);
+        longest = length > longest ? length : longest;
+    }
+    return longest;
+}
+
+// Those of a file as it is; -1: it cannot be opened.
+static int64_t own_records(const char *path)
+{
+    struct stat info;
+    int id = 0;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    int64_t records = -1;
+    if (fd >= 0 && fstat(fd, &info) == 0 &&
+        lac_nc_heap(path, fd, (size_t)info.st_size, NULL) == LAC_OK &&
+        nc_open(path, NC_NOWRITE, &id) == NC_NOERR) {
+        records = (int64_t)records_of(id);
+        (void)nc_close(id);
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return records;
+}
+
 // Opened and closed once the copy is no unclosed file any more.
-static int close_well(const char *path, lac_cut cut, const char *copy)
+static int close_well(const char *path, lac_cut cut, const char *copy, uint64_t *records)
 {
     int id = 0;
     int code = nc_open(copy, NC_WRITE, &id);
@@ -141,11 +180,13 @@ static int close_well(const char *path, lac_cut cut, const char *copy)
         return code;
     }
     code = cut == LAC_CUT_JOURNAL ? lac_journal_replay(path, id) : NC_NOERR;
+    *records = records_of(id);
     int closed = nc_close(id);
     return code == NC_NOERR ? closed : code;
 }
 
-static lac_status fill_copy(const char *path, lac_cut cut, int fd, const char *copy, lac_error *err)
+static lac_status fill_copy(const char *path, lac_cut cut, int fd, const char *copy,
+                            uint64_t *records, lac_error *err)
 {
     struct stat info;
     lac_status status = LAC_OK;
@@ -156,16 +197,18 @@ static lac_status fill_copy(const char *path, lac_cut cut, int fd, const char *c
                          strerror(errno)));
     }
     LAC_TRY(lac_nc_heap(path, fd, (size_t)info.st_size, err));
-    LAC_TRY(lac_nc_check(path, close_well(path, cut, copy), err, "mend", "it"));
+    LAC_TRY(lac_nc_check(path, close_well(path, cut, copy, records), err, "mend", "it"));
     lac_nc_seal(fd);
 out:
     return status;
 }
 
-lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_error *err)
+lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_store_loss *loss,
+                              lac_error *err)
 {
-    const lac_cut cut = lac_nc_cut(path);
+    const lac_cut cut = lac_nc_cut(path, loss);
     *copy = NULL;
+    loss->own = loss->damaged ? own_records(path) : -1;
     if (cut == LAC_CUT_NONE) {
         return LAC_OK;
     }
@@ -177,7 +220,7 @@ lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_er
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: was not closed, and a copy to read cannot be made: %s",
                          path, strerror(errno)));
     }
-    LAC_TRY(fill_copy(place, cut, fd, *copy, err));
+    LAC_TRY(fill_copy(place, cut, fd, *copy, &loss->records, err));
 out:
     if (status != LAC_OK && fd >= 0) {
         (void)unlink(*copy);
@@ -193,8 +236,44 @@ out:
     return status;
 }
 
+bool lac_store_is_damaged(const char *path, lac_store_loss *loss)
+{
+    char *copy = NULL;
+    if (lac_nc_is_written(path)) {
+        return false;
+    }
+    (void)lac_nc_cut(path, loss);
+    if (loss->damaged) {
+        (void)lac_nc_mended_copy(path, false, &copy, loss, NULL);
+    }
+    if (copy != NULL) {
+        (void)unlink(copy);
+        free(copy);
+    }
+    return loss->damaged;
+}
+
+// What netCDF shows of the file must not become less.
+static lac_status check_loss(const char *path, const char *copy, const lac_store_loss *loss,
+                             lac_error *err)
+{
+    if (!loss->damaged || (copy != NULL && loss->own <= (int64_t)loss->records)) {
+        return LAC_OK;
+    }
+    char own[64] = "cannot be opened without it";
+    if (loss->own >= 0) {
+        (void)snprintf(own, sizeof own, "shows %lld as it is", (long long)loss->own);
+    }
+    return lac_fail(err, LAC_EIO,
+                    "%s.journal: is damaged: its last %llu bytes, from byte %llu on, cannot be "
+                    "read; it gives %llu records, %s %s, nothing is changed",
+                    path, (unsigned long long)loss->unread, (unsigned long long)loss->at,
+                    (unsigned long long)loss->records, path, own);
+}
+
 // The copy takes the file's place, with its rights.
-static lac_status put_in_place(const char *path, const char *copy, lac_error *err)
+// @param replayed  it has all values of the file's journal, which is needed no more
+static lac_status put_in_place(const char *path, const char *copy, bool replayed, lac_error *err)
 {
     struct stat info;
     lac_status status = LAC_OK;
@@ -206,7 +285,9 @@ static lac_status put_in_place(const char *path, const char *copy, lac_error *er
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot be mended: %s", path, strerror(errno)));
     }
     lac_part_sync_folder(place);
-    (void)unlink(journal); // the one whose values the file has now
+    if (replayed) {
+        (void)unlink(journal);
+    }
 out:
     if (fd >= 0) {
         (void)close(fd);
@@ -218,15 +299,18 @@ out:
 lac_status lac_store_mend(const char *path, bool *mended, lac_error *err)
 {
     lac_input in = {.open = false};
+    lac_store_loss loss;
     char *copy = NULL;
     lac_status status = LAC_OK;
     *mended = false;
     if (lac_nc_is_written(path)) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: another process is writing it", path));
     }
-    LAC_TRY(lac_nc_mended_copy(path, true, &copy, err));
+    const bool journal = lac_nc_cut(path, &loss) == LAC_CUT_JOURNAL;
+    LAC_TRY(lac_nc_mended_copy(path, true, &copy, &loss, err));
+    LAC_TRY(check_loss(path, copy, &loss, err));
     if (copy != NULL) {
-        LAC_TRY(put_in_place(path, copy, err));
+        LAC_TRY(put_in_place(path, copy, journal && !loss.damaged, err));
         *mended = true;
     }
     LAC_TRY(lac_input_open(&in, path, err));

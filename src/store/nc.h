@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include "lacuna/store.h"
+#include "lacuna/store_file.h"
 
 /// A netCDF-4 file being made. It is built under a name of its own in the folder of `path` and
 /// takes that path only when it is published, so that a file that cannot be made destroys nothing.
@@ -152,7 +153,9 @@ bool lac_journal_name(const char *path, char name[LAC_JOURNAL_NAME]);
 
 /// Whether a file has a journal that its writer left: the file was not closed, and the two belong
 /// together.
-bool lac_journal_waits(const char *path);
+/// @param loss  what of it cannot be read, or that all of one cannot, whosever it is; the counts
+///              of records are not looked at
+bool lac_journal_waits(const char *path, lac_store_loss *loss);
 
 /// Writes what a file held when its journal was begun.
 /// @param to  empty, open for writing
@@ -166,7 +169,7 @@ int lac_journal_replay(const char *path, int id);
 
 /// Why a file cannot be read as it is although all that was synced is there.
 typedef enum lac_cut { LAC_CUT_NONE = 0, LAC_CUT_SHORT, LAC_CUT_JOURNAL } lac_cut;
-lac_cut lac_nc_cut(const char *path);
+lac_cut lac_nc_cut(const char *path, lac_store_loss *loss);
 
 /// Whether somebody is writing a file, or has not yet done with its journal.
 bool lac_nc_is_written(const char *path);
@@ -174,8 +177,10 @@ bool lac_nc_is_written(const char *path);
 /// A whole copy of a file that lac_nc_cut says something of.
 /// @param beside  it must be in the folder of the file; else /tmp is tried too
 /// @param copy    its name, to be freed, and the file to be removed; NULL: there is nothing to mend
+/// @param loss    what is not in it
 /// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_error *err);
+lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_store_loss *loss,
+                              lac_error *err);
 
 /// A checksum of bytes. @param sum  to go on from
 uint64_t lac_nc_sum(uint64_t sum, const void *bytes, size_t size);

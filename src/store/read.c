@@ -47,7 +47,12 @@ static lac_status inspect(lac_input *in, char **copy, lac_error *err)
     if (exists && lac_nc_is_written(in->path)) {
         return lac_fail(err, LAC_EIO, "%s: another process is writing it", in->path);
     }
-    LAC_TRY(lac_nc_mended_copy(in->path, false, copy, err));
+    LAC_TRY(lac_nc_mended_copy(in->path, false, copy, &in->loss, err));
+    if (*copy != NULL && in->loss.damaged && in->loss.own >= (int64_t)in->loss.records) {
+        (void)unlink(*copy);
+        free(*copy);
+        *copy = NULL;
+    }
     fd = open(*copy != NULL ? *copy : in->path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || fstat(fd, &info) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", in->path, strerror(errno)));

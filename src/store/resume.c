@@ -214,8 +214,11 @@ static lac_status check_pair(const lac_input *in, const lac_kept_checkpoint *fro
     int code = nc_inq_dimid(in->id, "time", &id);
     code = code == NC_NOERR ? nc_inq_dimlen(in->id, id, &records) : code;
     if (same && code == NC_NOERR && records <= at && from->records > 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: is older than its checkpoint: %zu records of %llu",
-                        in->path, records, (unsigned long long)from->records);
+        return lac_fail(err, LAC_EINPUT, "%s%s: %zu records of %llu", in->path,
+                        in->loss.damaged ? ": lacks what its checkpoint counts on, its journal "
+                                           "being damaged"
+                                         : ": is older than its checkpoint",
+                        records, (unsigned long long)from->records);
     }
     code = code == NC_NOERR ? nc_inq_varid(in->id, "time", &id) : code;
     code =

@@ -7,13 +7,16 @@ usage: test_resume.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
 AT_CALL is the library of tests/stop.
 """
 
+import errno
 import fcntl
 import json
 import os
 import random
+import re
 import resource
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -514,6 +517,115 @@ class Resume(unittest.TestCase):
                          "out.nc: is whole, nothing to mend (running)\n")
         self.assertEqual(sorted(os.listdir(self.folder)), ["c.yaml", "out.html", "out.nc", "whole.nc"])
 
+    def entries(self):
+        """Where the entries of the journal begin, after what the file held: docs/format.md."""
+        data = self.bytes_of("out.nc.journal")
+        owner, base = struct.unpack("<QQ", data[8:24])
+        at, found = 32 + owner + base, []
+        while at + 96 <= len(data):
+            found.append(at)
+            at += 96 + struct.unpack("<Q", data[at + 8:at + 16])[0]
+        self.assertEqual(at, len(data))
+        self.assertGreater(len(found), 40)
+        return found, len(data)
+
+    def flip(self, name, at):
+        with open(self.path(name), "r+b") as file:
+            file.seek(at)
+            byte = file.read(1)[0]
+            file.seek(at)
+            file.write(bytes([byte ^ 64]))
+
+    def damaged(self, end):
+        """A reader's line of a damaged journal: the byte and how many are not read."""
+        err = self.call("report", "out.nc", "--force").stderr
+        line = ("^lacuna: warning: out.nc.journal: is damaged: its last ([0-9]+) bytes, from byte "
+                f"([0-9]+) on, cannot be read; out.nc is read {end}, which may lack what was "
+                "synced\n$")
+        self.assertRegex(err, line)
+        unread, at = (int(word) for word in re.match(line, err).groups())
+        return at, unread
+
+    def records(self):
+        with netCDF4.Dataset(self.path("out.nc")) as file:
+            return len(file["time"])
+
+    def mend_refused(self, *has):
+        """Nothing changes then."""
+        files = {name: self.bytes_of(name) for name in ("out.nc", "out.nc.journal")}
+        done = subprocess.run([PROGRAM, "mend", "out.nc"], cwd=self.folder, capture_output=True,
+                              text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (3, ""), done.stderr)
+        self.assertRegex(done.stderr, "^lacuna: out.nc.journal: is damaged: .*; it gives [0-9]+ "
+                         f"records, out.nc {has[0]}, nothing is changed\n$")
+        for name, was in files.items():
+            self.assertEqual(self.bytes_of(name), was)
+
+    def test_damage_in_a_journal_is_no_torn_end(self):
+        """The file itself has all records: it is read, and mend does not make it less."""
+        self.run_case(0, "-q", "-o", "whole.nc")
+        self.kill_after_checkpoints(3, "-o", "out.nc", "-q")
+        found, size = self.entries()
+        middle = found[len(found) // 2]
+        n = self.records()
+        # A value, a size that goes past the end, one within, a mark of a sync; what it begins with.
+        for at, first in ((middle + 110, middle), (middle + 13, middle), (middle + 8, middle),
+                          (found[-1] + 3, found[-1]), (1000, 0), (3, 0)):
+            with self.subTest(at=at - middle):
+                self.flip("out.nc.journal", at)
+                self.assertEqual(self.damaged("without it"), (first, size - first))
+                self.mend_refused(f"shows {n} as it is")
+                self.flip("out.nc.journal", at)
+        self.flip("out.nc.journal", middle + 110)
+        checkpoint = self.bytes_of("out.nc.checkpoint")
+        left = {name: self.bytes_of(name) for name in ("out.nc", "out.nc.journal")}
+        self.run_case(0, "-q", "-o", "out.nc", "--resume")
+        self.same("whole.nc", "out.nc")
+        for name, was in {**left, "out.nc.checkpoint": checkpoint}.items():
+            with open(self.path(name), "wb") as file:
+                file.write(was)
+        self.flip("out.nc", 44)  # now netCDF does not open the file
+        self.assertEqual(self.damaged("up to there"), (middle, size - middle))
+        self.refused(2, "[^ ]*out.nc: lacks what its checkpoint counts on, its journal being "
+                     "damaged: [0-9]+ records of [0-9]+", "--resume", "-o", "out.nc")
+        done = self.call("mend", "out.nc")
+        self.assertEqual(done.stdout, "out.nc: mended (running)\n")
+        self.assertRegex(done.stderr, f"out.nc.journal: is damaged: its last {size - middle} bytes, "
+                         f"from byte {middle} on, .*; its journal is kept\n$")
+        self.assertEqual(self.bytes_of("out.nc.journal"), left["out.nc.journal"])
+        self.assertLess(0, self.records())
+        self.assertLess(self.records(), n)
+
+    def test_torn_end_of_a_journal_is_no_damage(self):
+        """As much of the last write as got there, whatever that is."""
+        self.kill_after_checkpoints(2, "-o", "out.nc", "-q")
+        found, size = self.entries()
+        data = self.bytes_of("out.nc.journal")
+        for end in (size - 1, size - 95, found[-2] + 100, found[-2] + 96, found[-2] + 1, found[-2]):
+            with open(self.path("out.nc.journal"), "wb") as file:
+                file.write(data[:end])
+            self.assertIn("all that was synced is read", self.call("report", "out.nc",
+                                                                   "--force").stderr)
+
+    def test_mend_leaves_a_journal_of_another_file(self):
+        """A file that HDF5 cut short needs none, and the one beside it may be wanted elsewhere."""
+        self.kill_after_checkpoints(2, "-o", "other.nc", "-q", "--until", "20 day")
+        self.kill_after_checkpoints(2, "-o", "out.nc", "-q")
+        self.cut("out.nc")
+        shutil.copy(self.path("other.nc.journal"), self.path("out.nc.journal"))
+        self.assertEqual(self.call("mend", "out.nc").stdout, "out.nc: mended (running)\n")
+        self.assertEqual(self.bytes_of("out.nc.journal"), self.bytes_of("other.nc.journal"))
+
+    def test_copies_of_a_private_file_are_private(self):
+        self.kill_after_checkpoints(2, "-o", "out.nc", "-q")
+        os.chmod(self.path("out.nc"), 0o640)
+        process = self.hold("-o", "out.nc", "-q", "--resume", at="open:.part")
+        copies = [name for name in os.listdir(self.folder) if ".mended.lacuna-" in name]
+        self.assertEqual([os.stat(self.path(name)).st_mode & 0o777 for name in copies], [0o600])
+        process.kill()
+        self.call("mend", "out.nc")
+        self.assertEqual(os.stat(self.path("out.nc")).st_mode & 0o777, 0o640)
+
     def test_a_lock_on_the_folder_stops_nobody(self):
         """Not even where the whole command runs under it."""
         folder = os.open(self.folder, os.O_RDONLY)
@@ -526,6 +638,17 @@ class Resume(unittest.TestCase):
             fcntl.lockf(file, fcntl.LOCK_EX)
             self.refused(3, "[^ ]*out.nc: cannot create: another process is writing there",
                          "-o", "out.nc", "--until", "1 day", "--force")
+
+    def test_file_system_without_locks(self):
+        environment = {**os.environ, "LD_PRELOAD": STOP, "HDF5_USE_FILE_LOCKING": "FALSE",
+                       "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "")
+                       + ":verify_asan_link_order=0"}
+        for reason in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
+            self.run_case(0, "-q", "-o", "out.nc", "--until", "1 day", "--force", env={
+                **environment, "AT_CALL": f"1:fail={reason}:flock:.part"})
+        _, err = self.run_case(3, "-q", "-o", "out.nc", "--until", "1 day", "--force", env={
+            **environment, "AT_CALL": f"1:fail={errno.EWOULDBLOCK}:flock:.part"})
+        self.assertRegex(err, "^lacuna: [^ ]*out.nc.journal: another process is writing it\n$")
 
     def test_complete_is_said_of_what_opens(self):
         self.run_case(0, "-q", "-o", "out.nc")
