@@ -31,14 +31,13 @@ static lac_status put_libraries(const lac_nc *file, const char *libraries, lac_e
     char version[32];
     (void)snprintf(version, sizeof version, "%s", nc_inq_libvers());
     version[strcspn(version, " ")] = '\0';
-    bool others = libraries != NULL && *libraries != '\0';
-    size_t size = (others ? strlen(libraries) : 0) + sizeof version + 16;
+    const char *others = libraries != NULL ? libraries : "";
+    size_t size = strlen(others) + sizeof version + 16;
     char *text = malloc(size);
     if (text == NULL) {
         return lac_fail_memory(err);
     }
-    (void)snprintf(text, size, "%s%snetCDF %s", others ? libraries : "", others ? ", " : "",
-                   version);
+    (void)snprintf(text, size, "%s%snetCDF %s", others, *others != '\0' ? ", " : "", version);
     lac_status status = lac_nc_text(file, NC_GLOBAL, "libraries", text, err);
     free(text);
     return status;
