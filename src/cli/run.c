@@ -250,8 +250,8 @@ static const char *remedy(const run_job *job, const cli_outcome *outcome, bool i
                "smaller one";
     }
     if (job->source->run.fidelity == LAC_FIDELITY_EVENTS) {
-        return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc needs "
-               "solver.fidelity: ode";
+        return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc, or damping "
+               "where few cells touch on little of the area, needs solver.fidelity: ode";
     }
     return integrated ? "tighten solver.rtol, or see solver.projection and formulation: slip"
                       : "cells at rest are held at the slowest rate that is followed";

@@ -161,7 +161,7 @@ static bool is_curved(const lac_motion *m, double since, char *reason)
         rms_off_line(n, time + first, (m->integrated ? m->velocity : m->displacement) + first,
                      m->integrated, &slope);
     const double digit = m->integrated ? m->rounding[size - 1] : m->resolution;
-    if (off <= digit + 2.0 * DBL_EPSILON * fabs(slope * time[size - 1])) {
+    if (off <= 0.5 * digit + 2.0 * DBL_EPSILON * fabs(slope * time[size - 1])) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "no acceleration: the %zu readings since --since are those of a steady "
                        "motion, but for the last digits",
