@@ -94,8 +94,8 @@ static void say_what_is_cut(const cli_request *request)
                  path, loss.unread, loss.at, path,
                  loss.own >= (int64_t)loss.records ? "without it" : "up to there");
     } else if (lac_store_is_cut(path)) {
-        cli_note("warning: %s: its writer was stopped before it had closed it; all that was synced "
-                 "is read; lacuna mend %s makes it readable for every program",
+        cli_note("warning: %s: its writer was stopped before it had closed it; all that it left is "
+                 "read; lacuna mend %s makes it readable for every program",
                  path, path);
     }
 }

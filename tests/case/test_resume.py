@@ -604,7 +604,7 @@ class Resume(unittest.TestCase):
         for end in (size - 1, size - 95, found[-2] + 100, found[-2] + 96, found[-2] + 1, found[-2]):
             with open(self.path("out.nc.journal"), "wb") as file:
                 file.write(data[:end])
-            self.assertIn("all that was synced is read", self.call("report", "out.nc",
+            self.assertIn("all that it left is read", self.call("report", "out.nc",
                                                                    "--force").stderr)
 
     def test_mend_leaves_a_journal_of_another_file(self):
