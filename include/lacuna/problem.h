@@ -132,8 +132,9 @@ double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, doubl
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work);
 
-/// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), exactly in
-/// O(n) where the transfer's solve is.
+/// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), in O(n) where
+/// the transfer's solve is; exactly, but that damping of the mean is left out where it is below a
+/// thousandth of what friction holds.
 /// @param b  [unknowns]; overwritten by x
 /// @return false where the matrix is not positive definite: the step is too long
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,

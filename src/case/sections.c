@@ -276,9 +276,8 @@ static const lac_param failure_rows[] = {
      .flags = LAC_ABOVE_MIN,
      .offset = FIELD(run.failure_rate),
      .doc = "mean over the contact cells whose first upward crossing is failure; where damping "
-            "holds the joint below it, a p/eta counts instead, judged by all cells as one; from 1 "
-            "km/s "
-            "on none does"},
+            "holds the joint below it, a p/eta counts instead, judged by all cells as one; "
+            "from 1 km/s on none does"},
     {.key = "mean_slip",
      .unit = "m",
      .fallback = NAN,
