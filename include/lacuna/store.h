@@ -135,7 +135,8 @@ typedef struct lac_history_store lac_history_store;
 lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
                                     lac_error *err);
 
-/// Adds a step and has it written to disk.
+/// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, which has both
+/// written.
 /// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,
                                   lac_error *err);

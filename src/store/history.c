@@ -242,7 +242,10 @@ lac_status lac_history_store_step(lac_history_store *store, const lac_history_re
             err, "write", series[i].name));
     }
     store->steps++;
-    LAC_TRY(lac_nc_sync(&store->file, err));
+    // Where its maps come next, one sync brings both: no step without its maps is left by a kill.
+    if (store->keep != LAC_KEEP_ALL) {
+        LAC_TRY(lac_nc_sync(&store->file, err));
+    }
 out:
     return status;
 }

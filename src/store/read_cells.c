@@ -303,8 +303,18 @@ static lac_status read_map(const lac_input *in, const char *name, size_t step, c
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
     }
-    int skip = rank == RANK ? 0 : 1;
-    return read_part(in, name, RANK - skip, start + skip, count + skip, map, err);
+    const int skip = rank == RANK ? 0 : 1;
+    lac_status status = read_part(in, name, RANK - skip, start + skip, count + skip, map, err);
+    for (size_t i = 0; status == LAC_OK && i < grid->nx * grid->ny; i++) {
+        if (!isfinite(map[i])) {
+            status =
+                lac_fail(err, LAC_EINPUT,
+                         "%s: not all of the map %s is there: its writer was stopped before it "
+                         "came to it, or the file is damaged",
+                         in->path, name);
+        }
+    }
+    return status;
 }
 
 static lac_status read_axes(const lac_input *in, lac_grid *grid, lac_error *err)
@@ -382,9 +392,6 @@ static lac_status read_shear(const lac_input *in, double *map, lac_stored_cells 
     }
     for (size_t i = 0; i < domain->n; i++) {
         out->shear[i] = out->kind == LAC_STORED_HISTORY ? map[domain->index[i]] : 0.0;
-        if (!isfinite(out->shear[i])) {
-            LAC_TRY(fail_damaged(in, "step", err));
-        }
     }
 out:
     return status;
