@@ -32,7 +32,7 @@ function(lacuna_cases group command)
     add_test(NAME ${test}.run
              COMMAND lacuna_program ${how} ${bundled} ${changed} -o ${output} --force --no-progress)
     set_tests_properties(${test}.check ${test}.run PROPERTIES LABELS case
-                         ENVIRONMENT ${case_environment} TIMEOUT 300)
+                         ENVIRONMENT ${case_environment} TIMEOUT 1200)
     set_tests_properties(${test}.run PROPERTIES FIXTURES_SETUP outputs_${group})
   endforeach()
   add_test(NAME case.${group}.cf
@@ -64,7 +64,7 @@ function(lacuna_python_test name)
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
                    $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${${name}_files})
   set(labels case ${ARGN})
-  set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 600 COST 100
+  set_tests_properties(case.${name} PROPERTIES LABELS "${labels}" TIMEOUT 1200 COST 100
                        ENVIRONMENT "${case_environment}")
 endfunction()
 
@@ -84,13 +84,13 @@ lacuna_python_test(test_loads)
 add_test(NAME case.test_elastic
          COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
                  $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
-set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 300
+set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 1200
                      ENVIRONMENT ${case_environment})
 
 add_test(NAME case.test_elastic_limits
          COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
                  $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
-set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 300
+set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 1200
                      ENVIRONMENT ${case_environment})
 
 # Numbers of extreme size, through the program.
@@ -164,7 +164,7 @@ foreach(page ${pages})
   add_test(NAME case.${name}
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
                    $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${page})
-  set_tests_properties(case.${name} PROPERTIES LABELS "case;once" TIMEOUT 300
+  set_tests_properties(case.${name} PROPERTIES LABELS "case;once" TIMEOUT 1200
                        ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
 endforeach()
 
