@@ -2,6 +2,7 @@
 #ifndef LACUNA_STORE_H
 #define LACUNA_STORE_H
 
+#include "lacuna/dataset.h"
 #include "lacuna/fractal.h"
 #include "lacuna/linkage.h"
 #include "lacuna/store_checkpoint.h"
@@ -86,6 +87,11 @@ typedef struct lac_contact_view {
     const lac_size_strength *size;       ///< [sizes]
     const lac_surface_report *surface;   ///< NULL: not measured
 } lac_contact_view;
+
+/// Writes a dataset to a netCDF-4 file of its own; docs/format.md.
+/// @return as lac_store_create
+lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_dataset *dataset, lac_error *err);
 
 /// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.
 /// @return as lac_store_create
