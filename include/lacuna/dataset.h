@@ -35,12 +35,13 @@ typedef enum lac_held {
 } lac_held;
 
 enum {
-    LAC_MISSING = 1,  ///< may be missing: has a _FillValue in a file
-    LAC_TIME = 2,     ///< a time: in a file on the clock of the dataset
-    LAC_WHOLE = 4,    ///< an integer in a file
-    LAC_SINGLE = 8,   ///< of one value and yet a variable of a file; else a global attribute
-    LAC_CHARS = 16,   ///< texts as rows of characters, which old readers take
-    LAC_MEANINGS = 32 ///< texts as the meanings of the numbers 0, 1 ...
+    LAC_MISSING = 1,   ///< may be missing: has a _FillValue in a file
+    LAC_TIME = 2,      ///< a time: in a file on the clock of the dataset
+    LAC_WHOLE = 4,     ///< an integer in a file
+    LAC_SINGLE = 8,    ///< of one value and yet a variable of a file; else a global attribute
+    LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
+    LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
+    LAC_TRUTH = 64     ///< 0 or 1, in JSON false or true
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -80,9 +81,16 @@ lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error 
 /// Frees a dataset, not what it was laid on; NULL is fine.
 void lac_dataset_free(lac_dataset *dataset);
 
-/// Adds a dimension. @param length  0: variables over it are left out
+/// A dimension. Variables over one of length 0 are left out.
+typedef struct lac_extent {
+    const char *name;
+    size_t length;
+} lac_extent;
+
+/// Adds dimensions.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_dataset_dim(lac_dataset *dataset, const char *name, size_t length, lac_error *err);
+lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
+                            lac_error *err);
 
 /// Names the places of a dimension, for objects in JSON.
 void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *label,
@@ -96,10 +104,15 @@ void lac_dataset_clock(lac_dataset *dataset, bool dated, double start);
 bool lac_dataset_start(const lac_dataset *dataset, double *start);
 const char *lac_dataset_summary(const lac_dataset *dataset);
 
-/// Lays a table on a result, which must outlive the dataset.
+/// A table and the result that it is laid on, which must outlive the dataset.
+typedef struct lac_laid {
+    lac_variables table;
+    const void *of; ///< NULL: the table is left out
+} lac_laid;
+
+/// Adds the variables of tables.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_dataset_add(lac_dataset *dataset, const lac_variables *table, const void *of,
-                           lac_error *err);
+lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err);
 
 /// A variable whose name the result gives.
 typedef struct lac_named {
@@ -113,8 +126,8 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err);
 
 /// Gives the variable that was added last attributes in a file.
-/// @param table  rows of one value, laid on `of` with the variable's `which`
-void lac_dataset_attributes(lac_dataset *dataset, const lac_variables *table, const void *of);
+/// @param laid  rows of one value, with the variable's `which`
+void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
 
 /// One variable as it is asked for. It holds until the dataset is freed or added to.
 typedef struct lac_item {

@@ -41,7 +41,6 @@
 #include "lacuna/store_events.h"
 #include "lacuna/store_forecast.h"
 #include "lacuna/store_map.h"
-#include "lacuna/store_rg.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"
 #include "lacuna/tape.h"

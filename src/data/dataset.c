@@ -32,13 +32,16 @@ void lac_dataset_free(lac_dataset *dataset)
     free(dataset);
 }
 
-lac_status lac_dataset_dim(lac_dataset *dataset, const char *name, size_t length, lac_error *err)
+lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
+                            lac_error *err)
 {
-    lac_dim *grown = realloc(dataset->dim, (dataset->dims + 1) * sizeof *grown);
+    lac_dim *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
     if (grown == NULL) {
         return lac_fail_memory(err);
     }
-    grown[dataset->dims++] = (lac_dim){.name = name, .length = length};
+    for (size_t i = 0; i < n; i++) {
+        grown[dataset->dims++] = (lac_dim){.extent = extent[i]};
+    }
     dataset->dim = grown;
     return LAC_OK;
 }
@@ -46,7 +49,8 @@ lac_status lac_dataset_dim(lac_dataset *dataset, const char *name, size_t length
 static lac_dim *find_dim(const lac_dataset *dataset, const char *name, size_t size)
 {
     for (size_t i = 0; i < dataset->dims; i++) {
-        if (strlen(dataset->dim[i].name) == size && memcmp(dataset->dim[i].name, name, size) == 0) {
+        const char *own = dataset->dim[i].extent.name;
+        if (strlen(own) == size && memcmp(own, name, size) == 0) {
             return &dataset->dim[i];
         }
     }
@@ -90,13 +94,18 @@ static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_er
     return LAC_OK;
 }
 
-lac_status lac_dataset_add(lac_dataset *dataset, const lac_variables *table, const void *of,
-                           lac_error *err)
+lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err)
 {
     lac_status status = LAC_OK;
-    for (size_t i = 0; i < table->rows && status == LAC_OK; i++) {
-        const lac_entry entry = {.row = &table->row[i], .table = table, .of = of};
-        status = add_entry(dataset, &entry, err);
+    for (size_t k = 0; k < n; k++) {
+        const lac_variables *table = &laid[k].table;
+        for (size_t i = 0; laid[k].of != NULL && i < table->rows && status == LAC_OK; i++) {
+            const lac_entry entry = {.row = &table->row[i],
+                                     .over = table->over,
+                                     .stride = table->stride,
+                                     .of = laid[k].of};
+            status = add_entry(dataset, &entry, err);
+        }
     }
     return status;
 }
@@ -104,9 +113,8 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_variables *table, con
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err)
 {
-    static const lac_variables single = {.over = ""};
     const lac_entry entry = {.row = row,
-                             .table = &single,
+                             .over = "",
                              .of = of,
                              .name = strdup(named->name),
                              .long_name = strdup(named->long_name),
@@ -124,16 +132,15 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
     return status;
 }
 
-void lac_dataset_attributes(lac_dataset *dataset, const lac_variables *table, const void *of)
+void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
 {
-    dataset->entry[dataset->entries - 1].attributes = table;
-    dataset->entry[dataset->entries - 1].attributes_of = of;
+    dataset->entry[dataset->entries - 1].attributes = *laid;
 }
 
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
                       const lac_dim *dim[LAC_MOST_DIMS])
 {
-    const char *at = entry->row->dims != NULL ? entry->row->dims : entry->table->over;
+    const char *at = entry->row->dims != NULL ? entry->row->dims : entry->over;
     size_t rank = 0;
     for (; *at != '\0'; at += at[0] == ' ') {
         const size_t size = strcspn(at, " ");
@@ -146,7 +153,7 @@ size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
 // What is held along the first dimension, or that one of `which`.
 static const char *held(const lac_entry *entry, const size_t *at)
 {
-    return (const char *)entry->of + at[0] * entry->table->stride + entry->row->offset;
+    return (const char *)entry->of + at[0] * entry->stride + entry->row->offset;
 }
 
 // Where the values are that are held as one array; NULL: there is none.
@@ -239,9 +246,9 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
                       .next = next,
                       .entry = entry};
     for (size_t d = 0; d < out->rank; d++) {
-        out->dim[d] = dim[d]->name;
-        out->length[d] = dim[d]->length;
-        out->count *= dim[d]->length;
+        out->dim[d] = dim[d]->extent.name;
+        out->length[d] = dim[d]->extent.length;
+        out->count *= dim[d]->extent.length;
     }
     first[out->rank] = entry->which;
     return out->name != NULL && out->count > 0 && lac_entry_has(entry, first);
@@ -291,12 +298,12 @@ const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT
 
 bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
 {
-    const lac_variables *table = item->entry->attributes;
+    const lac_laid *laid = &item->entry->attributes;
     const size_t at[] = {item->entry->which};
-    while (table != NULL && attribute->next < table->rows) {
-        const lac_entry own = {.row = &table->row[attribute->next++],
-                               .table = table,
-                               .of = item->entry->attributes_of};
+    while (laid->of != NULL && attribute->next < laid->table.rows) {
+        const lac_entry own = {.row = &laid->table.row[attribute->next++],
+                               .stride = laid->table.stride,
+                               .of = laid->of};
         const bool is_text = lac_entry_is_text(&own);
         attribute->name = own.row->name;
         attribute->text = is_text ? lac_entry_text(&own, at, attribute->room) : NULL;

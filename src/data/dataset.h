@@ -8,8 +8,7 @@
 #include "lacuna/dataset.h"
 
 typedef struct lac_dim {
-    const char *name;
-    size_t length;
+    lac_extent extent;
     lac_text_getter *label; ///< NULL: its places have no names
     const void *of;
 } lac_dim;
@@ -17,13 +16,13 @@ typedef struct lac_dim {
 /// A row and what it is laid on.
 typedef struct lac_entry {
     const lac_variable *row;
-    const lac_variables *table;
+    const char *over;
+    size_t stride;
     const void *of;
     char *name, *long_name; ///< owned; NULL: the row's
     const char *unit;
     size_t which;
-    const lac_variables *attributes; ///< NULL: none
-    const void *attributes_of;
+    lac_laid attributes;
 } lac_entry;
 
 struct lac_dataset {

@@ -61,7 +61,7 @@ static size_t place_of(const group *g, const lac_entry *entry)
     const lac_dim *dim[LAC_MOST_DIMS];
     size_t place = 0;
     for (size_t d = 0, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
-        place = place * dim[d]->length + g->at[d];
+        place = place * dim[d]->extent.length + g->at[d];
     }
     return place;
 }
@@ -71,7 +71,7 @@ static void write_value(const group *g, const lac_entry *entry, const char *key,
     char room[LAC_TEXT_ROOM];
     if (lac_entry_is_text(entry)) {
         lac_json_text(json, key, lac_entry_text(entry, g->at, room));
-    } else if (entry->row->held == LAC_HELD_BOOL) {
+    } else if (entry->row->held == LAC_HELD_BOOL || (entry->row->flags & LAC_TRUTH) != 0) {
         lac_json_boolean(json, key, lac_entry_number(entry, g->at, 0) != 0.0);
     } else {
         lac_json_number(json, key, lac_entry_number(entry, g->at, place_of(g, entry)));
@@ -99,7 +99,7 @@ static void write_labelled(group *g, const char *key, lac_json *json)
     const lac_dim *dim = next_dim(g);
     char room[LAC_TEXT_ROOM];
     lac_json_open(json, key, '{');
-    for (size_t i = 0; i < dim->length; i++) {
+    for (size_t i = 0; i < dim->extent.length; i++) {
         g->at[g->rank] = i;
         write_value(g, g->entry[0], dim->label(dim->of, &i, room), json);
     }
@@ -124,7 +124,7 @@ static void write_part(const group *g, const part *p, size_t lists, const char *
 {
     group inner = *g;
     if (lists > 0) {
-        const size_t length = next_dim(g)->length;
+        const size_t length = next_dim(g)->extent.length;
         inner.rank++;
         lac_json_open(json, key, '[');
         for (size_t i = 0; i < length; i++) {

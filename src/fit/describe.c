@@ -4,32 +4,11 @@
 #include <stdio.h>
 
 #include "base/date.h"
-#include "lacuna/dataset.h"
+#include "data/describe.h"
 #include "lacuna/fit.h"
 
 enum { NAME = 256, TITLE = 300 };
 
-#define TABLE(rows_, over_, stride_)                                              \
-    {                                                                             \
-        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = (over_), \
-        .stride = (stride_)                                                       \
-    }
-
-// A getter: of a result r, of an unknown x, or of an outcome o.
-#define GETTER(returned, name, declared, expression)       \
-    static returned name(const void *of, const size_t *at) \
-    {                                                      \
-        declared;                                          \
-        (void)at;                                          \
-        return (expression);                               \
-    }
-#define TEXT(name, declared, expression)                                                \
-    static const char *name(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]) \
-    {                                                                                   \
-        declared;                                                                       \
-        (void)at, (void)room;                                                           \
-        return (expression);                                                            \
-    }
 #define RESULT const lac_fit_result *r = of
 #define UNKNOWN const lac_fit_unknown *x = (const lac_fit_unknown *)of + at[0]
 #define OUTCOME const lac_fit_outcome *o = of
@@ -42,41 +21,41 @@ static double draw_of(const lac_fit_result *r, size_t chain, size_t step, size_t
     return r->unknown[unknown].log ? exp(x) : x;
 }
 
-GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
-GETTER(double, best, RESULT, r->unknown[at[0]].best)
-GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
-GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
-GETTER(double, walkers, RESULT, (double)r->chain->walkers)
-GETTER(double, steps, RESULT, (double)r->chain->steps)
-GETTER(bool, is_sampled, RESULT, r->chain != NULL)
-GETTER(bool, is_one_block, RESULT, r->one_block)
-GETTER(double, correlation, RESULT, r->correlation[at[0]][at[1]])
-GETTER(double, best_power, RESULT, r->axis[r->parameters - 1].power[at[0]])
-GETTER(double, best_sigma, RESULT, r->axis[r->parameters - 1].sigma)
-GETTER(double, least_power, RESULT, r->axis[0].power[at[0]])
-GETTER(double, least_sigma, RESULT, r->axis[0].sigma)
-TEXT(formula, RESULT; (void)r, "(m/dc)(1 - x^(m-1))")
+LAC_GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
+LAC_GETTER(double, best, RESULT, r->unknown[at[0]].best)
+LAC_GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
+LAC_GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
+LAC_GETTER(double, walkers, RESULT, (double)r->chain->walkers)
+LAC_GETTER(double, steps, RESULT, (double)r->chain->steps)
+LAC_GETTER(bool, is_sampled, RESULT, r->chain != NULL)
+LAC_GETTER(bool, is_one_block, RESULT, r->one_block)
+LAC_GETTER(double, correlation, RESULT, r->correlation[at[0]][at[1]])
+LAC_GETTER(double, best_power, RESULT, r->axis[r->parameters - 1].power[at[0]])
+LAC_GETTER(double, best_sigma, RESULT, r->axis[r->parameters - 1].sigma)
+LAC_GETTER(double, least_power, RESULT, r->axis[0].power[at[0]])
+LAC_GETTER(double, least_sigma, RESULT, r->axis[0].sigma)
+LAC_TEXT_GETTER(formula, RESULT; (void)r, "(m/dc)(1 - x^(m-1))")
 
-GETTER(bool, is_log, UNKNOWN, x->log)
-GETTER(bool, is_plain, UNKNOWN, !x->log)
-GETTER(double, error, UNKNOWN, x->log ? NAN : x->error)
-GETTER(double, log_error, UNKNOWN, x->log ? x->error : NAN)
-TEXT(end, UNKNOWN, x->end == 0 ? NULL : x->end < 0 ? "low" : "high")
+LAC_GETTER(bool, is_log, UNKNOWN, x->log)
+LAC_GETTER(bool, is_plain, UNKNOWN, !x->log)
+LAC_GETTER(double, error, UNKNOWN, x->log ? NAN : x->error)
+LAC_GETTER(double, log_error, UNKNOWN, x->log ? x->error : NAN)
+LAC_TEXT_GETTER(end, UNKNOWN, x->end == 0 ? NULL : x->end < 0 ? "low" : "high")
 
 static const char *derivatives_by(int by)
 {
     static const char *const names[] = {"sensitivities", "runs", NULL};
     return names[by];
 }
-TEXT(derivatives, UNKNOWN, derivatives_by(x->by))
+LAC_TEXT_GETTER(derivatives, UNKNOWN, derivatives_by(x->by))
 
 static const char *date_of(const lac_case *c, double t, char room[LAC_TEXT_ROOM])
 {
     return c->dated && isfinite(t) ? lac_date_format(c->start_date + t, room, LAC_TEXT_ROOM) : NULL;
 }
-TEXT(best_date, OUTCOME, date_of(o->source, o->result->failure, room))
-TEXT(middle_date, OUTCOME, date_of(o->source, o->result->failures.quantile[2], room))
-GETTER(double, seed, OUTCOME, (double)o->source->fit.seed)
+LAC_TEXT_GETTER(best_date, OUTCOME, date_of(o->source, o->result->failure, room))
+LAC_TEXT_GETTER(middle_date, OUTCOME, date_of(o->source, o->result->failures.quantile[2], room))
+LAC_GETTER(double, seed, OUTCOME, (double)o->source->fit.seed)
 
 static double share(const void *of, const size_t *at)
 {
@@ -85,8 +64,8 @@ static double share(const void *of, const size_t *at)
     return quantile[at[0]];
 }
 
-#define X(kind, field) .held = LAC_HELD_##kind, .offset = offsetof(lac_fit_unknown, field)
-#define R(kind, field) .held = LAC_HELD_##kind, .offset = offsetof(lac_fit_result, field)
+#define X(kind, field) LAC_HELD(kind, lac_fit_unknown, field)
+#define R(kind, field) LAC_HELD(kind, lac_fit_result, field)
 
 // What a file says of an unknown beside its draws.
 static const lac_variable beside_draws[] = {
@@ -98,7 +77,6 @@ static const lac_variable beside_draws[] = {
     {.name = "effective_sample_size", X(REAL, converged.ess)},
     {.name = "case_key", X(TEXT, key)},
 };
-static const lac_variables attributes = TABLE(beside_draws, "", sizeof(lac_fit_unknown));
 
 static const lac_variable of_unknowns[] = {
     {.json = "parameters[]/key", X(TEXT, key)},
@@ -118,7 +96,6 @@ static const lac_variable of_unknowns[] = {
     {.json = "parameters[]/ess", X(REAL, converged.ess)},
     {.json = "parameters[]/autocorrelation_steps", X(REAL, converged.time)},
 };
-static const lac_variables unknowns = TABLE(of_unknowns, "unknown", sizeof(lac_fit_unknown));
 
 static const lac_variable of_data[] = {
     {.json = "displacements", R(COUNT, displacements)},
@@ -135,12 +112,7 @@ static const lac_variable of_data[] = {
     {.json = "scatter_m", R(REAL, scatter)},
     {.json = "fits_badly", R(BOOL, poor)},
 };
-static const lac_variables data = TABLE(of_data, "", 0);
 
-#define SERIES(name_, dims_, unit_, long_name_, ...)                                              \
-    {                                                                                             \
-        .name = (name_), .dims = (dims_), .unit = (unit_), .long_name = (long_name_), __VA_ARGS__ \
-    }
 static const lac_variable of_result[] = {
     {.json = "correlation[][]", .dims = "parameter parameter", .value = correlation},
     {.json = "known_best/powers{}", .dims = "parameter", .value = best_power},
@@ -168,34 +140,33 @@ static const lac_variable of_result[] = {
     {.json = "sampler/converged", R(BOOL, converged)},
     {.json = "sampler/acceptance", R(REAL, acceptance)},
     {.json = "runs", R(INT64, runs)},
-    SERIES("log_posterior", "chain draw", "1",
-           "logarithm of the posterior density of the coordinates, up to a constant",
-           .value = log_density),
-    SERIES("acceptance", "chain", "1", "share of a walker's moves that were accepted",
-           .value = acceptance),
-    SERIES("quantile", "quantile", "1", "share of the posterior below", .value = share),
-    SERIES("prediction_time", "prediction", NULL, "time of a prediction", R(REALS, time),
-           .flags = LAC_TIME),
-    SERIES("best_displacement", "prediction", "m",
-           "displacement of the best fit, its zero that of the data", R(REALS, fitted),
-           .flags = LAC_MISSING),
-    SERIES("predicted_displacement", "quantile prediction", "m",
-           "quantiles of the posterior's displacement; missing beyond failure",
-           R(REALS, displacement), .flags = LAC_MISSING),
-    SERIES("predicted_slip_rate", "quantile prediction", "m s-1",
-           "quantiles of the posterior's slip rate; missing beyond failure", R(REALS, rate),
-           .flags = LAC_MISSING),
-    SERIES("reading_time", "reading", NULL, "time of a reading", R(REALS, reading_time),
-           .flags = LAC_TIME),
-    SERIES("observed_displacement", "reading", "m", "displacement that was read",
-           R(REALS, observed), .flags = LAC_MISSING),
-    SERIES("observed_slip_rate", "reading", "m s-1", "velocity that was read",
-           R(REALS, observed_rate), .flags = LAC_MISSING),
-    SERIES("failure_time", "sample", NULL,
-           "time of failure of draws that were run on; missing where none by the end of the run",
-           R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),
+    LAC_ROW("log_posterior", "chain draw", "1",
+            "logarithm of the posterior density of the coordinates, up to a constant",
+            .value = log_density),
+    LAC_ROW("acceptance", "chain", "1", "share of a walker's moves that were accepted",
+            .value = acceptance),
+    LAC_ROW("quantile", "quantile", "1", "share of the posterior below", .value = share),
+    LAC_ROW("prediction_time", "prediction", NULL, "time of a prediction", R(REALS, time),
+            .flags = LAC_TIME),
+    LAC_ROW("best_displacement", "prediction", "m",
+            "displacement of the best fit, its zero that of the data", R(REALS, fitted),
+            .flags = LAC_MISSING),
+    LAC_ROW("predicted_displacement", "quantile prediction", "m",
+            "quantiles of the posterior's displacement; missing beyond failure",
+            R(REALS, displacement), .flags = LAC_MISSING),
+    LAC_ROW("predicted_slip_rate", "quantile prediction", "m s-1",
+            "quantiles of the posterior's slip rate; missing beyond failure", R(REALS, rate),
+            .flags = LAC_MISSING),
+    LAC_ROW("reading_time", "reading", NULL, "time of a reading", R(REALS, reading_time),
+            .flags = LAC_TIME),
+    LAC_ROW("observed_displacement", "reading", "m", "displacement that was read",
+            R(REALS, observed), .flags = LAC_MISSING),
+    LAC_ROW("observed_slip_rate", "reading", "m s-1", "velocity that was read",
+            R(REALS, observed_rate), .flags = LAC_MISSING),
+    LAC_ROW("failure_time", "sample", NULL,
+            "time of failure of draws that were run on; missing where none by the end of the run",
+            R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),
 };
-static const lac_variables result = TABLE(of_result, "", 0);
 
 static const lac_variable of_outcome[] = {
     {.json = "best_failure_date", .text = best_date},
@@ -206,7 +177,6 @@ static const lac_variable of_outcome[] = {
      .held = LAC_HELD_TEXT,
      .offset = offsetof(lac_fit_outcome, status)},
 };
-static const lac_variables outcome = TABLE(of_outcome, "", 0);
 
 // "friction.aging.dc" as a name that every tool takes.
 static void name_of(const char *key, char name[NAME])
@@ -223,33 +193,13 @@ static const char *key_of(const void *of, const size_t *at, char room[LAC_TEXT_R
     return ((const lac_fit_result *)of)->unknown[at[0]].key;
 }
 
-static lac_status add_dims(lac_dataset *d, const lac_fit_result *r, lac_error *err)
-{
-    const struct {
-        const char *name;
-        size_t length;
-    } dims[] = {{"chain", r->chain != NULL ? r->chain->walkers : 0},
-                {"draw", r->chain != NULL ? r->chain->steps : 0},
-                {"quantile", LAC_FIT_QUANTILES},
-                {"prediction", r->times},
-                {"reading", r->readings},
-                {"sample", r->draws},
-                {"unknown", r->unknowns},
-                {"parameter", r->parameters}};
-    lac_status status = LAC_OK;
-    for (size_t i = 0; i < sizeof dims / sizeof *dims && status == LAC_OK; i++) {
-        status = lac_dataset_dim(d, dims[i].name, dims[i].length, err);
-    }
-    lac_dataset_label(d, "parameter", key_of, r);
-    return status;
-}
-
 // A variable an unknown: its draws over (chain, draw), or its best value alone.
 static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *err)
 {
     static const lac_variable drawn = {.dims = "chain draw", .value = draw};
     static const lac_variable alone = {.dims = "", .value = best, .flags = LAC_SINGLE};
     const bool any = r->chain != NULL && r->chain->steps > 0;
+    const lac_laid beside = {LAC_VARIABLES(beside_draws, "", sizeof(lac_fit_unknown)), r->unknown};
     lac_status status = LAC_OK;
     for (size_t k = 0; k < r->unknowns && status == LAC_OK; k++) {
         char name[NAME], title[TITLE];
@@ -259,7 +209,7 @@ static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *
         const lac_named named = {name, title, r->unknown[k].unit, k};
         status = lac_dataset_add_named(d, any ? &drawn : &alone, &named, r, err);
         if (status == LAC_OK) {
-            lac_dataset_attributes(d, &attributes, r->unknown);
+            lac_dataset_attributes(d, &beside);
         }
     }
     return status;
@@ -267,6 +217,20 @@ static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *
 
 lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_error *err)
 {
+    const lac_fit_result *r = o->result;
+    const lac_extent dims[] = {{"chain", r->chain != NULL ? r->chain->walkers : 0},
+                               {"draw", r->chain != NULL ? r->chain->steps : 0},
+                               {"quantile", LAC_FIT_QUANTILES},
+                               {"prediction", r->times},
+                               {"reading", r->readings},
+                               {"sample", r->draws},
+                               {"unknown", r->unknowns},
+                               {"parameter", r->parameters}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_data, "", 0), r},
+        {LAC_VARIABLES(of_unknowns, "unknown", sizeof(lac_fit_unknown)), r->unknown},
+        {LAC_VARIABLES(of_result, "", 0), r},
+        {LAC_VARIABLES(of_outcome, "", 0), o}};
     lac_dataset *d = NULL;
     lac_status status;
     *out = NULL;
@@ -274,12 +238,10 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
                                "of the posterior, predicted series and times of failure.",
                                &d, err));
     lac_dataset_clock(d, o->source->dated, o->source->start_date);
-    LAC_TRY(add_dims(d, o->result, err));
-    LAC_TRY(lac_dataset_add(d, &data, o->result, err));
-    LAC_TRY(lac_dataset_add(d, &unknowns, o->result->unknown, err));
-    LAC_TRY(add_draws(d, o->result, err));
-    LAC_TRY(lac_dataset_add(d, &result, o->result, err));
-    LAC_TRY(lac_dataset_add(d, &outcome, o, err));
+    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
+    lac_dataset_label(d, "parameter", key_of, r);
+    LAC_TRY(add_draws(d, r, err));
+    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
     *out = d;
     d = NULL;
 out:

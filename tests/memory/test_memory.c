@@ -129,22 +129,17 @@ static lac_status whole_cascade(const char *path, lac_error *err)
     lac_case *c = NULL;
     lac_case_report report = {0};
     lac_scene_rg rg = {0};
+    lac_dataset *dataset = NULL;
     const lac_case_request how = {.purpose = LAC_FOR_RG};
     const lac_provenance provenance = {.title = "cascading", .seed = 1};
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
     LAC_TRY(lac_scene_rg_run(c, NULL, &rg, err));
-    const lac_rg_view view = {.rule = "fix",
-                              .field = "elastic",
-                              .grid = &rg.grid,
-                              .domain = rg.domain,
-                              .betas = rg.betas,
-                              .beta = rg.beta,
-                              .result = rg.result,
-                              .interface = rg.interface,
-                              .strength = rg.strength};
-    LAC_TRY(lac_store_rg(path, true, &provenance, &view, err));
+    const lac_rg_outcome outcome = {.source = c, .rg = &rg};
+    LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
+    LAC_TRY(lac_store_dataset(path, true, &provenance, dataset, err));
 out:
+    lac_dataset_free(dataset);
     lac_scene_rg_clear(&rg);
     lac_case_free(c);
     lac_case_report_clear(&report);

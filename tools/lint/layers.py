@@ -60,7 +60,6 @@ HEADERS = {
     "store_cells": "store",
     "store_file": "store",
     "store_checkpoint": "store",
-    "store_rg": "store",
     "recording": "store",
     "scene_record": "trade",
     "accuracy": "trade",
