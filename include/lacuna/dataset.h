@@ -96,12 +96,19 @@ lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size
 void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *label,
                        const void *of);
 
-/// The clock of its times in a file: seconds since `start` or, where not dated, since 0.
-/// @param start  [s] since 1970 of the results' time 0
-void lac_dataset_clock(lac_dataset *dataset, bool dated, double start);
+/// What times count from in a file.
+typedef enum lac_clock {
+    LAC_CLOCK_NONE = 0, ///< from the results' own zero
+    LAC_CLOCK_START,    ///< the same, which is a date
+    LAC_CLOCK_1970      ///< results and file count from 1970
+} lac_clock;
 
-/// The start of that clock, and what the dataset is. @return whether it is dated
-bool lac_dataset_start(const lac_dataset *dataset, double *start);
+/// Sets the clock of its times in a file.
+/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START
+void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
+
+/// That clock, and what the dataset is.
+lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start);
 const char *lac_dataset_summary(const lac_dataset *dataset);
 
 /// A table and the result that it is laid on, which must outlive the dataset.
@@ -116,8 +123,9 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
 
 /// A variable whose name the result gives.
 typedef struct lac_named {
-    const char *name, *long_name, *unit; ///< copied, but for the unit
-    size_t which;                        ///< handed to its getters behind the places
+    const char *name, *long_name; ///< copied
+    const char *unit, *comment;   ///< as they are
+    size_t which;                 ///< handed to its getters behind the places
 } lac_named;
 
 /// Adds one. @param row  all else that is told of it
@@ -132,7 +140,7 @@ void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
 /// One variable as it is asked for. It holds until the dataset is freed or added to.
 typedef struct lac_item {
     const lac_variable *row;
-    const char *name, *long_name, *unit;
+    const char *name, *long_name, *unit, *comment;
     size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all
     const char *dim[LAC_MOST_DIMS];            ///< names
     bool is_text;

@@ -39,7 +39,6 @@
 #include "lacuna/store_cells.h"
 #include "lacuna/store_checkpoint.h"
 #include "lacuna/store_events.h"
-#include "lacuna/store_forecast.h"
 #include "lacuna/store_map.h"
 #include "lacuna/surface.h"
 #include "lacuna/tangential.h"

@@ -65,16 +65,16 @@ void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *l
     found->of = of;
 }
 
-void lac_dataset_clock(lac_dataset *dataset, bool dated, double start)
+void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
 {
-    dataset->dated = dated;
+    dataset->clock = clock;
     dataset->start = start;
 }
 
-bool lac_dataset_start(const lac_dataset *dataset, double *start)
+lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start)
 {
     *start = dataset->start;
-    return dataset->dated;
+    return dataset->clock;
 }
 
 const char *lac_dataset_summary(const lac_dataset *dataset) { return dataset->summary; }
@@ -119,6 +119,7 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                              .name = strdup(named->name),
                              .long_name = strdup(named->long_name),
                              .unit = named->unit,
+                             .comment = named->comment,
                              .which = named->which};
     lac_status status =
         entry.name != NULL && entry.long_name != NULL ? LAC_OK : lac_fail_memory(err);
@@ -240,6 +241,7 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
                       .name = entry->name != NULL ? entry->name : entry->row->name,
                       .long_name = entry->name != NULL ? entry->long_name : entry->row->long_name,
                       .unit = entry->name != NULL ? entry->unit : entry->row->unit,
+                      .comment = entry->name != NULL ? entry->comment : entry->row->comment,
                       .rank = lac_entry_dims(dataset, entry, dim),
                       .count = 1,
                       .is_text = lac_entry_is_text(entry),

@@ -20,14 +20,14 @@ typedef struct lac_entry {
     size_t stride;
     const void *of;
     char *name, *long_name; ///< owned; NULL: the row's
-    const char *unit;
+    const char *unit, *comment;
     size_t which;
     lac_laid attributes;
 } lac_entry;
 
 struct lac_dataset {
     const char *summary;
-    bool dated;
+    lac_clock clock;
     double start;
     size_t dims, entries, room;
     lac_dim *dim;

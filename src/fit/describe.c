@@ -206,7 +206,7 @@ static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *
         const char *key = r->unknown[k].key;
         name_of(key, name);
         (void)snprintf(title, sizeof title, "%s of %s", any ? "posterior draws" : "best fit", key);
-        const lac_named named = {name, title, r->unknown[k].unit, k};
+        const lac_named named = {name, title, r->unknown[k].unit, NULL, k};
         status = lac_dataset_add_named(d, any ? &drawn : &alone, &named, r, err);
         if (status == LAC_OK) {
             lac_dataset_attributes(d, &beside);
@@ -237,7 +237,8 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     LAC_TRY(lac_dataset_create("Parameters of a creep model fitted to a monitoring series: draws "
                                "of the posterior, predicted series and times of failure.",
                                &d, err));
-    lac_dataset_clock(d, o->source->dated, o->source->start_date);
+    lac_dataset_set_clock(d, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
+                          o->source->start_date);
     LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
     lac_dataset_label(d, "parameter", key_of, r);
     LAC_TRY(add_draws(d, r, err));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as a netCDF-4 file, written in one go.
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,24 +10,27 @@
 #include "base/date.h"
 #include "store/nc.h"
 
-enum { UNIT = 64, MEANINGS = 512 };
+enum { UNIT = 64, MEANINGS = 512, MOST_MEANINGS = 64 };
 
 typedef struct writer {
     const lac_nc *file;
     const lac_dataset *dataset;
+    lac_clock clock;
     char unit[UNIT]; // of times
     double shift;    // what the unit's whole second leaves of the start [s]
     double *values;  // room for the largest variable
 } writer;
 
-// CF's dates count from a whole second.
+// A date counts from a whole second.
 static void set_clock(writer *w)
 {
     char date[32] = "";
     double start = 0.0;
-    const bool dated = lac_dataset_start(w->dataset, &start);
-    (void)snprintf(w->unit, sizeof w->unit, "s");
-    if (dated && lac_date_format(floor(start), date, sizeof date)[0] != '\0') {
+    w->clock = lac_dataset_clock(w->dataset, &start);
+    (void)snprintf(w->unit, sizeof w->unit, "%s",
+                   w->clock == LAC_CLOCK_1970 ? "seconds since 1970-01-01 00:00:00" : "s");
+    if (w->clock == LAC_CLOCK_START &&
+        lac_date_format(floor(start), date, sizeof date)[0] != '\0') {
         (void)snprintf(w->unit, sizeof w->unit, "seconds since %s", date);
         w->shift = start - floor(start);
     }
@@ -95,39 +99,122 @@ static lac_status put_strings(const writer *w, const lac_item *item, int id, lac
     return status;
 }
 
-static lac_status define(const writer *w, const lac_item *item, nc_type type, int rank,
-                         const int *dims, int *id, lac_error *err)
+// Texts over dimensions as rows of characters, as long as the longest needs.
+static lac_status put_characters(const writer *w, const lac_item *item, int id, size_t length,
+                                 lac_error *err)
+{
+    char room[LAC_TEXT_ROOM];
+    char *all = calloc(item->count, length);
+    if (all == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < item->count; i++) {
+        const char *text = lac_item_text(item, i, room);
+        memcpy(all + i * length, text != NULL ? text : "", text != NULL ? strlen(text) : 0);
+    }
+    errno = 0;
+    lac_status status = lac_nc_check(w->file->path, nc_put_var_text(w->file->id, id, all), err,
+                                     "write", item->name);
+    free(all);
+    return status == LAC_OK ? lac_nc_text(w->file, id, "_Encoding", "utf-8", err) : status;
+}
+
+// The places of a dimension as flags: readers of netCDF-3 and -4 alike take them.
+static lac_status put_meanings(const writer *w, const lac_item *item, int id, lac_error *err)
+{
+    char meanings[MEANINGS] = "", room[LAC_TEXT_ROOM];
+    int values[MOST_MEANINGS];
+    assert(item->count <= MOST_MEANINGS);
+    for (size_t i = 0; i < item->count; i++) {
+        const size_t used = strlen(meanings);
+        values[i] = (int)i;
+        (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "",
+                       lac_item_text(item, i, room));
+    }
+    int code = nc_put_att_int(w->file->id, id, "flag_values", NC_INT, item->count, values);
+    code = code == NC_NOERR ? nc_put_var_int(w->file->id, id, values) : code;
+    lac_status status = lac_nc_check(w->file->path, code, err, "write", item->name);
+    return status == LAC_OK ? lac_nc_text(w->file, id, "flag_meanings", meanings, err) : status;
+}
+
+static size_t longest_text(const lac_item *item)
+{
+    char room[LAC_TEXT_ROOM];
+    size_t longest = 1;
+    for (size_t i = 0; i < item->count; i++) {
+        const char *text = lac_item_text(item, i, room);
+        const size_t length = text != NULL ? strlen(text) : 0;
+        longest = length > longest ? length : longest;
+    }
+    return longest;
+}
+
+static nc_type type_of(const lac_item *item)
+{
+    const unsigned flags = item->row->flags;
+    if (item->is_text && (flags & LAC_MEANINGS) == 0) {
+        return (flags & LAC_CHARS) != 0 ? NC_CHAR : NC_STRING;
+    }
+    return (flags & (LAC_WHOLE | LAC_MEANINGS)) != 0 ? NC_INT : NC_DOUBLE;
+}
+
+static lac_status define(const writer *w, const lac_item *item, int rank, const int *dims, int *id,
+                         lac_error *err)
 {
     const lac_variable *row = item->row;
-    const char *unit = (row->flags & LAC_TIME) != 0 ? w->unit
-                       : item->unit != NULL         ? item->unit
-                                                    : "1";
+    const nc_type type = type_of(item);
+    const bool is_time = (row->flags & LAC_TIME) != 0;
+    const bool dated = is_time && w->clock == LAC_CLOCK_1970;
+    const bool number = type == NC_INT || type == NC_DOUBLE;
+    const char *unit = is_time ? w->unit : item->unit != NULL ? item->unit : "1";
     const lac_nc_var var = {.name = item->name,
-                            .unit = item->is_text && type != NC_INT ? NULL : unit,
+                            .unit = number ? unit : NULL,
                             .long_name = item->long_name,
-                            .comment = row->comment,
+                            .standard_name = dated ? "time" : NULL,
+                            .comment = item->comment,
                             .coordinates = row->coordinates,
                             .type = type,
                             .fill = (row->flags & LAC_MISSING) != 0};
-    return lac_nc_define(w->file, &var, rank, dims, NULL, rank > 1 ? 1 : 0, id, err);
+    lac_status status = lac_nc_define(w->file, &var, rank, dims, NULL, rank > 1 ? 1 : 0, id, err);
+    return status == LAC_OK && dated
+               ? lac_nc_text(w->file, *id, "calendar", "proleptic_gregorian", err)
+               : status;
+}
+
+// One that only JSON knows stands in no file.
+static lac_status find_dim(const writer *w, const char *name, size_t length, int *dim,
+                           lac_error *err)
+{
+    return nc_inq_dimid(w->file->id, name, dim) == NC_NOERR
+               ? LAC_OK
+               : lac_nc_dim(w->file, name, length, dim, err);
 }
 
 static lac_status put_variable(const writer *w, const lac_item *item, lac_error *err)
 {
-    const nc_type type = item->is_text                         ? NC_STRING
-                         : (item->row->flags & LAC_WHOLE) != 0 ? NC_INT
-                                                               : NC_DOUBLE;
-    int dims[LAC_MOST_DIMS];
+    const nc_type type = type_of(item);
+    const size_t length = type == NC_CHAR ? longest_text(item) : 0;
+    int dims[LAC_MOST_DIMS + 1];
+    int rank = (int)item->rank;
     int id = 0;
     lac_status status = LAC_OK;
-    for (size_t d = 0; d < item->rank; d++) {
-        // One that only JSON knows stands in no file.
-        if (nc_inq_dimid(w->file->id, item->dim[d], &dims[d]) != NC_NOERR) {
-            LAC_TRY(lac_nc_dim(w->file, item->dim[d], item->length[d], &dims[d], err));
-        }
+    for (int d = 0; d < rank; d++) {
+        LAC_TRY(find_dim(w, item->dim[d], item->length[d], &dims[d], err));
     }
-    LAC_TRY(define(w, item, type, (int)item->rank, dims, &id, err));
-    LAC_TRY(item->is_text ? put_strings(w, item, id, err) : put_numbers(w, item, id, err));
+    if (type == NC_CHAR) {
+        char name[NC_MAX_NAME];
+        (void)snprintf(name, sizeof name, "%s_length", item->name);
+        LAC_TRY(find_dim(w, name, length, &dims[rank++], err));
+    }
+    LAC_TRY(define(w, item, rank, dims, &id, err));
+    if (!item->is_text) {
+        LAC_TRY(put_numbers(w, item, id, err));
+    } else if (type == NC_INT) {
+        LAC_TRY(put_meanings(w, item, id, err));
+    } else {
+        LAC_TRY(type == NC_CHAR ? put_characters(w, item, id, length, err)
+                                : put_strings(w, item, id, err));
+    }
     LAC_TRY(put_attributes(w, item, id, err));
 out:
     return status;

@@ -50,7 +50,6 @@ HEADERS = {
     "version": "base",
     "motion": "series",
     "hindcast": "forecast",
-    "store_forecast": "store",
     "store_events": "store",
     "problem": "model",
     "rg_map": "rg",
