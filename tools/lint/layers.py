@@ -62,7 +62,6 @@ HEADERS = {
     "recording": "store",
     "scene_record": "trade",
     "accuracy": "trade",
-    "store_trade": "store",
     "sampler": "fit",
     "foresee": "fit",
     "sensitivity": "run",
