@@ -11,8 +11,8 @@
 LAC_BEGIN_C
 
 enum {
-    LAC_MOST_DIMS = 3, ///< of a variable
-    LAC_TEXT_ROOM = 64 ///< bytes that a text made on demand may take
+    LAC_MOST_DIMS = 3,  ///< of a variable
+    LAC_TEXT_ROOM = 256 ///< bytes that a text made on demand may take
 };
 
 /// One value of a result. NaN and infinity are missing.
@@ -159,6 +159,9 @@ bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *it
 
 /// All values of a variable. @param out  [item->count] NaN or infinite: missing
 void lac_item_values(const lac_item *item, double *out);
+
+/// The array that holds all its values as they are, in their order; NULL: they are in none.
+const double *lac_item_array(const lac_item *item);
 
 /// One of its texts. @param place  of item->count @return NULL: missing
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM]);

@@ -288,6 +288,11 @@ void lac_item_values(const lac_item *item, double *out)
     }
 }
 
+const double *lac_item_array(const lac_item *item)
+{
+    return item->row->held == LAC_HELD_REALS ? array(item->entry) : NULL;
+}
+
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM])
 {
     size_t at[LAC_MOST_DIMS + 1] = {0};

@@ -10,7 +10,7 @@
 #include "base/date.h"
 #include "store/nc.h"
 
-enum { UNIT = 64, MEANINGS = 512, MOST_MEANINGS = 64 };
+enum { UNIT = 64, MEANINGS = 512, MOST_MEANINGS = 64, CHUNK = 1 << 18 /* values, about 2 MB */ };
 
 typedef struct writer {
     const lac_nc *file;
@@ -68,18 +68,33 @@ static lac_status put_global(const writer *w, const lac_item *item, lac_error *e
                          (item->row->flags & LAC_WHOLE) != 0, err);
 }
 
-static lac_status put_numbers(const writer *w, const lac_item *item, int id, lac_error *err)
+// Large maps are not copied.
+static bool is_written_as_it_is(const lac_item *item)
 {
+    return lac_item_array(item) != NULL && (item->row->flags & (LAC_MISSING | LAC_TIME)) == 0;
+}
+
+// What is missing, filled in; times on the file's clock.
+static const double *values_of(const writer *w, const lac_item *item)
+{
+    const bool whole = (item->row->flags & LAC_WHOLE) != 0;
     const double shift = (item->row->flags & LAC_TIME) != 0 ? w->shift : 0.0;
+    if (is_written_as_it_is(item)) {
+        return lac_item_array(item);
+    }
     lac_item_values(item, w->values);
     for (size_t i = 0; i < item->count; i++) {
-        const bool known = isfinite(w->values[i]);
-        const double missing = (item->row->flags & LAC_WHOLE) != 0 ? NC_FILL_INT : NC_FILL_DOUBLE;
-        w->values[i] = known ? w->values[i] + shift : missing;
+        const double missing = whole ? NC_FILL_INT : NC_FILL_DOUBLE;
+        w->values[i] = isfinite(w->values[i]) ? w->values[i] + shift : missing;
     }
+    return w->values;
+}
+
+static lac_status put_numbers(const writer *w, const lac_item *item, int id, lac_error *err)
+{
     errno = 0;
-    return lac_nc_check(w->file->path, nc_put_var_double(w->file->id, id, w->values), err, "write",
-                        item->name);
+    return lac_nc_check(w->file->path, nc_put_var_double(w->file->id, id, values_of(w, item)), err,
+                        "write", item->name);
 }
 
 static lac_status put_strings(const writer *w, const lac_item *item, int id, lac_error *err)
@@ -158,6 +173,18 @@ static nc_type type_of(const lac_item *item)
     return (flags & (LAC_WHOLE | LAC_MEANINGS)) != 0 ? NC_INT : NC_DOUBLE;
 }
 
+// Whole rows of a map. @return false: netCDF chooses
+static bool choose_chunk(const lac_item *item, size_t chunk[LAC_MOST_DIMS])
+{
+    if (item->rank != 2 || item->is_text || item->count <= CHUNK) {
+        return false;
+    }
+    const size_t rows = CHUNK / item->length[1];
+    chunk[0] = rows < 1 ? 1 : rows < item->length[0] ? rows : item->length[0];
+    chunk[1] = item->length[1] < CHUNK ? item->length[1] : CHUNK;
+    return true;
+}
+
 static lac_status define(const writer *w, const lac_item *item, int rank, const int *dims, int *id,
                          lac_error *err)
 {
@@ -175,7 +202,9 @@ static lac_status define(const writer *w, const lac_item *item, int rank, const 
                             .coordinates = row->coordinates,
                             .type = type,
                             .fill = (row->flags & LAC_MISSING) != 0};
-    lac_status status = lac_nc_define(w->file, &var, rank, dims, NULL, rank > 1 ? 1 : 0, id, err);
+    size_t chunk[LAC_MOST_DIMS];
+    const size_t *chosen = choose_chunk(item, chunk) ? chunk : NULL;
+    lac_status status = lac_nc_define(w->file, &var, rank, dims, chosen, rank > 1 ? 1 : 0, id, err);
     return status == LAC_OK && dated
                ? lac_nc_text(w->file, *id, "calendar", "proleptic_gregorian", err)
                : status;
@@ -220,12 +249,10 @@ out:
     return status;
 }
 
-static lac_status put_all(const lac_nc *file, void *context, lac_error *err)
+static lac_status put_all(writer *w, lac_error *err)
 {
-    writer *w = context;
     lac_item item = {0};
     lac_status status = LAC_OK;
-    w->file = file;
     while (lac_dataset_next(w->dataset, &item)) {
         const bool global = item.rank == 0 && (item.row->flags & LAC_SINGLE) == 0;
         LAC_TRY(global ? put_global(w, &item, err) : put_variable(w, &item, err));
@@ -234,21 +261,29 @@ out:
     return status;
 }
 
-lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_dataset *dataset, lac_error *err)
+lac_status lac_nc_dataset(const lac_nc *file, const lac_dataset *dataset, lac_error *err)
 {
-    writer w = {.dataset = dataset};
+    writer w = {.file = file, .dataset = dataset};
     lac_item item = {0};
     size_t most = 1;
     set_clock(&w);
     while (lac_dataset_next(dataset, &item)) {
-        most = item.count > most ? item.count : most;
+        most = !is_written_as_it_is(&item) && item.count > most ? item.count : most;
     }
     w.values = malloc(most * sizeof *w.values);
-    const char *summary = lac_dataset_summary(dataset);
-    lac_status status = w.values != NULL
-                            ? lac_nc_write(path, force, provenance, summary, put_all, &w, err)
-                            : lac_fail_memory(err);
+    lac_status status = w.values != NULL ? put_all(&w, err) : lac_fail_memory(err);
     free(w.values);
     return status;
+}
+
+static lac_status put(const lac_nc *file, void *context, lac_error *err)
+{
+    const lac_dataset *const *dataset = context;
+    return lac_nc_dataset(file, *dataset, err);
+}
+
+lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_dataset *dataset, lac_error *err)
+{
+    return lac_nc_write(path, force, provenance, lac_dataset_summary(dataset), put, &dataset, err);
 }

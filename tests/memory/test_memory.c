@@ -75,15 +75,14 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
 {
     lac_history_store *store = NULL;
     lac_history_result result;
+    lac_dataset *dataset = NULL;
     lac_status status = LAC_OK;
+    LAC_TRY(lac_contact_describe(&(lac_contact_outcome){.contact = contact}, &dataset, err));
     const lac_history_store_def def = {.path = path,
                                        .force = true,
                                        .provenance = {.title = "sheared", .seed = 1},
-                                       .contact = {.grid = &contact->grid,
-                                                   .heights = contact->heights,
-                                                   .gap = contact->gap,
-                                                   .pressure = contact->pressure,
-                                                   .report = &contact->report},
+                                       .contact = dataset,
+                                       .grid = &contact->grid,
                                        .friction = c->history.friction,
                                        .method = "direct",
                                        .keep = LAC_KEEP_ALL,
@@ -94,6 +93,7 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
     LAC_TRY(lac_history_store_finish(store, "complete", err));
 out:
     lac_history_store_free(store);
+    lac_dataset_free(dataset);
     return status;
 }
 
@@ -199,8 +199,7 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
     LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
-    const lac_contact_view view = {.grid = &contact.grid, .pressure = contact.pressure};
-    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+    LAC_TRY(store_contact(&contact, path, &provenance, err));
     LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
     const lac_rg_cells given = {cells.domain, cells.shear, cells.time};
