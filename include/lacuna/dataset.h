@@ -31,7 +31,8 @@ typedef enum lac_held {
     LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
     LAC_HELD_BOOL,  ///< a bool
     LAC_HELD_TEXT,  ///< a const char *
-    LAC_HELD_REALS, ///< a const double * to all values; NULL: the variable is left out
+    LAC_HELD_REALS, ///< a const double * to all values (of one place along the first dimension, if
+                    ///< there is a stride or pointers); NULL: the variable is left out
 } lac_held;
 
 enum {
@@ -68,6 +69,7 @@ typedef struct lac_variables {
     size_t rows;
     const char *over; ///< dimensions of rows that name none; "": one value
     size_t stride;    ///< of what is held along the first dimension [bytes]; 0: it is held once
+    bool pointers;    ///< along the first dimension stand pointers to what holds
 } lac_variables;
 
 /// Named variables with units, dimensions and attributes: what a result is written from, as netCDF,
@@ -114,7 +116,7 @@ const char *lac_dataset_summary(const lac_dataset *dataset);
 /// A table and the result that it is laid on, which must outlive the dataset.
 typedef struct lac_laid {
     lac_variables table;
-    const void *of; ///< NULL: the table is left out
+    const void *of; ///< NULL: all of it is missing, and null in JSON
 } lac_laid;
 
 /// Adds the variables of tables.

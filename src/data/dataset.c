@@ -99,10 +99,11 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
     lac_status status = LAC_OK;
     for (size_t k = 0; k < n; k++) {
         const lac_variables *table = &laid[k].table;
-        for (size_t i = 0; laid[k].of != NULL && i < table->rows && status == LAC_OK; i++) {
+        for (size_t i = 0; i < table->rows && status == LAC_OK; i++) {
             const lac_entry entry = {.row = &table->row[i],
                                      .over = table->over,
                                      .stride = table->stride,
+                                     .pointers = table->pointers,
                                      .of = laid[k].of};
             status = add_entry(dataset, &entry, err);
         }
@@ -154,15 +155,20 @@ size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
 // What is held along the first dimension, or that one of `which`.
 static const char *held(const lac_entry *entry, const size_t *at)
 {
-    return (const char *)entry->of + at[0] * entry->stride + entry->row->offset;
+    const void *from = entry->of;
+    if (entry->pointers) {
+        memcpy(&from, (const char *)entry->of + at[0] * sizeof from, sizeof from);
+    }
+    return (const char *)from + at[0] * entry->stride + entry->row->offset;
 }
 
 // Where the values are that are held as one array; NULL: there is none.
-static const double *array(const lac_entry *entry)
+static const double *array(const lac_entry *entry, const size_t *at)
 {
-    const size_t first[1] = {0};
-    const double *values;
-    memcpy(&values, held(entry, first), sizeof values);
+    const double *values = NULL;
+    if (entry->of != NULL) {
+        memcpy(&values, held(entry, at), sizeof values);
+    }
     return values;
 }
 
@@ -187,7 +193,7 @@ static double held_number(const lac_entry *entry, const size_t *at, size_t place
         memcpy(&truth, from, sizeof truth);
         return truth ? 1.0 : 0.0;
     case LAC_HELD_REALS:
-        return array(entry)[place];
+        return array(entry, at)[place];
     default:
         return NAN;
     }
@@ -195,6 +201,9 @@ static double held_number(const lac_entry *entry, const size_t *at, size_t place
 
 double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place)
 {
+    if (entry->of == NULL) {
+        return NAN;
+    }
     return entry->row->value != NULL ? entry->row->value(entry->of, at)
                                      : held_number(entry, at, place);
 }
@@ -206,7 +215,10 @@ bool lac_entry_is_text(const lac_entry *entry)
 
 const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM])
 {
-    const char *text;
+    const char *text = NULL;
+    if (entry->of == NULL) {
+        return NULL;
+    }
     if (entry->row->text != NULL) {
         return entry->row->text(entry->of, at, room);
     }
@@ -216,8 +228,8 @@ const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[L
 
 bool lac_entry_has(const lac_entry *entry, const size_t *at)
 {
-    return (entry->row->has == NULL || entry->row->has(entry->of, at)) &&
-           (entry->row->held != LAC_HELD_REALS || array(entry) != NULL);
+    return entry->of != NULL && (entry->row->has == NULL || entry->row->has(entry->of, at)) &&
+           (entry->row->held != LAC_HELD_REALS || array(entry, at) != NULL);
 }
 
 // The next place, the last dimension fastest.
@@ -282,15 +294,19 @@ void lac_item_values(const lac_item *item, double *out)
 {
     size_t at[LAC_MOST_DIMS + 1] = {0};
     at[item->rank] = item->entry->which;
+    const bool many = item->entry->stride > 0 || item->entry->pointers;
+    const size_t each = many && item->rank > 0 ? item->count / item->length[0] : item->count;
     for (size_t i = 0; i < item->count; i++) {
-        out[i] = lac_entry_number(item->entry, at, i);
+        out[i] = lac_entry_number(item->entry, at, i % each);
         step(item, at);
     }
 }
 
 const double *lac_item_array(const lac_item *item)
 {
-    return item->row->held == LAC_HELD_REALS ? array(item->entry) : NULL;
+    const size_t first[] = {0};
+    const bool one = item->entry->stride == 0 && !item->entry->pointers;
+    return item->row->held == LAC_HELD_REALS && one ? array(item->entry, first) : NULL;
 }
 
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM])

@@ -18,6 +18,7 @@ typedef struct lac_entry {
     const lac_variable *row;
     const char *over;
     size_t stride;
+    bool pointers;
     const void *of;
     char *name, *long_name; ///< owned; NULL: the row's
     const char *unit, *comment;

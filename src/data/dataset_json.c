@@ -59,8 +59,9 @@ static const lac_dim *next_dim(const group *g)
 static size_t place_of(const group *g, const lac_entry *entry)
 {
     const lac_dim *dim[LAC_MOST_DIMS];
+    const size_t own = entry->stride > 0 || entry->pointers ? 1 : 0; // not of the array
     size_t place = 0;
-    for (size_t d = 0, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
+    for (size_t d = own, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
         place = place * dim[d]->extent.length + g->at[d];
     }
     return place;
@@ -71,6 +72,8 @@ static void write_value(const group *g, const lac_entry *entry, const char *key,
     char room[LAC_TEXT_ROOM];
     if (lac_entry_is_text(entry)) {
         lac_json_text(json, key, lac_entry_text(entry, g->at, room));
+    } else if (entry->of == NULL) {
+        lac_json_null(json, key);
     } else if (entry->row->held == LAC_HELD_BOOL || (entry->row->flags & LAC_TRUTH) != 0) {
         lac_json_boolean(json, key, lac_entry_number(entry, g->at, 0) != 0.0);
     } else {
@@ -82,7 +85,7 @@ static void write_value(const group *g, const lac_entry *entry, const char *key,
 static void write_leaf(const group *g, const char *key, lac_json *json)
 {
     if (g->count == 1) {
-        if (lac_entry_has(g->entry[0], g->at)) {
+        if (g->entry[0]->of == NULL || lac_entry_has(g->entry[0], g->at)) {
             write_value(g, g->entry[0], key, json);
         }
         return;

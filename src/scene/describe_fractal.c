@@ -15,6 +15,21 @@
     SCALING;       \
     const lac_resolution *r = &s->at[at[0]]
 
+static const char *fractal_unit(const lac_scene_contact *c, const char *format,
+                                char room[LAC_TEXT_ROOM])
+{
+    (void)snprintf(room, LAC_TEXT_ROOM, "%s%.3f", format, c->fractal.scaling.dimension);
+    return c->fractal.scaled ? room : NULL;
+}
+
+// The fit with no resolution left out.
+static double fitted_whole(const lac_scene_contact *c, size_t offset)
+{
+    lac_scaling whole = c->fractal.scaling;
+    const bool fits = c->fractal.scaled && lac_scaling_fit(&whole, 0, NULL) == LAC_OK;
+    return fits ? *(const double *)(const void *)((const char *)&whole + offset) : NAN;
+}
+
 LAC_GETTER(bool, counted, CONTACT, c->counted)
 LAC_GETTER(double, d_box, BOXES, counted(of, at) ? b->dimension : NAN)
 LAC_GETTER(double, d_box_error, BOXES, counted(of, at) ? b->error : NAN)
@@ -70,22 +85,9 @@ LAC_TEXT_GETTER(none, CONTACT, c->fractal.scaled ? NULL : c->fractal.why.message
 LAC_TEXT_GETTER(coarsening, CONTACT,
                 c->fractal.scaled ? lac_coarsening_text(c->fractal.scaling.coarsening) : NULL)
 
-static const char *fractal_unit(const lac_scene_contact *c, const char *format,
-                                char room[LAC_TEXT_ROOM])
-{
-    (void)snprintf(room, LAC_TEXT_ROOM, "%s%.3f", format, c->fractal.scaling.dimension);
-    return c->fractal.scaled ? room : NULL;
-}
 LAC_TEXT_GETTER(area_unit, CONTACT, fractal_unit(c, "m^", room))
 LAC_TEXT_GETTER(pressure_unit, CONTACT, fractal_unit(c, "N m^-", room))
 
-// The fit with no resolution left out.
-static double fitted_whole(const lac_scene_contact *c, size_t offset)
-{
-    lac_scaling whole = c->fractal.scaling;
-    const bool fits = c->fractal.scaled && lac_scaling_fit(&whole, 0, NULL) == LAC_OK;
-    return fits ? *(const double *)(const void *)((const char *)&whole + offset) : NAN;
-}
 LAC_GETTER(double, all, CONTACT, fitted_whole(c, offsetof(lac_scaling, dimension)))
 LAC_GETTER(double, all_error, CONTACT, fitted_whole(c, offsetof(lac_scaling, error)))
 LAC_GETTER(double, all_regression, CONTACT,

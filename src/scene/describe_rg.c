@@ -37,43 +37,8 @@ LAC_GETTER(double, places, FIRST, (double)r->places)
 LAC_GETTER(double, joints, FIRST, (double)r->joints)
 LAC_GETTER(double, load, FIRST, r->load[at[0]])
 LAC_GETTER(double, blocks, FIRST, r->blocks[at[0]])
-BETA(critical, r->critical)
-BETA(critical_error, r->critical_error)
-BETA(critical_sd, r->critical_sd)
-BETA(place_sd, r->place_sd)
-BETA(fixed_point, r->fixed_point.value)
-BETA(fixed_point_error, r->fixed_point.error)
-BETA(fixed_point_low, r->fixed_point.low)
-BETA(fixed_point_high, r->fixed_point.high)
-BETA(lambda, r->lambda.value)
-BETA(lambda_error, r->lambda.error)
-BETA(lambda_low, r->lambda.low)
-BETA(lambda_high, r->lambda.high)
-BETA(nu, r->nu.value)
-BETA(nu_error, r->nu.error)
-BETA(nu_low, r->nu.low)
-BETA(nu_high, r->nu.high)
-BETA(intercept, r->map.g)
-BETA(map_points, (double)r->map.points)
-BETA(cluster_holds, r->cluster_law.holds ? 1.0 : 0.0)
-BETA(cluster_exponent, r->cluster_law.exponent)
-BETA(cluster_error, r->cluster_law.error)
-BETA(cluster_curvature, r->cluster_law.curvature)
-BETA(block_holds, r->block_law.holds ? 1.0 : 0.0)
-BETA(block_exponent, r->block_law.exponent)
-BETA(block_error, r->block_law.error)
-BETA(block_curvature, r->block_law.curvature)
-BETA(fraction, r->fraction[at[1] * (r->levels + 1) + at[2]])
-BETA(cluster, r->cluster[at[1]])
-BETA(block, r->block[at[1]])
-BETA(level_blocks, r->blocks[at[1]])
-BETA(slipping, r->slipping[at[1]])
-BETA(begin, r->begin[at[1]])
 BETA(strength, r->size[at[1]].blocks > 0 ? r->size[at[1]].strength : NAN)
 BETA(spread, r->size[at[1]].blocks > 0 ? r->size[at[1]].spread : NAN)
-BETA(cell_load, r->cell_load[at[1]])
-BETA(own_level, r->own_level[at[1]])
-BETA(of_joint, r->of_joint[at[1]])
 BETA(slides_now, r->begin[r->levels])
 BETA(cluster_now, r->cluster[0])
 BETA(block_now, r->block[0])
@@ -148,18 +113,20 @@ LAC_TEXT_GETTER(kind, O, kind_of(o->cells->kind))
 #define T(getter) .text = (getter)
 #define AND(row) .coordinates = (row)
 #define MAYBE .flags = LAC_MISSING
+#define H(kind, field) LAC_HELD(kind, lac_rg_result, field)
 #define RESULT(path) .json = "results[]/" path
-// A number of each beta, in file and JSON.
-#define EACH(name, path, getter, long_name, ...) \
-    LAC_ROW(name, "beta", NULL, long_name, RESULT(path), G(getter), AND("beta"), __VA_ARGS__)
-// In JSON alone, of each beta, and of each beta and level.
-#define ALSO(path, getter)                      \
-    {                                           \
-        RESULT(path), .dims = "beta", G(getter) \
+#define IN_LEVELS(path) .json = "results[]/levels[]/" path
+// A number of each beta, in file and JSON; in JSON alone.
+#define EACH(name, path, field, long_name, ...) \
+    LAC_ROW(name, NULL, NULL, long_name, RESULT(path), H(REAL, field), AND("beta"), __VA_ARGS__)
+#define ALSO(path, kind, field)      \
+    {                                \
+        RESULT(path), H(kind, field) \
     }
-#define LEVEL(path, getter)                                       \
-    {                                                             \
-        RESULT("levels[]/" path), .dims = "beta level", G(getter) \
+// In JSON alone, by a getter.
+#define JSON(path, dims_, getter)                \
+    {                                            \
+        RESULT(path), .dims = (dims_), G(getter) \
     }
 
 static const lac_variable of_all[] = {
@@ -170,6 +137,7 @@ static const lac_variable of_all[] = {
     {.json = "critical_fraction", G(first_fixed_point)},
     {.name = "interfaces", .json = "interfaces", G(joints), .flags = LAC_WHOLE},
     {.name = "places", .json = "places", G(places), .flags = LAC_WHOLE},
+    {.name = "status", T(status)},
 };
 
 static const lac_variable of_mean[] = {
@@ -179,7 +147,7 @@ static const lac_variable of_mean[] = {
     {.json = "d_blocks", LAC_HELD(REAL, lac_rg_interface, dyadic)},
 };
 
-static const lac_variable of_betas[] = {
+static const lac_variable of_joint[] = {
     {.name = "q_nom_Pa", .json = "q_nom_Pa", G(nominal)},
     {RESULT("rule"), .dims = "beta", T(rule)},
     {RESULT("field"), .dims = "beta", T(field)},
@@ -189,90 +157,86 @@ static const lac_variable of_betas[] = {
     LAC_ROW("block_size", "level", "m", "side of a block", G(block_size)),
     LAC_ROW("n_tot", "level", NULL, "blocks that hold a contact cell", G(blocks),
             .comment = "mean over the ensemble"),
+    JSON("levels[]/level", "beta level", level),
+    JSON("levels[]/block_size_m", "beta level", level_size),
+    LAC_ROW("strength", "beta level", "Pa",
+            "shear force on a block when it slips by itself, over its nominal area",
+            IN_LEVELS("strength_Pa"), G(strength), AND("beta block_size"), MAYBE),
+    JSON("levels[]/strength_spread_Pa", "beta level", spread),
+    LAC_ROW("x", "cell", "m", "position of the cell along x", G(x)),
+    LAC_ROW("y", "cell", "m", "position of the cell along y", G(y)),
+    LAC_ROW("pressure", "cell", "Pa", "normal contact pressure", G(pressure), AND("x y"),
+            .comment =
+                "of the last interface of the ensemble; of a run's snapshot less pore pressure"),
+    JSON("first_to_slip/x_m", "beta", first_x),
+    JSON("first_to_slip/y_m", "beta", first_y),
+    JSON("first_to_slip/q_over_q_nom", "beta", first_load),
+};
+
+static const lac_variable of_results[] = {
     EACH("q_crit_over_q_nom", "q_crit_over_q_nom", critical, "critical shear force over f P"),
     EACH("q_crit_error", "q_crit_error", critical_error, "standard error of its mean", MAYBE),
     EACH("q_crit_sd", "q_crit_sd", critical_sd, "its standard deviation among interfaces", MAYBE,
          .comment = "among places of the blocks where there is one interface"),
     EACH("q_crit_sd_of_places", "q_crit_sd_of_places", place_sd,
          "its standard deviation among places of the blocks", MAYBE),
-};
-
-static const lac_variable of_now[] = {
-    ALSO("distance_to_q_crit", distance),
-    ALSO("slides_now", slides_now),
-    ALSO("cluster_length_now_m", cluster_now),
-    ALSO("block_length_now_m", block_now),
-};
-
-static const lac_variable of_map[] = {
-    EACH("critical_fraction", "critical_fraction", fixed_point,
+    EACH("critical_fraction", "critical_fraction", fixed_point.value,
          "unstable fixed point of the map of slipped fractions", MAYBE),
-    EACH("critical_fraction_error", "critical_fraction_error", fixed_point_error,
+    EACH("critical_fraction_error", "critical_fraction_error", fixed_point.error,
          "its standard error, by bootstrap", MAYBE),
-    EACH("critical_fraction_low", "critical_fraction_interval95", fixed_point_low,
+    EACH("critical_fraction_low", "critical_fraction_interval95", fixed_point.low,
          "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("critical_fraction_high", "critical_fraction_interval95", fixed_point_high,
+    EACH("critical_fraction_high", "critical_fraction_interval95", fixed_point.high,
          "upper end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("map_slope", "lambda", lambda, "slope of the map in logits", MAYBE),
-    EACH("map_slope_error", "lambda_error", lambda_error, "its standard error, by bootstrap",
+    EACH("map_slope", "lambda", lambda.value, "slope of the map in logits", MAYBE),
+    EACH("map_slope_error", "lambda_error", lambda.error, "its standard error, by bootstrap",
          MAYBE),
-    EACH("map_slope_low", "lambda_interval95", lambda_low,
+    EACH("map_slope_low", "lambda_interval95", lambda.low,
          "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("map_slope_high", "lambda_interval95", lambda_high,
+    EACH("map_slope_high", "lambda_interval95", lambda.high,
          "upper end of its 95 % interval, by bootstrap", MAYBE),
-    LAC_ROW("map_intercept", "beta", NULL, "intercept of the map in logits", G(intercept),
+    LAC_ROW("map_intercept", NULL, NULL, "intercept of the map in logits", H(REAL, map.g),
             AND("beta"), MAYBE),
-    EACH("exponent", "exponent", nu, "exponent of the correlation length, ln 2 / ln slope", MAYBE),
-    EACH("exponent_error", "exponent_error", nu_error, "its standard error, by bootstrap", MAYBE),
-    EACH("exponent_low", "exponent_interval95", nu_low,
+    EACH("exponent", "exponent", nu.value, "exponent of the correlation length, ln 2 / ln slope",
+         MAYBE),
+    EACH("exponent_error", "exponent_error", nu.error, "its standard error, by bootstrap", MAYBE),
+    EACH("exponent_low", "exponent_interval95", nu.low,
          "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("exponent_high", "exponent_interval95", nu_high,
+    EACH("exponent_high", "exponent_interval95", nu.high,
          "upper end of its 95 % interval, by bootstrap", MAYBE),
-    ALSO("map_points", map_points),
-    EACH("cluster_power_law", "cluster_length/power_law", cluster_holds,
-         "1 where cluster_length follows a power law", .flags = LAC_TRUTH),
-    EACH("cluster_exponent", "cluster_length/exponent", cluster_exponent,
+    ALSO("map_points", COUNT, map.points),
+    LAC_ROW("cluster_power_law", NULL, NULL, "1 where cluster_length follows a power law",
+            RESULT("cluster_length/power_law"), H(BOOL, cluster_law.holds), AND("beta")),
+    EACH("cluster_exponent", "cluster_length/exponent", cluster_law.exponent,
          "slope of ln cluster_length on -ln(1 - Q/Q_crit)", MAYBE),
-    ALSO("cluster_length/exponent_error", cluster_error),
-    ALSO("cluster_length/curvature_over_error", cluster_curvature),
-    {RESULT("block_length/power_law"), .dims = "beta", G(block_holds), .flags = LAC_TRUTH},
-    ALSO("block_length/exponent", block_exponent),
-    ALSO("block_length/exponent_error", block_error),
-    ALSO("block_length/curvature_over_error", block_curvature),
+    ALSO("cluster_length/exponent_error", REAL, cluster_law.error),
+    ALSO("cluster_length/curvature_over_error", REAL, cluster_law.curvature),
+    ALSO("block_length/power_law", BOOL, block_law.holds),
+    ALSO("block_length/exponent", REAL, block_law.exponent),
+    ALSO("block_length/exponent_error", REAL, block_law.error),
+    ALSO("block_length/curvature_over_error", REAL, block_law.curvature),
     LAC_ROW("slip_fraction", "beta load level", NULL, "blocks that slip by themselves, of all",
-            G(fraction), AND("beta load block_size"), .comment = "mean over the ensemble"),
+            H(REALS, fraction), AND("beta load block_size"), .comment = "mean over the ensemble"),
     LAC_ROW("cluster_length", "beta load", "m",
-            "longer side of the largest cluster of slipped cells", G(cluster), AND("beta load")),
+            "longer side of the largest cluster of slipped cells", H(REALS, cluster),
+            AND("beta load")),
     LAC_ROW("block_length", "beta load", "m", "side of the largest block slipped as a whole",
-            G(block), AND("beta load")),
-    LEVEL("level", level),
-    LEVEL("block_size_m", level_size),
-    LEVEL("n_tot", level_blocks),
+            H(REALS, block), AND("beta load")),
+    {IN_LEVELS("n_tot"), .dims = "beta level", H(REALS, blocks)},
     LAC_ROW("n_slip_at_q_crit", "beta level", NULL,
             "blocks that slip by themselves just before the joint slides",
-            RESULT("levels[]/n_slip_at_q_crit"), G(slipping), AND("beta block_size")),
-};
-
-static const lac_variable of_places[] = {
-    LAC_ROW("strength", "beta level", "Pa",
-            "shear force on a block when it slips by itself, over its nominal area",
-            RESULT("levels[]/strength_Pa"), G(strength), AND("beta block_size"), MAYBE),
-    LEVEL("strength_spread_Pa", spread),
-    LAC_ROW("x", "cell", "m", "position of the cell along x", G(x)),
-    LAC_ROW("y", "cell", "m", "position of the cell along y", G(y)),
-    LAC_ROW("pressure", "cell", "Pa", "normal contact pressure", G(pressure), AND("x y"),
-            .comment =
-                "of the last interface of the ensemble; of a run's snapshot less pore pressure"),
+            IN_LEVELS("n_slip_at_q_crit"), H(REALS, slipping), AND("beta block_size")),
     LAC_ROW("slip_load", "beta cell", NULL, "shear force over f P at which the cell has slipped",
-            G(cell_load), AND("beta x y"), MAYBE,
+            H(REALS, cell_load), AND("beta x y"), MAYBE,
             .comment = "of the last interface of the ensemble"),
-    ALSO("first_to_slip/x_m", first_x),
-    ALSO("first_to_slip/y_m", first_y),
-    ALSO("first_to_slip/q_over_q_nom", first_load),
+    LAC_ROW("q_crit_of_interface", "beta interface", NULL,
+            "critical shear force over f P of each interface", RESULT("q_crit_of_interfaces[]"),
+            H(REALS, of_joint), AND("beta interface_seed"),
+            .comment = "mean over the places of the blocks"),
 };
 
-#define JOINT(name, unit, path, kind, field, long_name, ...)                \
-    LAC_ROW(name, "interface", unit, long_name, .json = "ensemble[]/" path, \
+#define JOINT(name, unit, path, kind, field, long_name, ...)         \
+    LAC_ROW(name, NULL, unit, long_name, .json = "ensemble[]/" path, \
             LAC_HELD(kind, lac_rg_interface, field), __VA_ARGS__)
 static const lac_variable of_joints[] = {
     JOINT("interface_seed", NULL, "seed", INT64, seed, "seed of each interface of the ensemble",
@@ -288,22 +252,21 @@ static const lac_variable of_joints[] = {
           "dimension of the grid's own blocks of all levels", AND("interface_seed"), MAYBE),
 };
 
-static const lac_variable of_interfaces[] = {
-    LAC_ROW("q_crit_of_interface", "beta interface", NULL,
-            "critical shear force over f P of each interface", RESULT("q_crit_of_interfaces[]"),
-            G(of_joint), AND("beta interface_seed"),
-            .comment = "mean over the places of the blocks"),
-};
-
 // Only where the cells come from a file.
-static const lac_variable of_origin[] = {
+static const lac_variable of_now[] = {
     LAC_ROW("n_slip_now", "beta level", NULL, "blocks that slip by themselves at the snapshot",
-            RESULT("levels[]/n_slip_now"), G(begin), AND("beta block_size"),
+            IN_LEVELS("n_slip_now"), H(REALS, begin), AND("beta block_size"),
             .comment = "mean over the places of the blocks; of the last level: the share of places "
                        "at which the joint slides"),
     LAC_ROW("own_level", "beta cell", NULL,
             "level of the largest block around the cell that slips by itself at the snapshot",
-            G(own_level), AND("beta x y"), MAYBE),
+            H(REALS, own_level), AND("beta x y"), MAYBE),
+};
+static const lac_variable of_origin[] = {
+    JSON("distance_to_q_crit", "beta", distance),
+    JSON("slides_now", "beta", slides_now),
+    JSON("cluster_length_now_m", "beta", cluster_now),
+    JSON("block_length_now_m", "beta", block_now),
     {.name = "source_file", .json = "source/file", T(file)},
     {.json = "source/kind", T(kind)},
     {.name = "source_status", .json = "source/status", T(source_status)},
@@ -317,7 +280,10 @@ static const lac_variable of_origin[] = {
     {.name = "weakest_gap_Pa", .json = "weakest/gap_Pa", G(weakest_gap)},
 };
 
-static const lac_variable of_end[] = {{.name = "status", T(status)}};
+#define OF_RESULTS(rows_)                                                                         \
+    {                                                                                             \
+        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = "beta", .pointers = true \
+    }
 
 lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac_error *err)
 {
@@ -331,15 +297,13 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_all, "", 0), o},
         {LAC_VARIABLES(of_mean, "", 0), &s->mean},
-        {LAC_VARIABLES(of_betas, "", 0), o},
-        {LAC_VARIABLES(of_now, "", 0), s->now.loaded ? o : NULL},
-        {LAC_VARIABLES(of_map, "", 0), o},
-        {LAC_VARIABLES(of_places, "", 0), o},
+        {LAC_VARIABLES(of_joint, "", 0), o},
+        {OF_RESULTS(of_results), s->result},
         {LAC_VARIABLES(of_joints, "interface", sizeof(lac_rg_interface)), s->interface},
-        {LAC_VARIABLES(of_interfaces, "", 0), o},
-        {LAC_VARIABLES(of_origin, "", 0), o->cells != NULL ? o : NULL},
-        {LAC_VARIABLES(of_end, "", 0), o},
+        {OF_RESULTS(of_now), s->result},
+        {LAC_VARIABLES(of_origin, "", 0), o},
     };
+    const size_t tables = sizeof laid / sizeof *laid - (o->cells != NULL ? 0 : 2);
     lac_dataset *d = NULL;
     lac_status status;
     *out = NULL;
@@ -347,7 +311,7 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
                                "at which shear force, scale by scale, and the critical force.",
                                &d, err));
     LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(lac_dataset_add(d, laid, tables, err));
     *out = d;
     d = NULL;
 out:

@@ -77,7 +77,8 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
     lac_history_result result;
     lac_dataset *dataset = NULL;
     lac_status status = LAC_OK;
-    LAC_TRY(lac_contact_describe(&(lac_contact_outcome){.contact = contact}, &dataset, err));
+    const lac_contact_outcome outcome = {.contact = contact};
+    LAC_TRY(lac_contact_describe(&outcome, &dataset, err));
     const lac_history_store_def def = {.path = path,
                                        .force = true,
                                        .provenance = {.title = "sheared", .seed = 1},
