@@ -2,6 +2,7 @@
 #ifndef LACUNA_FIT_H
 #define LACUNA_FIT_H
 
+#include "lacuna/dataset.h"
 #include "lacuna/linkage.h"
 #include "lacuna/sampler.h"
 #include "lacuna/scene.h"
@@ -96,6 +97,18 @@ typedef struct lac_fit_result {
     const double *draw_failure;  ///< [draws] [s]; NaN: not by time.end
     const lac_chain *chain;      ///< of the coordinates; NULL
 } lac_fit_result;
+
+/// A fit as it is told: what lac_fit_describe lays its tables on.
+typedef struct lac_fit_outcome {
+    const lac_case *source;
+    const lac_fit_result *result;
+    const char *status; ///< complete, interrupted
+} lac_fit_outcome;
+
+/// Its variables, for a file, JSON or page; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_fit_describe(const lac_fit_outcome *outcome, lac_dataset **out, lac_error *err);
 
 /// Who watches a fit. Members may be NULL.
 typedef struct lac_fit_watch {

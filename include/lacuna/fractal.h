@@ -121,6 +121,9 @@ typedef struct lac_resolution {
     double local;    ///< Delta_S between this resolution and the next finer one; NaN at the finest
 } lac_resolution;
 
+/// How coarser grids were made, in words.
+const char *lac_coarsening_text(lac_coarsening coarsening);
+
 /// Area scaling of an interface, A_r ~ r^(2 - Delta_S), and what follows from it.
 typedef struct lac_scaling {
     size_t n;                              ///< resolutions

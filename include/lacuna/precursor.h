@@ -4,7 +4,8 @@
 
 #include <stdint.h>
 
-#include "lacuna/forecast.h"
+#include "lacuna/dataset.h"
+#include "lacuna/hindcast.h"
 #include "lacuna/linkage.h"
 
 LAC_BEGIN_C
@@ -161,6 +162,25 @@ typedef struct lac_slowing {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err);
+
+/// Forecasts and indicators as they are told. Texts are borrowed and may be NULL.
+typedef struct lac_forecast_outcome {
+    const char *source;             ///< the file that they are of
+    const char *attribution;        ///< of its data
+    bool dated;                     ///< times are seconds since 1970 UTC
+    double failed_at;               ///< [s]; NaN: not known; INFINITY: never
+    const lac_outlook *outlook;     ///< at the last reading
+    const lac_rolling *rolling;     ///< NULL: the outlook alone is told
+    bool interrupted;               ///< rolling has not all issue times that it should have
+    size_t indicators;              ///< kinds of them; 0: none
+    const lac_precursor *indicator; ///< [issue times][indicators]
+} lac_forecast_outcome;
+
+/// Their variables, for a file; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
+                                 lac_error *err);
 
 LAC_END_C
 

@@ -2,9 +2,11 @@
 #ifndef LACUNA_SCENE_RG_H
 #define LACUNA_SCENE_RG_H
 
+#include "lacuna/dataset.h"
 #include "lacuna/linkage.h"
 #include "lacuna/rg_study.h"
 #include "lacuna/scene.h"
+#include "lacuna/store_cells.h"
 
 LAC_BEGIN_C
 
@@ -61,6 +63,29 @@ typedef struct lac_rg_cells {
 ///         normal stress); LAC_ENOMEM
 lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_scene_rg *out,
                               lac_error *err);
+
+/// The names of rule and field as a case has them.
+const char *lac_scene_rg_rule(const lac_case *c);
+const char *lac_scene_rg_field(const lac_case *c);
+
+/// The cell of the last interface that slips at the least load, of ties the one that is pressed
+/// least.
+/// @param place  its centre [m]; NaN where none slips
+/// @return SIZE_MAX where none slips
+size_t lac_scene_rg_first(const lac_scene_rg *rg, const lac_rg_result *r, double place[2]);
+
+/// A cascade as it is told.
+typedef struct lac_rg_outcome {
+    const lac_case *source;
+    const lac_scene_rg *rg;
+    const char *file;              ///< whose cells were followed
+    const lac_stored_cells *cells; ///< of it; NULL: of a case
+} lac_rg_outcome;
+
+/// Its variables, for a file or JSON; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_scene_rg_describe(const lac_rg_outcome *outcome, lac_dataset **out, lac_error *err);
 
 /// Frees what it holds.
 void lac_scene_rg_clear(lac_scene_rg *rg);

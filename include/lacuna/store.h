@@ -2,6 +2,7 @@
 #ifndef LACUNA_STORE_H
 #define LACUNA_STORE_H
 
+#include "lacuna/dataset.h"
 #include "lacuna/fractal.h"
 #include "lacuna/linkage.h"
 #include "lacuna/store_checkpoint.h"
@@ -72,25 +73,10 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
 /// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
 void lac_store_free(lac_store *store);
 
-/// A solved contact, as it is written.
-typedef struct lac_contact_view {
-    const lac_grid *grid;
-    const double *heights, *gap;         ///< [ny * nx] [m]; NULL: a domain without surface
-    const double *pressure;              ///< [ny * nx] [Pa]
-    const lac_contact_report *report;    ///< NULL: not solved
-    const lac_box_count *boxes;          ///< NULL: not counted
-    const lac_dyadic *blocks;            ///< NULL: not counted
-    const lac_cluster_summary *clusters; ///< NULL: not looked for
-    const lac_scaling *scaling;          ///< NULL: not measured
-    size_t sizes;                        ///< specimens of the size effect
-    const lac_size_strength *size;       ///< [sizes]
-    const lac_surface_report *surface;   ///< NULL: not measured
-} lac_contact_view;
-
-/// Writes heights, gaps and pressures of a solved contact to a netCDF-4 file of its own.
+/// Writes a dataset to a netCDF-4 file of its own; docs/format.md.
 /// @return as lac_store_create
-lac_status lac_store_contact(const char *path, bool force, const lac_provenance *provenance,
-                             const lac_contact_view *contact, lac_error *err);
+lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_dataset *dataset, lac_error *err);
 
 /// One solved step of a history of normal and shear load.
 typedef struct lac_history_record {
@@ -119,9 +105,10 @@ typedef struct lac_history_store_def {
     const char *path;
     bool force; ///< replace an existing file
     lac_provenance provenance;
-    lac_contact_view contact; ///< where the history starts
-    double friction;          ///< Coulomb's coefficient [1]
-    const char *method;       ///< how it is solved, in one word
+    const lac_dataset *contact; ///< where the history starts
+    const lac_grid *grid;       ///< of it
+    double friction;            ///< Coulomb's coefficient [1]
+    const char *method;         ///< how it is solved, in one word
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;

@@ -2,6 +2,7 @@
 #ifndef LACUNA_TRADE_H
 #define LACUNA_TRADE_H
 
+#include "lacuna/dataset.h"
 #include "lacuna/linkage.h"
 #include "lacuna/scene_analysis.h"
 
@@ -203,6 +204,32 @@ void lac_pareto_front(size_t n, const double *cost, const double *error, double 
 lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
                            const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
 void lac_trade_verdict_clear(lac_trade_verdict *verdict);
+
+/// One run of a trade, as it is written. NaN: missing.
+typedef struct lac_trade_row {
+    const char *settings; ///< "solver.rtol=1e-05 solver.method=bdf"
+    const char *end;      ///< done, broken, given up
+    double value, error, uncertainty;
+    double wall_time, cpu_time, memory, output; ///< [s], [bytes]
+    double steps, evaluations;
+    bool on_front;
+} lac_trade_row;
+
+/// A trade, as it is written.
+typedef struct lac_trade_view {
+    const char *quantity, *unit, *about; ///< name, SI unit, what it is
+    double value, uncertainty;           ///< of the reference; relative
+    const char *reference;               ///< its settings
+    const char *recommended;             ///< settings; NULL: none
+    const char *sentence;
+    size_t runs;
+    const lac_trade_row *row; ///< [runs]
+} lac_trade_view;
+
+/// Its variables, for a file; docs/format.md.
+/// @param view  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_trade_describe(const lac_trade_view *view, lac_dataset **out, lac_error *err);
 
 LAC_END_C
 

@@ -15,6 +15,7 @@
 #include "cli/steps.h"
 #include "cli/surface.h"
 #include "cli/words.h"
+#include "data/dataset.h"
 
 // Everything that the command holds.
 typedef struct contact_job {
@@ -46,7 +47,7 @@ static bool changes_pressure(const lac_history_def *history)
 
 // Follows the history, whose file is that of the contact too.
 static lac_status follow_history(contact_job *job, const lac_provenance *provenance,
-                                 const lac_contact_view *view, lac_error *err)
+                                 const lac_dataset *dataset, lac_error *err)
 {
     static const lac_history_keep keeps[] = {[LAC_HISTORY_ALL] = LAC_KEEP_ALL,
                                              [LAC_HISTORY_LAST] = LAC_KEEP_LAST,
@@ -56,7 +57,8 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
         .provenance = *provenance,
-        .contact = *view,
+        .contact = dataset,
+        .grid = &job->contact.grid,
         .friction = history->friction,
         .method = history->method == LAC_HISTORY_DIRECT ? "direct" : "superposed",
         .keep = keeps[history->fields],
@@ -72,32 +74,26 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
 static lac_status write_file(contact_job *job, lac_error *err)
 {
     char libraries[256];
-    const lac_scene_contact *contact = &job->contact;
     job->case_text = lac_case_text(job->source);
     if (job->case_text == NULL) {
         return lac_fail_memory(err);
     }
     const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
                                                      cli_libraries(libraries, sizeof libraries));
-    const lac_scene_fractal *f = &contact->fractal;
-    const lac_contact_view view = {.grid = &contact->grid,
-                                   .heights = contact->heights,
-                                   .gap = contact->gap,
-                                   .pressure = contact->pressure,
-                                   .report = contact->solved ? &contact->report : NULL,
-                                   .boxes = contact->counted ? &contact->boxes : NULL,
-                                   .blocks = &contact->blocks,
-                                   .clusters = f->clustered ? &f->clusters : NULL,
-                                   .scaling = f->scaled ? &f->scaling : NULL,
-                                   .sizes = f->sizes,
-                                   .size = f->size,
-                                   .surface = contact->solved ? &contact->surface : NULL};
-    if (job->source->history.count > 0) {
-        return follow_history(job, &provenance, &view, err);
+    const bool history = job->source->history.count > 0;
+    const lac_contact_outcome outcome = {.contact = &job->contact,
+                                         .status = history ? NULL : "complete"};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_contact_describe(&outcome, &dataset, err);
+    if (status == LAC_OK && history) {
+        status = follow_history(job, &provenance, dataset, err);
+    } else if (status == LAC_OK) {
+        cli_signals_hold();
+        status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance,
+                                   dataset, err);
     }
-    cli_signals_hold();
-    return lac_store_contact(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance, &view,
-                             err);
+    lac_dataset_free(dataset);
+    return status;
 }
 
 static void print_result(const contact_job *job)
@@ -129,41 +125,34 @@ static void print_result(const contact_job *job)
     cli_row("file", "%s", job->path);
 }
 
-static void write_result(const contact_job *job)
+static lac_status write_result(const contact_job *job, lac_error *err)
 {
-    const lac_scene_contact *contact = &job->contact;
-    const lac_contact_report *report = &contact->report;
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_measures_json(&json, contact);
-    cli_surface_json(&json, contact->solved ? &contact->surface : NULL);
-    cli_json_number(&json, "mean_pressure_Pa", contact->mean_pressure);
-    if (contact->solved) {
-        cli_json_integer(&json, "iterations", report->iterations);
-        cli_json_integer(&json, "products", report->products);
-    } else {
-        cli_json_null(&json, "iterations");
-        cli_json_null(&json, "products");
+    const lac_contact_outcome outcome = {.contact = &job->contact};
+    lac_json json = {.out = stdout};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_contact_describe(&outcome, &dataset, err);
+    if (status != LAC_OK) {
+        return status;
     }
-    cli_json_number(&json, "complementarity_error",
-                    contact->solved ? report->complementarity_error : NAN);
-    cli_json_number(&json, "penetration_m", contact->solved ? fabs(report->penetration) : NAN);
-    cli_json_number(&json, "approach_m", contact->solved ? report->approach : NAN);
-    cli_fractal_json(&json, contact);
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(dataset, &json);
     if (job->steps.record != NULL) {
         cli_steps_json(&json, &job->steps);
     }
-    cli_json_number(&json, "cpu_time_s", cli_cpu_time());
-    cli_json_text(&json, "output", job->path);
-    cli_json_close(&json, '}');
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_text(&json, "output", job->path);
+    lac_json_close(&json, '}');
+    lac_dataset_free(dataset);
+    return LAC_OK;
 }
 
-static void show_result(const contact_job *job, lac_status status)
+static lac_status show_result(const contact_job *job, lac_status status, lac_error *err)
 {
     bool whole = status == LAC_OK || status == LAC_EINTERRUPT;
     if (cli_given(job->request, CLI_OPT_JSON)) {
         if (whole || job->steps.record != NULL) {
-            write_result(job);
+            const lac_status shown = write_result(job, status == LAC_OK ? err : NULL);
+            status = status == LAC_OK ? shown : status;
         }
     } else if (whole) {
         print_result(job);
@@ -171,6 +160,7 @@ static void show_result(const contact_job *job, lac_status status)
             cli_fractal_tables(&job->contact);
         }
     }
+    return status;
 }
 
 lac_status cli_contact(const cli_request *request, lac_error *err)
@@ -185,8 +175,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     LAC_TRY(
         cli_blame(job.source, lac_scene_contact_solve(job.source, true, &job.contact, err), err));
     LAC_TRY(cli_blame(job.source, lac_scene_contact_measure(&measure, &job.contact, err), err));
-    status = write_file(&job, err);
-    show_result(&job, status);
+    status = show_result(&job, write_file(&job, err), err);
 out:
     job_clear(&job);
     return status;

@@ -128,18 +128,17 @@ static lac_status compute(fit_job *job, lac_error *err)
 static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
 {
     lac_status status = LAC_OK;
-    cli_fit_view view = {.source = job->source,
+    const char *ended = computed == LAC_OK ? "complete" : "interrupted";
+    cli_fit_view view = {.outcome = {job->source, &job->result, ended},
                          .series = job->request->argument[1],
                          .readings = job->series,
-                         .result = &job->result,
-                         .status = computed == LAC_OK ? "complete" : "interrupted",
                          .output = job->path,
                          .case_output = job->case_path,
                          .wall_time = cli_clock() - job->started};
     LAC_TRY(cli_fit_store(job->request, &view, err));
     LAC_TRY(cli_fit_write_case(&view, job->fitted, err));
     if (cli_given(job->request, CLI_OPT_JSON)) {
-        cli_fit_json(&view);
+        status = cli_fit_json(&view, err);
     } else {
         cli_fit_print(&view, cli_given(job->request, CLI_OPT_VERBOSE));
     }

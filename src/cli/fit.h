@@ -7,11 +7,10 @@
 
 /// What a fit came to and where it stands.
 typedef struct cli_fit_view {
-    const lac_case *source;
+    lac_fit_outcome outcome;
     const char *series; ///< file
     const lac_series *readings;
-    const lac_fit_result *result;
-    const char *status, *output, *case_output; ///< case_output NULL: not written
+    const char *output, *case_output; ///< case_output NULL: not written
     double wall_time;
 } cli_fit_view;
 
@@ -35,12 +34,13 @@ lac_status cli_fit_judge(const lac_fit_result *result, lac_error *err);
 /// Prints it on stdout.
 void cli_fit_print(const cli_fit_view *view, bool verbose);
 
-/// The same as one JSON object.
-void cli_fit_json(const cli_fit_view *view);
-
 /// Writes the posterior, the predictions and the readings.
-/// @return as lac_store_fit
+/// @return as lac_store_dataset
 lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err);
+
+/// Prints all as one JSON object on stdout.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status cli_fit_json(const cli_fit_view *view, lac_error *err);
 
 /// Writes the case with the best fit in it, which runs as it is; its files are named from the
 /// folder that it stands in, or in full where that is another than the working folder.

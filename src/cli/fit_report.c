@@ -222,18 +222,18 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
 
 void cli_fit_print(const cli_fit_view *view, bool verbose)
 {
-    const lac_fit_result *r = view->result;
-    if (view->source->title != NULL) {
-        puts(view->source->title);
+    const lac_fit_result *r = view->outcome.result;
+    if (view->outcome.source->title != NULL) {
+        puts(view->outcome.source->title);
     }
     cli_row("series", "%s", view->series);
     print_data(r);
-    print_best(view->source, r);
+    print_best(view->outcome.source, r);
     print_unknowns(r);
     print_ends(r);
     print_identifiability(r, verbose);
     puts("");
-    print_posterior(view->source, r);
+    print_posterior(view->outcome.source, r);
     cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, view->wall_time);
     cli_row("file", "%s", view->output);
     cli_row("fitted case", "%s", view->case_output);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files of a fit: netCDF, and the fitted case.
+// The files of a fit: netCDF, and the fitted case; its JSON.
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,62 +10,59 @@
 #include "base/hidden.h"
 #include "base/write_text.h"
 #include "cli/fit.h"
-#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
-#include "lacuna/store_fit.h"
+#include "cli/run_outcome.h"
+#include "cli/series.h"
+#include "data/dataset.h"
 
-lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err)
+static lac_status store(const cli_request *request, const cli_fit_view *view,
+                        const lac_dataset *dataset, lac_error *err)
 {
-    static const double quantile[LAC_FIT_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    const lac_fit_result *r = view->result;
-    lac_fit_column column[LAC_FIT_UNKNOWNS];
     char libraries[256];
-    char *text = lac_case_text(view->source);
+    const lac_case *source = view->outcome.source;
+    char *text = lac_case_text(source);
     if (text == NULL) {
         return lac_fail_memory(err);
     }
-    for (size_t k = 0; k < r->unknowns; k++) {
-        const lac_fit_unknown *x = &r->unknown[k];
-        column[k] = (lac_fit_column){.key = x->key,
-                                     .unit = x->unit,
-                                     .log = x->log,
-                                     .best = x->best,
-                                     .error = x->error,
-                                     .limit = x->limit,
-                                     .rhat = x->converged.rhat,
-                                     .ess = x->converged.ess};
-    }
-    const lac_fit_view out = {.status = view->status,
-                              .unknowns = r->unknowns,
-                              .unknown = column,
-                              .chains = r->chain != NULL ? r->chain->walkers : 0,
-                              .draws = r->chain != NULL ? r->chain->steps : 0,
-                              .x = r->chain != NULL ? r->chain->x : NULL,
-                              .log_density = r->chain != NULL ? r->chain->log_density : NULL,
-                              .acceptance = r->chain != NULL ? r->chain->acceptance : NULL,
-                              .quantiles = LAC_FIT_QUANTILES,
-                              .quantile = quantile,
-                              .times = r->times,
-                              .time = r->time,
-                              .displacement = r->displacement,
-                              .rate = r->rate,
-                              .fitted = r->fitted,
-                              .readings = r->readings,
-                              .reading_time = r->reading_time,
-                              .observed = r->observed,
-                              .observed_rate = r->observed_rate,
-                              .failures = r->draws,
-                              .failure = r->draw_failure,
-                              .dated = view->source->dated,
-                              .start_date = view->source->start_date};
     lac_provenance provenance =
-        cli_provenance(request, view->source, text, cli_libraries(libraries, sizeof libraries));
-    provenance.seed = view->source->fit.seed;
-    lac_status status =
-        lac_store_fit(view->output, cli_given(request, CLI_OPT_FORCE), &provenance, &out, err);
+        cli_provenance(request, source, text, cli_libraries(libraries, sizeof libraries));
+    provenance.seed = source->fit.seed;
+    lac_status status = lac_store_dataset(view->output, cli_given(request, CLI_OPT_FORCE),
+                                          &provenance, dataset, err);
     free(text);
     return status;
+}
+
+lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err)
+{
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_fit_describe(&view->outcome, &dataset, err);
+    if (status == LAC_OK) {
+        status = store(request, view, dataset, err);
+    }
+    lac_dataset_free(dataset);
+    return status;
+}
+
+lac_status cli_fit_json(const cli_fit_view *view, lac_error *err)
+{
+    lac_json json = {.out = stdout};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_fit_describe(&view->outcome, &dataset, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    lac_json_open(&json, NULL, '{');
+    cli_series_warnings(&json, view->readings);
+    lac_dataset_json(dataset, &json);
+    lac_json_number(&json, "wall_time_s", view->wall_time);
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_text(&json, "output", view->output);
+    lac_json_text(&json, "case_output", view->case_output);
+    lac_json_close(&json, '}');
+    lac_dataset_free(dataset);
+    return LAC_OK;
 }
 
 // Files of the case named so that they are found from the folder that the fitted case stands in.
@@ -119,7 +115,7 @@ static bool is_plain(const unsigned char *s, size_t length)
 static void make_plain(char *text)
 {
     for (unsigned char *s = (unsigned char *)text; *s != '\0';) {
-        const size_t length = cli_utf8_length(s);
+        const size_t length = lac_utf8_length(s);
         const size_t step = length > 0 ? length : 1;
         if (!is_plain(s, length)) {
             memset(s, '?', step);
@@ -131,7 +127,7 @@ static void make_plain(char *text)
 lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *err)
 {
     char head[4 * PATH_MAX];
-    lac_fit_apply(view->result, c);
+    lac_fit_apply(view->outcome.result, c);
     lac_status status = move_case(view->case_output, c, err);
     if (status != LAC_OK) {
         return status;
@@ -142,7 +138,7 @@ lac_status cli_fit_write_case(const cli_fit_view *view, lac_case *c, lac_error *
     }
     (void)snprintf(head, sizeof head,
                    "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
-                   view->source->path, view->series, view->output);
+                   view->outcome.source->path, view->series, view->output);
     make_plain(head);
     status = write_whole(view->case_output, head, text, err);
     free(text);

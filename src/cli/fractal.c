@@ -20,7 +20,8 @@ static void print_fit(const lac_scaling *s)
     char fine[TEXT], coarse[TEXT], smooth[TEXT], slopes[TEXT];
     cli_row("Delta_S", "%.3f +/- %.3f (cells of %s to %s, %s)%s", s->dimension, s->error,
             cli_quantity(s->at[s->n - s->left_out - 1].cell, "m", fine, sizeof fine),
-            cli_quantity(s->at[0].cell, "m", coarse, sizeof coarse), cli_coarsening(s->coarsening),
+            cli_quantity(s->at[0].cell, "m", coarse, sizeof coarse),
+            lac_coarsening_text(s->coarsening),
             s->few_cells ? " (weak: fewer than 100 cells at the coarsest)" : "");
     cli_row("", "%s less boundary cells; %s from the rms slopes alone",
             local(s->smooth, smooth, sizeof smooth), local(s->from_slopes, slopes, sizeof slopes));
@@ -61,7 +62,7 @@ static void print_resolutions(const lac_scene_contact *contact)
     const lac_scaling *s = &contact->fractal.scaling;
     double nominal = lac_grid_area(&contact->grid);
     char cell[TEXT], pressure[TEXT], slope[TEXT];
-    printf("\nResolutions (%s; * fitted)\n", cli_coarsening(s->coarsening));
+    printf("\nResolutions (%s; * fitted)\n", lac_coarsening_text(s->coarsening));
     printf("  %12s %10s %12s %9s %9s %7s %9s %8s\n", "cell", "A_r / A_0", "p_r", "cells",
            "rms slope", "kappa", "p_r A_r/P", "Delta_S");
     for (size_t i = 0; i < s->n; i++) {

@@ -2,7 +2,6 @@
 #ifndef LACUNA_CLI_FRACTAL_H
 #define LACUNA_CLI_FRACTAL_H
 
-#include "cli/json.h"
 #include "cli/options.h"
 #include "lacuna/scene.h"
 
@@ -10,16 +9,10 @@
 /// @return LAC_OK; LAC_EINPUT where a value makes no sense; LAC_EIO; LAC_ENOMEM
 lac_status cli_fractal_read(const cli_request *request, lac_scene_measure_def *def, lac_error *err);
 
-/// Words for how the coarser grids were made.
-const char *cli_coarsening(lac_coarsening coarsening);
-
 /// Rows on clusters, area scaling and size effect of a measured contact.
 void cli_fractal_print(const lac_scene_contact *contact);
 
 /// The whole series, as tables.
 void cli_fractal_tables(const lac_scene_contact *contact);
-
-/// The same as keys of an open object: delta_s ..., resolutions, boxes, clusters, size_effect.
-void cli_fractal_json(cli_json *json, const lac_scene_contact *contact);
 
 #endif

@@ -5,11 +5,7 @@
 #include "base/units.h"
 #include "cli/fractal.h"
 
-static const char *const words[] = {
-    [LAC_SAMPLE] = "point sampling", [LAC_BLOCK_MEAN] = "block means"};
 static const char *const names[] = {[LAC_SAMPLE] = "sample", [LAC_BLOCK_MEAN] = "block-mean"};
-
-const char *cli_coarsening(lac_coarsening coarsening) { return words[coarsening]; }
 
 static lac_status read_coarsening(const char *text, lac_coarsening *coarsening, lac_error *err)
 {

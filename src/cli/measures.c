@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "cli/words.h"
+#include "data/dataset.h"
 
 static double fraction(const lac_scene_contact *contact)
 {
@@ -68,24 +69,14 @@ void cli_measures_print(const lac_scene_contact *contact)
     }
 }
 
-void cli_measures_json(cli_json *json, const lac_scene_contact *contact)
+lac_status cli_measures_json(lac_json *json, const lac_scene_contact *contact, lac_error *err)
 {
-    const lac_box_count *boxes = &contact->boxes;
-    bool counted = contact->counted;
-    cli_json_integer(json, "n_cells", (int64_t)contact->domain->n);
-    cli_json_open(json, "grid", '[');
-    cli_json_integer(json, NULL, (int64_t)contact->grid.nx);
-    cli_json_integer(json, NULL, (int64_t)contact->grid.ny);
-    cli_json_close(json, ']');
-    cli_json_number(json, "cell_size_m", contact->grid.dx);
-    cli_json_number(json, "cell_width_m", contact->grid.dy);
-    cli_json_text(json, "boundary", contact->grid.periodic ? "periodic" : "free");
-    cli_json_number(json, "contact_fraction", fraction(contact));
-    cli_json_number(json, "max_pressure_Pa", max_pressure(contact->domain));
-    cli_json_number(json, "mean_real_pressure_Pa", mean_real_pressure(contact->domain));
-    cli_json_number(json, "d_box", counted ? boxes->dimension : NAN);
-    cli_json_number(json, "d_box_error", counted ? boxes->error : NAN);
-    cli_json_number(json, "d_box_regression_error", counted ? boxes->regression_error : NAN);
-    cli_json_number(json, "d_blocks", contact->blocks.dimension);
-    cli_json_boolean(json, "d_box_weak", counted && (boxes->few_cells || boxes->dense));
+    const lac_contact_outcome outcome = {.contact = contact, .brief = true};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_contact_describe(&outcome, &dataset, err);
+    if (status == LAC_OK) {
+        lac_dataset_json(dataset, json);
+    }
+    lac_dataset_free(dataset);
+    return status;
 }

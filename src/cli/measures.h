@@ -9,6 +9,7 @@
 void cli_measures_print(const lac_scene_contact *contact);
 
 /// The same as keys of an open object.
-void cli_measures_json(cli_json *json, const lac_scene_contact *contact);
+/// @return LAC_OK; LAC_ENOMEM
+lac_status cli_measures_json(cli_json *json, const lac_scene_contact *contact, lac_error *err);
 
 #endif

@@ -12,7 +12,7 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/words.h"
-#include "lacuna/store_forecast.h"
+#include "lacuna/store.h"
 
 typedef struct precursors_job {
     const cli_request *request;
@@ -76,7 +76,7 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .seed = c != NULL ? c->fit.seed : INT64_MIN,
         .now = (double)time(NULL),
     };
-    const lac_forecast_file file = {
+    const lac_forecast_outcome outcome = {
         .source = job->watched.path,
         .attribution = job->watched.series != NULL ? job->watched.series->attribution : NULL,
         .dated = job->watched.dated,
@@ -87,8 +87,13 @@ static lac_status write_file(const precursors_job *job, lac_error *err)
         .indicators = job->course != NULL ? job->course->kinds : job->indicators,
         .indicator = job->course != NULL ? job->course->found : job->indicator,
     };
-    const lac_status status = lac_store_forecast(
-        job->request->output, cli_given(job->request, CLI_OPT_FORCE), &provenance, &file, err);
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_forecast_describe(&outcome, &dataset, err);
+    if (status == LAC_OK) {
+        status = lac_store_dataset(job->request->output, cli_given(job->request, CLI_OPT_FORCE),
+                                   &provenance, dataset, err);
+    }
+    lac_dataset_free(dataset);
     free(text);
     return status;
 }

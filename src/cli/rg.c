@@ -12,7 +12,7 @@
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/words.h"
-#include "lacuna/store_rg.h"
+#include "data/dataset.h"
 
 typedef struct watching {
     const cli_request *request;
@@ -37,37 +37,25 @@ typedef struct rg_job {
     char *path;
 } rg_job;
 
-static lac_status write_file(const rg_job *job, lac_error *err)
+static lac_rg_outcome outcome_of(const rg_job *job)
+{
+    return (lac_rg_outcome){.source = job->source,
+                            .rg = &job->rg,
+                            .file = job->request->argument[0],
+                            .cells = job->stored ? &job->cells : NULL};
+}
+
+static lac_status write_file(const rg_job *job, const lac_dataset *dataset, lac_error *err)
 {
     char libraries[256];
-    const lac_case *c = job->source;
-    const lac_scene_rg *rg = &job->rg;
-    char *text = lac_case_text(c);
+    char *text = lac_case_text(job->source);
     if (text == NULL) {
         return lac_fail_memory(err);
     }
-    const lac_rg_origin origin = {.file = job->request->argument[0],
-                                  .status = job->cells.status,
-                                  .snapshot = job->cells.index,
-                                  .time = job->cells.time,
-                                  .load = rg->now.load,
-                                  .share = rg->now.share,
-                                  .weakest_gap = rg->now.weakest_gap,
-                                  .weakest = {rg->now.weakest[0], rg->now.weakest[1]}};
-    const lac_rg_view view = {.rule = cli_rg_rule(c),
-                              .field = cli_rg_field(c),
-                              .grid = &rg->grid,
-                              .domain = rg->domain,
-                              .betas = rg->betas,
-                              .beta = rg->beta,
-                              .result = rg->result,
-                              .interface = rg->interface,
-                              .strength = rg->strength,
-                              .origin = job->stored ? &origin : NULL};
     lac_provenance provenance =
-        cli_provenance(job->request, c, text, cli_libraries(libraries, sizeof libraries));
-    lac_status status =
-        lac_store_rg(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance, &view, err);
+        cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
+    lac_status status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE),
+                                          &provenance, dataset, err);
     free(text);
     return status;
 }
@@ -84,17 +72,14 @@ static void print_result(const rg_job *job)
     cli_row("file", "%s", job->path);
 }
 
-static void write_result(const rg_job *job)
+static void print_json(const rg_job *job, const lac_dataset *dataset)
 {
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_rg_json(&json, job->source, &job->rg);
-    if (job->stored) {
-        cli_rg_file_json(&json, job->request->argument[0], &job->cells, &job->rg);
-    }
-    cli_json_number(&json, "cpu_time_s", cli_cpu_time());
-    cli_json_text(&json, "output", job->path);
-    cli_json_close(&json, '}');
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(dataset, &json);
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_text(&json, "output", job->path);
+    lac_json_close(&json, '}');
 }
 
 static lac_status read_source(rg_job *job, lac_error *err)
@@ -125,17 +110,22 @@ static lac_status follow(rg_job *job, lac_error *err)
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
     rg_job job = {.request = request};
+    lac_rg_outcome outcome;
+    lac_dataset *dataset = NULL;
     lac_status status;
     LAC_TRY(read_source(&job, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-rg.nc", &job.path, err));
     LAC_TRY(cli_blame(job.source, follow(&job, err), err));
-    LAC_TRY(write_file(&job, err));
+    outcome = outcome_of(&job);
+    LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
+    LAC_TRY(write_file(&job, dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
-        write_result(&job);
+        print_json(&job, dataset);
     } else {
         print_result(&job);
     }
 out:
+    lac_dataset_free(dataset);
     lac_scene_rg_clear(&job.rg);
     lac_stored_cells_clear(&job.cells);
     lac_case_free(job.source);

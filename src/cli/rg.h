@@ -2,14 +2,9 @@
 #ifndef LACUNA_CLI_RG_H
 #define LACUNA_CLI_RG_H
 
-#include "cli/json.h"
 #include "cli/options.h"
 #include "lacuna/scene_rg.h"
 #include "lacuna/store_cells.h"
-
-/// The names of rule and field as a case has them.
-const char *cli_rg_rule(const lac_case *c);
-const char *cli_rg_field(const lac_case *c);
 
 /// Whether an argument is a netCDF file, by its first bytes or its name, and no case.
 bool cli_rg_is_file(const char *path);
@@ -22,14 +17,7 @@ lac_status cli_rg_file_read(const cli_request *request, lac_case **c, lac_stored
 /// What the joint of a file is like at the snapshot, on stdout.
 void cli_rg_file_print(const lac_stored_cells *cells, const lac_scene_rg *rg);
 
-/// The same as the keys `source` and `now` of an open JSON object.
-void cli_rg_file_json(cli_json *json, const char *path, const lac_stored_cells *cells,
-                      const lac_scene_rg *rg);
-
 /// The results as tables on stdout.
 void cli_rg_print(const lac_case *c, const lac_scene_rg *rg, bool verbose);
-
-/// The same as keys of an open JSON object.
-void cli_rg_json(cli_json *json, const lac_case *c, const lac_scene_rg *rg);
 
 #endif

@@ -131,24 +131,3 @@ void cli_rg_file_print(const lac_stored_cells *cells, const lac_scene_rg *rg)
     cli_row("weakest cell", "at (%.4g, %.4g) m, lacks %s", rg->now.weakest[0], rg->now.weakest[1],
             cli_quantity(rg->now.weakest_gap, "Pa", text, sizeof text));
 }
-
-void cli_rg_file_json(cli_json *json, const char *path, const lac_stored_cells *cells,
-                      const lac_scene_rg *rg)
-{
-    static const char *const kinds[] = {"run", "contact", "history"};
-    cli_json_open(json, "source", '{');
-    cli_json_text(json, "file", path);
-    cli_json_text(json, "kind", kinds[cells->kind]);
-    cli_json_text(json, "status", cells->status);
-    cli_json_integer(json, "snapshot", (int64_t)cells->index);
-    cli_json_integer(json, "snapshots", (int64_t)cells->snapshots);
-    cli_json_number(json, "time_s", cells->time);
-    cli_json_number(json, "effective_share", rg->now.share);
-    cli_json_close(json, '}');
-    cli_json_number(json, "q_over_q_nom", rg->now.load);
-    cli_json_open(json, "weakest", '{');
-    cli_json_number(json, "x_m", rg->now.weakest[0]);
-    cli_json_number(json, "y_m", rg->now.weakest[1]);
-    cli_json_number(json, "gap_Pa", rg->now.weakest_gap);
-    cli_json_close(json, '}');
-}

@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the cascade gave: tables and JSON.
+// What the cascade gave, in words and tables.
 #include <math.h>
 #include <stdio.h>
 
 #include "cli/rg.h"
 #include "cli/words.h"
-
-const char *cli_rg_rule(const lac_case *c)
-{
-    static const char *const names[] = {"fix", "cons", "lump"};
-    return names[c->rg.rule];
-}
-
-const char *cli_rg_field(const lac_case *c)
-{
-    static const char *const names[] = {
-        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
-    return names[c->rg.field];
-}
 
 static const char *with_error(double value, double error, char *text, size_t size)
 {
@@ -100,50 +87,14 @@ static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
             cli_quantity(r->cluster[0], "m", length, sizeof length), r->block[0]);
 }
 
-// The cell of the last interface that slips at the least load, of ties the one that is pressed
-// least; SIZE_MAX where none slips.
-static size_t first_to_slip(const lac_scene_rg *rg, const lac_rg_result *r)
-{
-    size_t first = SIZE_MAX;
-    for (size_t i = 0; i < r->last_n; i++) {
-        bool sooner = first == SIZE_MAX || r->cell_load[i] < r->cell_load[first];
-        bool weaker = !sooner && r->cell_load[i] == r->cell_load[first] &&
-                      rg->domain->pressure[i] < rg->domain->pressure[first];
-        first = !isnan(r->cell_load[i]) && (sooner || weaker) ? i : first;
-    }
-    return first;
-}
-
-static void place_of(const lac_scene_rg *rg, size_t cell, double place[2])
-{
-    const uint32_t at = rg->domain->index[cell];
-    place[0] = ((double)(at % rg->grid.nx) + 0.5) * rg->grid.dx;
-    place[1] = ((double)(at / rg->grid.nx) + 0.5) * rg->grid.dy;
-}
-
 static void print_first(const lac_scene_rg *rg, const lac_rg_result *r)
 {
     double place[2];
-    size_t first = first_to_slip(rg, r);
+    const size_t first = lac_scene_rg_first(rg, r, place);
     if (first != SIZE_MAX) {
-        place_of(rg, first, place);
         cli_row("slips first", "the cell at (%.4g, %.4g) m%s, by Q/Q_nom = %.4g", place[0],
                 place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
     }
-}
-
-static void write_first(cli_json *json, const lac_scene_rg *rg, const lac_rg_result *r)
-{
-    double place[2] = {NAN, NAN};
-    size_t first = first_to_slip(rg, r);
-    if (first != SIZE_MAX) {
-        place_of(rg, first, place);
-    }
-    cli_json_open(json, "first_to_slip", '{');
-    cli_json_number(json, "x_m", place[0]);
-    cli_json_number(json, "y_m", place[1]);
-    cli_json_number(json, "q_over_q_nom", first != SIZE_MAX ? r->cell_load[first] : NAN);
-    cli_json_close(json, '}');
 }
 
 static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
@@ -181,7 +132,7 @@ static void print_result(const lac_scene_rg *rg, size_t k, bool from_law, bool v
 
 void cli_rg_print(const lac_case *c, const lac_scene_rg *rg, bool verbose)
 {
-    cli_row("rule, field", "%s, %s", cli_rg_rule(c), cli_rg_field(c));
+    cli_row("rule, field", "%s, %s", lac_scene_rg_rule(c), lac_scene_rg_field(c));
     cli_row("interfaces", "%zu of %zu x %zu cells, the blocks at %zu places of each", rg->seeds,
             rg->grid.nx, rg->grid.ny, rg->result[0]->places);
     cli_row_quantity("nominal pressure", rg->mean.pressure, "Pa");
@@ -196,124 +147,4 @@ void cli_rg_print(const lac_case *c, const lac_scene_rg *rg, bool verbose)
     for (size_t k = 0; k < rg->betas; k++) {
         print_result(rg, k, c->rg.betas == 0, verbose);
     }
-}
-
-static void write_interval(cli_json *json, const char *key, const lac_rg_estimate *e)
-{
-    cli_json_open(json, key, '[');
-    cli_json_number(json, NULL, e->low);
-    cli_json_number(json, NULL, e->high);
-    cli_json_close(json, ']');
-}
-
-static void write_law(cli_json *json, const char *key, const lac_rg_power *law)
-{
-    cli_json_open(json, key, '{');
-    cli_json_boolean(json, "power_law", law->holds);
-    cli_json_number(json, "exponent", law->exponent);
-    cli_json_number(json, "exponent_error", law->error);
-    cli_json_number(json, "curvature_over_error", law->curvature);
-    cli_json_close(json, '}');
-}
-
-static void write_levels(cli_json *json, const lac_rg_result *r, const lac_scene_rg *rg)
-{
-    const lac_grid *grid = &rg->grid;
-    cli_json_open(json, "levels", '[');
-    for (size_t level = 0; level <= r->levels; level++) {
-        cli_json_open(json, NULL, '{');
-        cli_json_integer(json, "level", (int64_t)level);
-        cli_json_number(json, "block_size_m", ldexp(fmax(grid->dx, grid->dy), (int)level));
-        cli_json_number(json, "n_tot", r->blocks[level]);
-        cli_json_number(json, "n_slip_at_q_crit", r->slipping[level]);
-        if (rg->now.loaded) {
-            cli_json_number(json, "n_slip_now", r->begin[level]);
-        }
-        bool any = r->size[level].blocks > 0;
-        cli_json_number(json, "strength_Pa", any ? r->size[level].strength : NAN);
-        cli_json_number(json, "strength_spread_Pa", any ? r->size[level].spread : NAN);
-        cli_json_close(json, '}');
-    }
-    cli_json_close(json, ']');
-}
-
-static void write_result(cli_json *json, const lac_case *c, const lac_scene_rg *rg, size_t k)
-{
-    const lac_rg_result *r = rg->result[k];
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "rule", cli_rg_rule(c));
-    cli_json_text(json, "field", cli_rg_field(c));
-    cli_json_number(json, "beta", rg->beta[k]);
-    cli_json_number(json, "q_crit_over_q_nom", r->critical);
-    cli_json_number(json, "q_crit_error", r->critical_error);
-    cli_json_number(json, "q_crit_sd", r->critical_sd);
-    cli_json_number(json, "q_crit_sd_of_places", r->place_sd);
-    if (rg->now.loaded) {
-        cli_json_number(json, "distance_to_q_crit", r->critical - rg->now.load);
-        cli_json_number(json, "slides_now", r->begin[r->levels]);
-        cli_json_number(json, "cluster_length_now_m", r->cluster[0]);
-        cli_json_number(json, "block_length_now_m", r->block[0]);
-    }
-    cli_json_number(json, "critical_fraction", r->fixed_point.value);
-    cli_json_number(json, "critical_fraction_error", r->fixed_point.error);
-    write_interval(json, "critical_fraction_interval95", &r->fixed_point);
-    cli_json_number(json, "lambda", r->lambda.value);
-    cli_json_number(json, "lambda_error", r->lambda.error);
-    write_interval(json, "lambda_interval95", &r->lambda);
-    cli_json_number(json, "exponent", r->nu.value);
-    cli_json_number(json, "exponent_error", r->nu.error);
-    write_interval(json, "exponent_interval95", &r->nu);
-    cli_json_integer(json, "map_points", (int64_t)r->map.points);
-    write_law(json, "cluster_length", &r->cluster_law);
-    write_law(json, "block_length", &r->block_law);
-    write_levels(json, r, rg);
-    write_first(json, rg, r);
-    cli_json_open(json, "q_crit_of_interfaces", '[');
-    for (size_t i = 0; i < r->joints; i++) {
-        cli_json_number(json, NULL, r->of_joint[i]);
-    }
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
-}
-
-static void write_interface(cli_json *json, const lac_rg_interface *one)
-{
-    cli_json_open(json, NULL, '{');
-    if (one->seed != INT64_MIN) {
-        cli_json_integer(json, "seed", one->seed);
-    } else {
-        cli_json_null(json, "seed");
-    }
-    cli_json_number(json, "mean_pressure_Pa", one->pressure);
-    cli_json_number(json, "contact_fraction", one->contact_fraction);
-    cli_json_number(json, "d_box", one->dimension);
-    cli_json_number(json, "d_blocks", one->dyadic);
-    cli_json_close(json, '}');
-}
-
-void cli_rg_json(cli_json *json, const lac_case *c, const lac_scene_rg *rg)
-{
-    const lac_rg_result *r = rg->result[0];
-    cli_json_text(json, "rule", cli_rg_rule(c));
-    cli_json_text(json, "field", cli_rg_field(c));
-    cli_json_number(json, "beta", rg->beta[0]);
-    cli_json_number(json, "q_crit_over_q_nom", r->critical);
-    cli_json_number(json, "critical_fraction", r->fixed_point.value);
-    cli_json_integer(json, "interfaces", (int64_t)rg->seeds);
-    cli_json_integer(json, "places", (int64_t)r->places);
-    cli_json_number(json, "mean_pressure_Pa", rg->mean.pressure);
-    cli_json_number(json, "contact_fraction", rg->mean.contact_fraction);
-    cli_json_number(json, "d_box", rg->mean.dimension);
-    cli_json_number(json, "d_blocks", rg->mean.dyadic);
-    cli_json_number(json, "q_nom_Pa", rg->strength);
-    cli_json_open(json, "ensemble", '[');
-    for (size_t i = 0; i < rg->seeds; i++) {
-        write_interface(json, &rg->interface[i]);
-    }
-    cli_json_close(json, ']');
-    cli_json_open(json, "results", '[');
-    for (size_t k = 0; k < rg->betas; k++) {
-        write_result(json, c, rg, k);
-    }
-    cli_json_close(json, ']');
 }

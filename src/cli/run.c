@@ -277,17 +277,20 @@ static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
     }
 }
 
-static void print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status)
+static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status,
+                                lac_error *err)
 {
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
         warn_of_balance(job, outcome);
         cli_failure_warn(&outcome->result.failure);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
-        cli_outcome_json(outcome);
+        const lac_status shown = cli_outcome_json(outcome, status == LAC_OK ? err : NULL);
+        status = status == LAC_OK ? shown : status;
     } else if (status == LAC_OK || status == LAC_EINTERRUPT) {
         cli_outcome_print(outcome);
     }
+    return status;
 }
 
 static lac_status compute(run_job *job, lac_error *err)
@@ -320,7 +323,7 @@ static lac_status compute(run_job *job, lac_error *err)
     if (status == LAC_EIO) {
         outcome.status = "failed"; // the file is not whole
     }
-    print_outcome(job, &outcome, status);
+    status = print_outcome(job, &outcome, status, err);
     cli_view_end(job->view, outcome.status, cli_outcome_failed(&outcome),
                  status != LAC_OK ? err->message : "");
     return status;

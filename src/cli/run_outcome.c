@@ -199,7 +199,7 @@ static void write_cost(cli_json *json, const cli_outcome *outcome)
     cli_json_integer(json, "peak_memory_bytes", peak_memory());
 }
 
-void cli_outcome_json(const cli_outcome *outcome)
+lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     cli_json json = {.out = stdout};
     lac_history run = cli_history_view(outcome->history);
@@ -207,7 +207,7 @@ void cli_outcome_json(const cli_outcome *outcome)
     cli_json_text(&json, "title", outcome->source->title);
     cli_json_text(&json, "status", outcome->status);
     write_failure(&json, outcome);
-    cli_measures_json(&json, &outcome->scene->contact);
+    lac_status status = cli_measures_json(&json, &outcome->scene->contact, err);
     write_results(&json, outcome);
     cli_accuracy_json(&json, outcome->accuracy);
     cli_analysis_json(&json, outcome->analysis);
@@ -219,4 +219,5 @@ void cli_outcome_json(const cli_outcome *outcome)
     cli_json_text(&json, "output", outcome->path);
     cli_compare_json(&json, outcome->compare, &run);
     cli_json_close(&json, '}');
+    return status;
 }

@@ -34,6 +34,6 @@ bool cli_outcome_failed(const cli_outcome *outcome);
 void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
-void cli_outcome_json(const cli_outcome *outcome);
+lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
 
 #endif

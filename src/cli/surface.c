@@ -10,7 +10,6 @@
 static const char *const measured_words[] = {"the interface", "the file as read",
                                              "the file, as far as it lies on the interface",
                                              "both faces on the interface"};
-static const char *const measured_keys[] = {"interface", "file", "part", "composite"};
 static const char *const fit_words[] = {"cropped", "padded", "resampled"};
 
 // A misfit that scatter does not explain: one in a thousand at eight shells.
@@ -86,66 +85,4 @@ void cli_surface_print(const lac_surface_report *surface)
             print_jrc(m->profile[k].z2, m->profile[k].step, m->profile[k].jrc);
         }
     }
-}
-
-static void write_profiles(cli_json *json, const lac_surface_measures *m)
-{
-    cli_json_open(json, "profiles", '[');
-    for (size_t k = 0; k < m->profiles; k++) {
-        const lac_profile_measure *profile = &m->profile[k];
-        cli_json_open(json, NULL, '{');
-        cli_json_number(json, "step_m", profile->step);
-        cli_json_number(json, "z2", profile->z2);
-        cli_json_number(json, "jrc", profile->jrc);
-        cli_json_number(json, "jrc_yu_vayssade", profile->jrc_yu);
-        cli_json_close(json, '}');
-    }
-    cli_json_close(json, ']');
-}
-
-static void write_files(cli_json *json, const lac_surface_report *surface)
-{
-    cli_json_open(json, "files", '[');
-    for (size_t i = 0; i < surface->files; i++) {
-        const lac_file_report *file = &surface->file[i];
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "path", file->path);
-        cli_json_text(json, "format", file->format);
-        cli_json_integer(json, "nx", (int64_t)file->nx);
-        cli_json_integer(json, "ny", (int64_t)file->ny);
-        cli_json_number(json, "dx_m", file->dx);
-        cli_json_number(json, "dy_m", file->dy);
-        cli_json_text(json, "height_unit", file->height_unit);
-        cli_json_text(json, "lateral_unit", file->lateral_unit);
-        cli_json_integer(json, "without_height", (int64_t)file->masked);
-        cli_json_text(json, "fit", fit_words[file->fit]);
-        cli_json_close(json, '}');
-    }
-    cli_json_close(json, ']');
-}
-
-void cli_surface_json(cli_json *json, const lac_surface_report *surface)
-{
-    if (surface == NULL) {
-        cli_json_null(json, "surface");
-        return;
-    }
-    const lac_surface_measures *m = &surface->measures;
-    cli_json_open(json, "surface", '{');
-    cli_json_text(json, "measured", measured_keys[surface->measured]);
-    cli_json_number(json, "rms_height_m", m->rms_height);
-    cli_json_number(json, "rms_slope_x", m->rms_slope_x);
-    cli_json_number(json, "rms_slope_y", m->rms_slope_y);
-    cli_json_number(json, "hurst", m->hurst);
-    cli_json_number(json, "hurst_error", m->hurst_error);
-    cli_json_number(json, "hurst_misfit", m->hurst_misfit);
-    cli_json_number(json, "hurst_shortest_m", m->fit_shortest);
-    cli_json_number(json, "hurst_longest_m", m->fit_longest);
-    cli_json_number(json, "z2", m->z2);
-    cli_json_number(json, "z2_step_m", m->z2_step);
-    cli_json_number(json, "jrc", m->jrc);
-    cli_json_boolean(json, "jrc_in_range", m->jrc >= 0.0 && m->jrc <= 20.0);
-    write_profiles(json, m);
-    write_files(json, surface);
-    cli_json_close(json, '}');
 }

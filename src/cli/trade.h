@@ -75,7 +75,7 @@ void cli_trade_print(const cli_trade_job *job);
 void cli_trade_json(const cli_trade_job *job);
 
 /// Writes the netCDF file.
-/// @return as lac_store_trade
+/// @return as lac_store_dataset
 lac_status cli_trade_store(const cli_trade_job *job, lac_error *err);
 
 #endif

@@ -11,7 +11,7 @@
 #include "cli/output.h"
 #include "cli/trade.h"
 #include "cli/words.h"
-#include "lacuna/store_trade.h"
+#include "lacuna/store.h"
 
 enum { SENTENCE = 1024, SETTINGS = 512 };
 
@@ -374,8 +374,13 @@ static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_r
         .row = row};
     const lac_provenance provenance =
         cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
-    lac_status status =
-        lac_store_trade(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance, &view, err);
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_trade_describe(&view, &dataset, err);
+    if (status == LAC_OK) {
+        status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance,
+                                   dataset, err);
+    }
+    lac_dataset_free(dataset);
     free(text);
     return status;
 }

@@ -7,6 +7,11 @@
 
 enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 
+const char *lac_coarsening_text(lac_coarsening coarsening)
+{
+    return coarsening == LAC_SAMPLE ? "point sampling" : "block means";
+}
+
 lac_scaling_def lac_scaling_default(void)
 {
     return (lac_scaling_def){.coarsest = 64, .left_out = 1, .coarsening = LAC_SAMPLE};

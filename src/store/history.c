@@ -163,7 +163,7 @@ static lac_status define(lac_history_store *s, const lac_history_store_def *def,
                               "load: forces, shifts and frictional work of each step, and which "
                               "cells stick or slip.",
                               err));
-    LAC_TRY(lac_nc_contact(&s->file, &def->contact, err));
+    LAC_TRY(lac_nc_dataset(&s->file, def->contact, err));
     LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "friction_coefficient", def->friction, err));
     LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "history_method", def->method, err));
     LAC_TRY(lac_nc_dim(&s->file, "step", NC_UNLIMITED, &step, err));
@@ -180,7 +180,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
                                     lac_error *err)
 {
     lac_status status = LAC_OK;
-    const lac_grid *grid = def->contact.grid;
+    const lac_grid *grid = def->grid;
     *out = NULL;
     lac_history_store *s = calloc(1, sizeof *s);
     if (s == NULL) {

@@ -201,14 +201,12 @@ lac_seal lac_nc_seal_state(int fd, size_t size);
 /// @return LAC_OK; LAC_EIO where the file is damaged; LAC_ENOMEM
 lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
 
-/// Global attributes: what a surface is like, and what its files held.
-lac_status lac_nc_surface(const lac_nc *file, const lac_surface_report *surface, lac_error *err);
-
 /// The global attributes that every file of Lacuna carries.
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err);
 
-/// Everything that is known of a solved contact: axes, maps, attributes, box counts.
-lac_status lac_nc_contact(const lac_nc *file, const lac_contact_view *contact, lac_error *err);
+/// Writes a dataset into a file that is being made.
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_nc_dataset(const lac_nc *file, const lac_dataset *dataset, lac_error *err);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "lacuna/hindcast.h"
 #include "lacuna/precursor.h"
-#include "lacuna/store_forecast.h"
+#include "lacuna/store.h"
 
 enum { N = 16, EVENTS = 30 };
 
@@ -27,6 +27,7 @@ lac_status whole_forecast(const char *path, lac_error *err)
     lac_skill skill[16];
     lac_precursor_course *course = NULL;
     lac_slowing slowing;
+    lac_dataset *dataset = NULL;
     lac_status status;
     LAC_TRY(lac_outlook_create(&def, &readings, &outlook, err));
     const lac_evidence evidence = {.events = &events, .seed = 1, .surrogates = 3};
@@ -36,14 +37,16 @@ lac_status whole_forecast(const char *path, lac_error *err)
     LAC_TRY(lac_rolling_measure(rolling, 18.0, 5.0, skill, err));
     LAC_TRY(lac_slowing_measure(N, displacement, 1, 3, &slowing, err));
     const lac_provenance provenance = {.title = "a forecast", .seed = 1};
-    const lac_forecast_file file = {.source = "here",
-                                    .failed_at = 18.0,
-                                    .outlook = outlook,
-                                    .rolling = rolling,
-                                    .indicators = course->kinds,
-                                    .indicator = course->found};
-    LAC_TRY(lac_store_forecast(path, true, &provenance, &file, err));
+    const lac_forecast_outcome outcome = {.source = "here",
+                                          .failed_at = 18.0,
+                                          .outlook = outlook,
+                                          .rolling = rolling,
+                                          .indicators = course->kinds,
+                                          .indicator = course->found};
+    LAC_TRY(lac_forecast_describe(&outcome, &dataset, err));
+    LAC_TRY(lac_store_dataset(path, true, &provenance, dataset, err));
 out:
+    lac_dataset_free(dataset);
     lac_rolling_free(rolling);
     lac_precursor_course_free(course);
     lac_outlook_free(outlook);

@@ -13,12 +13,12 @@
 // cmocka needs the headers above first
 #include <cmocka.h>
 
+#include "lacuna/fit.h"
 #include "lacuna/report.h"
-#include "lacuna/store_fit.h"
 #include "memory/failing_malloc.h"
 #include "memory/whole_run.h"
 
-enum { READINGS = 8, TIMES = 3, DRAWS = 4, QUANTILES = 5 };
+enum { READINGS = 8, TIMES = 3, DRAWS = 4 };
 
 static const double start = 1577836800.0; // of whole_run: 2020-01-01
 static char run[] = "/tmp/lacuna-report-run-XXXXXX";
@@ -34,35 +34,37 @@ static void make_name(char *name)
 
 static lac_status store_fit(lac_error *err)
 {
-    static const double quantile[QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    static const double x[DRAWS] = {1.0, 2.0, 3.0, 4.0}, failure[DRAWS] = {90.0, 70.0, NAN, 80.0};
+    static double x[DRAWS] = {1.0, 2.0, 3.0, 4.0};
+    static const double failure[DRAWS] = {90.0, 70.0, NAN, 80.0};
     static const double time[TIMES] = {0.0, 30.0, 60.0}, fitted[TIMES] = {0.0, 1e-6, 2e-6};
-    static double band[QUANTILES * TIMES];
-    const lac_fit_column column = {.key = "friction.aging.dc", .unit = "m", .best = 2.0};
-    const lac_fit_view view = {.status = "complete",
-                               .unknowns = 1,
-                               .unknown = &column,
-                               .chains = 2,
-                               .draws = 2,
-                               .x = x,
-                               .log_density = x,
-                               .acceptance = x,
-                               .quantiles = QUANTILES,
-                               .quantile = quantile,
-                               .times = TIMES,
-                               .time = time,
-                               .displacement = band,
-                               .rate = band,
-                               .fitted = fitted,
-                               .readings = TIMES,
-                               .reading_time = time,
-                               .observed = fitted,
-                               .failures = DRAWS,
-                               .failure = failure,
-                               .dated = true,
-                               .start_date = start};
+    static double band[LAC_FIT_QUANTILES * TIMES];
+    const lac_chain chain = {
+        .dimension = 1, .walkers = 2, .steps = 2, .x = x, .log_density = x, .acceptance = x};
+    const lac_fit_result result = {
+        .parameters = 1,
+        .unknowns = 1,
+        .unknown = {{.key = "friction.aging.dc", .unit = "m", .best = 2.0}},
+        .chain = &chain,
+        .times = TIMES,
+        .time = time,
+        .displacement = band,
+        .rate = band,
+        .fitted = fitted,
+        .readings = TIMES,
+        .reading_time = time,
+        .observed = fitted,
+        .draws = DRAWS,
+        .draw_failure = failure};
+    const lac_case source = {.dated = true, .start_date = start};
     const lac_provenance provenance = {.title = "fitted", .seed = 1};
-    return lac_store_fit(fit, true, &provenance, &view, err);
+    lac_dataset *dataset = NULL;
+    lac_status status =
+        lac_fit_describe(&(lac_fit_outcome){&source, &result, "complete"}, &dataset, err);
+    if (status == LAC_OK) {
+        status = lac_store_dataset(fit, true, &provenance, dataset, err);
+    }
+    lac_dataset_free(dataset);
+    return status;
 }
 
 void report_prepare(void)

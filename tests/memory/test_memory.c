@@ -75,15 +75,15 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
 {
     lac_history_store *store = NULL;
     lac_history_result result;
+    lac_dataset *dataset = NULL;
     lac_status status = LAC_OK;
+    const lac_contact_outcome outcome = {.contact = contact};
+    LAC_TRY(lac_contact_describe(&outcome, &dataset, err));
     const lac_history_store_def def = {.path = path,
                                        .force = true,
                                        .provenance = {.title = "sheared", .seed = 1},
-                                       .contact = {.grid = &contact->grid,
-                                                   .heights = contact->heights,
-                                                   .gap = contact->gap,
-                                                   .pressure = contact->pressure,
-                                                   .report = &contact->report},
+                                       .contact = dataset,
+                                       .grid = &contact->grid,
                                        .friction = c->history.friction,
                                        .method = "direct",
                                        .keep = LAC_KEEP_ALL,
@@ -94,6 +94,7 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
     LAC_TRY(lac_history_store_finish(store, "complete", err));
 out:
     lac_history_store_free(store);
+    lac_dataset_free(dataset);
     return status;
 }
 
@@ -129,22 +130,17 @@ static lac_status whole_cascade(const char *path, lac_error *err)
     lac_case *c = NULL;
     lac_case_report report = {0};
     lac_scene_rg rg = {0};
+    lac_dataset *dataset = NULL;
     const lac_case_request how = {.purpose = LAC_FOR_RG};
     const lac_provenance provenance = {.title = "cascading", .seed = 1};
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
     LAC_TRY(lac_scene_rg_run(c, NULL, &rg, err));
-    const lac_rg_view view = {.rule = "fix",
-                              .field = "elastic",
-                              .grid = &rg.grid,
-                              .domain = rg.domain,
-                              .betas = rg.betas,
-                              .beta = rg.beta,
-                              .result = rg.result,
-                              .interface = rg.interface,
-                              .strength = rg.strength};
-    LAC_TRY(lac_store_rg(path, true, &provenance, &view, err));
+    const lac_rg_outcome outcome = {.source = c, .rg = &rg};
+    LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
+    LAC_TRY(lac_store_dataset(path, true, &provenance, dataset, err));
 out:
+    lac_dataset_free(dataset);
     lac_scene_rg_clear(&rg);
     lac_case_free(c);
     lac_case_report_clear(&report);
@@ -204,8 +200,7 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
     LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
-    const lac_contact_view view = {.grid = &contact.grid, .pressure = contact.pressure};
-    LAC_TRY(lac_store_contact(path, true, &provenance, &view, err));
+    LAC_TRY(store_contact(&contact, path, &provenance, err));
     LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
     const lac_rg_cells given = {cells.domain, cells.shear, cells.time};

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "lacuna/accuracy.h"
-#include "lacuna/store_trade.h"
+#include "lacuna/store.h"
 #include "lacuna/trade.h"
 
 static const char block[] = "lacuna: 1\n"
@@ -52,7 +52,12 @@ static lac_status store(const char *path, const lac_trade_plan *plan,
                                  .sentence = "",
                                  .runs = plan->runs,
                                  .row = row};
-    lac_status status = lac_store_trade(path, true, &provenance, &view, err);
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_trade_describe(&view, &dataset, err);
+    if (status == LAC_OK) {
+        status = lac_store_dataset(path, true, &provenance, dataset, err);
+    }
+    lac_dataset_free(dataset);
     free(row);
     return status;
 }

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <netcdf.h>
 
-#include "lacuna/store.h"
+#include "lacuna/scene.h"
 #include "support/scratch.h"
 
 static scratch folder;
@@ -31,8 +31,21 @@ static int tear_down(void **state)
     return 0;
 }
 
-static const double pressure[4] = {1.0, 0.0, 2.0, 0.0};
+static double pressure[4] = {1.0, 0.0, 2.0, 0.0};
 static const lac_grid grid = {2, 2, 0.5, 0.5, true};
+
+static lac_status store(const lac_scene_contact *contact, const char *path)
+{
+    const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
+    const lac_contact_outcome outcome = {.contact = contact, .status = "complete"};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_contact_describe(&outcome, &dataset, NULL);
+    if (status == LAC_OK) {
+        status = lac_store_dataset(path, false, &provenance, dataset, NULL);
+    }
+    lac_dataset_free(dataset);
+    return status;
+}
 
 // The scaling of three resolutions, with Delta_S = 1.5.
 static lac_scaling scaling_of_three(void)
@@ -75,7 +88,6 @@ static double attribute(int file, const char *name)
 static void measures_come_back(void **state)
 {
     (void)state;
-    const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
     const lac_scaling scaling = scaling_of_three();
     const lac_cluster_summary clusters = {.n = 5,
                                           .cells = 9,
@@ -87,15 +99,16 @@ static void measures_come_back(void **state)
                                           .octaves = 3,
                                           .count = {3, 1, 1},
                                           .cells_of = {3, 2, 4}};
-    const lac_size_strength size[2] = {{0.1, 4e6, 1.5, 1.25, 1.75}, {10.0, 1e6, 0.5, 0.25, 0.75}};
-    const lac_contact_view view = {.grid = &grid,
-                                   .pressure = pressure,
-                                   .clusters = &clusters,
-                                   .scaling = &scaling,
-                                   .sizes = 2,
-                                   .size = size};
+    lac_scene_contact contact = {.grid = grid, .pressure = pressure};
+    contact.fractal =
+        (lac_scene_fractal){.clustered = true,
+                            .clusters = clusters,
+                            .scaled = true,
+                            .scaling = scaling,
+                            .sizes = 2,
+                            .size = {{0.1, 4e6, 1.5, 1.25, 1.75}, {10.0, 1e6, 0.5, 0.25, 0.75}}};
     const char *path = scratch_path(&folder, "fractal.nc");
-    assert_int_equal(lac_store_contact(path, false, &provenance, &view, NULL), LAC_OK);
+    assert_int_equal(store(&contact, path), LAC_OK);
     int file = 0;
     assert_int_equal(nc_open(path, NC_NOWRITE, &file), NC_NOERR);
     expect_values(file, "resolution", 3, (const double[]){1.0, 0.5, 0.25});
@@ -127,27 +140,17 @@ static void measures_come_back(void **state)
 static void what_was_not_measured_is_left_out(void **state)
 {
     (void)state;
-    const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
-    const lac_scaling no_scaling = {.n = 0};
-    const lac_cluster_summary no_clusters = {.n = 0};
-    lac_contact_view view = {
-        .grid = &grid, .pressure = pressure, .clusters = &no_clusters, .scaling = &no_scaling};
+    const lac_scene_contact contact = {
+        .grid = grid, .pressure = pressure, .fractal = {.clustered = true, .scaled = true}};
     const char *path = scratch_path(&folder, "bare.nc");
     int file = 0;
     int id = 0;
-    assert_int_equal(lac_store_contact(path, false, &provenance, &view, NULL), LAC_OK);
+    assert_int_equal(store(&contact, path), LAC_OK);
     assert_int_equal(nc_open(path, NC_NOWRITE, &file), NC_NOERR);
     assert_int_equal(nc_inq_dimid(file, "resolution", &id), NC_EBADDIM);
     assert_int_equal(nc_inq_dimid(file, "cluster_octave", &id), NC_EBADDIM);
     assert_int_equal(nc_inq_dimid(file, "specimen", &id), NC_EBADDIM);
     (void)nc_close(file);
-    lac_size_strength many[33] = {{0}};
-    lac_error err = {""};
-    view.sizes = 33;
-    view.size = many;
-    path = scratch_path(&folder, "many.nc");
-    assert_int_equal(lac_store_contact(path, false, &provenance, &view, &err), LAC_EINPUT);
-    assert_non_null(strstr(err.message, "33 specimens"));
 }
 
 int main(void)

@@ -4,7 +4,7 @@
     layers.py [ROOT]
 
 A module includes public headers of the modules below it only, private headers (src/<module>/*.h)
-only of itself and of base. Third-party headers stand only where HOMES says, never in include/.
+only of itself, of base and of data. Third-party headers stand only where HOMES says, never in include/.
 """
 
 import re
@@ -15,6 +15,7 @@ import source
 # What each module may use, besides base and what those use in turn.
 USES = {
     "base": [],
+    "data": [],
     "surface": [],
     "contact": ["surface"],
     "fractal": ["contact"],
@@ -30,7 +31,7 @@ USES = {
     "micro": ["hierarchy", "friction"],
     "run": ["model", "micro"],
     "analysis": ["run", "rg"],
-    "store": ["run", "fractal", "rg", "precursor"],
+    "store": ["run", "fractal", "rg", "precursor", "data"],
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
@@ -41,6 +42,7 @@ USES = {
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
 HEADERS = {
+    "dataset": "data",
     "error": "base",
     "linkage": "base",
     "param": "base",
@@ -48,7 +50,6 @@ HEADERS = {
     "version": "base",
     "motion": "series",
     "hindcast": "forecast",
-    "store_forecast": "store",
     "store_events": "store",
     "problem": "model",
     "rg_map": "rg",
@@ -57,13 +58,10 @@ HEADERS = {
     "scene_rg": "scene",
     "store_cells": "store",
     "store_file": "store",
-    "store_fit": "store",
     "store_checkpoint": "store",
-    "store_rg": "store",
     "recording": "store",
     "scene_record": "trade",
     "accuracy": "trade",
-    "store_trade": "store",
     "sampler": "fit",
     "foresee": "fit",
     "sensitivity": "run",
@@ -103,7 +101,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTIL
 
 def reach(module):
     """All that a module may use, itself included."""
-    seen = {"base", module}
+    seen = {"base", "data", module}
     for other in USES[module]:
         seen |= reach(other)
     return seen
@@ -128,7 +126,7 @@ def check_project(path, module, included):
     private = not included.startswith("lacuna/")
     if private and path.startswith("include/"):
         return f'a public header must not include the private "{included}"'
-    if private and other not in (module, "base"):
+    if private and other not in (module, "base", "data"):
         return f'"{included}" is private to {other}'
     return None
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/json.h"
+#include "data/json.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "base/hidden.h"
 #include "base/units.h"
 
-size_t cli_utf8_length(const unsigned char *s)
+size_t lac_utf8_length(const unsigned char *s)
 {
     static const struct {
         unsigned char first, last, low, high; // first byte; range of the second
@@ -81,14 +81,14 @@ static void write_string(FILE *out, const char *text)
 {
     put(out, "\"");
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
-        size_t length = cli_utf8_length(s);
+        size_t length = lac_utf8_length(s);
         write_character(out, s, length);
         s += length > 0 ? length : 1;
     }
     put(out, "\"");
 }
 
-static void start_value(cli_json *json, const char *key)
+static void start_value(lac_json *json, const char *key)
 {
     if (json->depth > 0) {
         put(json->out, "%s\n%*s", json->filled ? "," : "", 2 * json->depth, "");
@@ -100,7 +100,7 @@ static void start_value(cli_json *json, const char *key)
     json->filled = true;
 }
 
-void cli_json_open(cli_json *json, const char *key, char bracket)
+void lac_json_open(lac_json *json, const char *key, char bracket)
 {
     start_value(json, key);
     put(json->out, "%c", bracket);
@@ -108,7 +108,7 @@ void cli_json_open(cli_json *json, const char *key, char bracket)
     json->filled = false;
 }
 
-void cli_json_close(cli_json *json, char bracket)
+void lac_json_close(lac_json *json, char bracket)
 {
     json->depth--;
     if (json->filled) {
@@ -121,7 +121,7 @@ void cli_json_close(cli_json *json, char bracket)
     json->filled = true;
 }
 
-void cli_json_number(cli_json *json, const char *key, double value)
+void lac_json_number(lac_json *json, const char *key, double value)
 {
     start_value(json, key);
     if (!isfinite(value)) {
@@ -136,28 +136,28 @@ void cli_json_number(cli_json *json, const char *key, double value)
     put(json->out, "%s", lac_number_exact(value, 1, text, sizeof text));
 }
 
-void cli_json_integer(cli_json *json, const char *key, int64_t value)
+void lac_json_integer(lac_json *json, const char *key, int64_t value)
 {
     start_value(json, key);
     put(json->out, "%" PRId64, value);
 }
 
-void cli_json_boolean(cli_json *json, const char *key, bool value)
+void lac_json_boolean(lac_json *json, const char *key, bool value)
 {
     start_value(json, key);
     put(json->out, "%s", value ? "true" : "false");
 }
 
-void cli_json_null(cli_json *json, const char *key)
+void lac_json_null(lac_json *json, const char *key)
 {
     start_value(json, key);
     put(json->out, "null");
 }
 
-void cli_json_text(cli_json *json, const char *key, const char *text)
+void lac_json_text(lac_json *json, const char *key, const char *text)
 {
     if (text == NULL) {
-        cli_json_null(json, key);
+        lac_json_null(json, key);
         return;
     }
     start_value(json, key);

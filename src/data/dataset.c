@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a result is made of: named variables, each with a row that tells of it and a way to its
+// values.
+#include "data/dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+
+lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (*out == NULL) {
+        return lac_fail_memory(err);
+    }
+    (*out)->summary = summary;
+    return LAC_OK;
+}
+
+void lac_dataset_free(lac_dataset *dataset)
+{
+    for (size_t i = 0; dataset != NULL && i < dataset->entries; i++) {
+        free(dataset->entry[i].name);
+        free(dataset->entry[i].long_name);
+    }
+    if (dataset != NULL) {
+        free(dataset->entry);
+        free(dataset->dim);
+    }
+    free(dataset);
+}
+
+lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
+                            lac_error *err)
+{
+    lac_dim *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        grown[dataset->dims++] = (lac_dim){.extent = extent[i]};
+    }
+    dataset->dim = grown;
+    return LAC_OK;
+}
+
+static lac_dim *find_dim(const lac_dataset *dataset, const char *name, size_t size)
+{
+    for (size_t i = 0; i < dataset->dims; i++) {
+        const char *own = dataset->dim[i].extent.name;
+        if (strlen(own) == size && memcmp(own, name, size) == 0) {
+            return &dataset->dim[i];
+        }
+    }
+    return NULL;
+}
+
+void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *label,
+                       const void *of)
+{
+    lac_dim *found = find_dim(dataset, dim, strlen(dim));
+    found->label = label;
+    found->of = of;
+}
+
+void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
+{
+    dataset->clock = clock;
+    dataset->start = start;
+}
+
+lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start)
+{
+    *start = dataset->start;
+    return dataset->clock;
+}
+
+const char *lac_dataset_summary(const lac_dataset *dataset) { return dataset->summary; }
+
+static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_error *err)
+{
+    if (dataset->entries == dataset->room) {
+        const size_t room = 2 * dataset->room + 32;
+        lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);
+        if (grown == NULL) {
+            return lac_fail_memory(err);
+        }
+        dataset->entry = grown;
+        dataset->room = room;
+    }
+    dataset->entry[dataset->entries++] = *entry;
+    return LAC_OK;
+}
+
+lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < n; k++) {
+        const lac_variables *table = &laid[k].table;
+        for (size_t i = 0; i < table->rows && status == LAC_OK; i++) {
+            const lac_entry entry = {.row = &table->row[i],
+                                     .over = table->over,
+                                     .stride = table->stride,
+                                     .pointers = table->pointers,
+                                     .of = laid[k].of};
+            status = add_entry(dataset, &entry, err);
+        }
+    }
+    return status;
+}
+
+lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
+                                 const lac_named *named, const void *of, lac_error *err)
+{
+    const lac_entry entry = {.row = row,
+                             .over = "",
+                             .of = of,
+                             .name = strdup(named->name),
+                             .long_name = strdup(named->long_name),
+                             .unit = named->unit,
+                             .comment = named->comment,
+                             .which = named->which};
+    lac_status status =
+        entry.name != NULL && entry.long_name != NULL ? LAC_OK : lac_fail_memory(err);
+    if (status == LAC_OK) {
+        status = add_entry(dataset, &entry, err);
+    }
+    if (status != LAC_OK) {
+        free(entry.name);
+        free(entry.long_name);
+    }
+    return status;
+}
+
+void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
+{
+    dataset->entry[dataset->entries - 1].attributes = *laid;
+}
+
+size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
+                      const lac_dim *dim[LAC_MOST_DIMS])
+{
+    const char *at = entry->row->dims != NULL ? entry->row->dims : entry->over;
+    size_t rank = 0;
+    for (; *at != '\0'; at += at[0] == ' ') {
+        const size_t size = strcspn(at, " ");
+        dim[rank++] = find_dim(dataset, at, size);
+        at += size;
+    }
+    return rank;
+}
+
+// What is held along the first dimension, or that one of `which`.
+static const char *held(const lac_entry *entry, const size_t *at)
+{
+    const void *from = entry->of;
+    if (entry->pointers) {
+        memcpy(&from, (const char *)entry->of + at[0] * sizeof from, sizeof from);
+    }
+    return (const char *)from + at[0] * entry->stride + entry->row->offset;
+}
+
+// Where the values are that are held as one array; NULL: there is none.
+static const double *array(const lac_entry *entry, const size_t *at)
+{
+    const double *values = NULL;
+    if (entry->of != NULL) {
+        memcpy(&values, held(entry, at), sizeof values);
+    }
+    return values;
+}
+
+static double held_number(const lac_entry *entry, const size_t *at, size_t place)
+{
+    double real;
+    size_t count;
+    int64_t integer;
+    bool truth;
+    const char *from = held(entry, at);
+    switch (entry->row->held) {
+    case LAC_HELD_REAL:
+        memcpy(&real, from, sizeof real);
+        return real;
+    case LAC_HELD_COUNT:
+        memcpy(&count, from, sizeof count);
+        return (double)count;
+    case LAC_HELD_INT64:
+        memcpy(&integer, from, sizeof integer);
+        return integer != INT64_MIN ? (double)integer : NAN;
+    case LAC_HELD_BOOL:
+        memcpy(&truth, from, sizeof truth);
+        return truth ? 1.0 : 0.0;
+    case LAC_HELD_REALS:
+        return array(entry, at)[place];
+    default:
+        return NAN;
+    }
+}
+
+double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place)
+{
+    if (entry->of == NULL) {
+        return NAN;
+    }
+    return entry->row->value != NULL ? entry->row->value(entry->of, at)
+                                     : held_number(entry, at, place);
+}
+
+bool lac_entry_is_text(const lac_entry *entry)
+{
+    return entry->row->text != NULL || entry->row->held == LAC_HELD_TEXT;
+}
+
+const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM])
+{
+    const char *text = NULL;
+    if (entry->of == NULL) {
+        return NULL;
+    }
+    if (entry->row->text != NULL) {
+        return entry->row->text(entry->of, at, room);
+    }
+    memcpy(&text, held(entry, at), sizeof text);
+    return text;
+}
+
+bool lac_entry_has(const lac_entry *entry, const size_t *at)
+{
+    return entry->of != NULL && (entry->row->has == NULL || entry->row->has(entry->of, at)) &&
+           (entry->row->held != LAC_HELD_REALS || array(entry, at) != NULL);
+}
+
+// The next place, the last dimension fastest.
+static void step(const lac_item *item, size_t *at)
+{
+    for (size_t d = item->rank; d-- > 0;) {
+        if (++at[d] < item->length[d]) {
+            return;
+        }
+        at[d] = 0;
+    }
+}
+
+// Whether an entry is there for a file; if so, what it is.
+static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_item *out)
+{
+    const lac_dim *dim[LAC_MOST_DIMS];
+    size_t first[LAC_MOST_DIMS + 1] = {0};
+    const size_t next = out->next;
+    *out = (lac_item){.row = entry->row,
+                      .name = entry->name != NULL ? entry->name : entry->row->name,
+                      .long_name = entry->name != NULL ? entry->long_name : entry->row->long_name,
+                      .unit = entry->name != NULL ? entry->unit : entry->row->unit,
+                      .comment = entry->name != NULL ? entry->comment : entry->row->comment,
+                      .rank = lac_entry_dims(dataset, entry, dim),
+                      .count = 1,
+                      .is_text = lac_entry_is_text(entry),
+                      .next = next,
+                      .entry = entry};
+    for (size_t d = 0; d < out->rank; d++) {
+        out->dim[d] = dim[d]->extent.name;
+        out->length[d] = dim[d]->extent.length;
+        out->count *= dim[d]->extent.length;
+    }
+    first[out->rank] = entry->which;
+    return out->name != NULL && out->count > 0 && lac_entry_has(entry, first);
+}
+
+bool lac_dataset_next(const lac_dataset *dataset, lac_item *item)
+{
+    while (item->next < dataset->entries) {
+        const lac_entry *entry = &dataset->entry[item->next++];
+        if (describe(dataset, entry, item)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *item)
+{
+    *item = (lac_item){0};
+    while (lac_dataset_next(dataset, item)) {
+        if (strcmp(item->name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void lac_item_values(const lac_item *item, double *out)
+{
+    size_t at[LAC_MOST_DIMS + 1] = {0};
+    at[item->rank] = item->entry->which;
+    const bool many = item->entry->stride > 0 || item->entry->pointers;
+    const size_t each = many && item->rank > 0 ? item->count / item->length[0] : item->count;
+    for (size_t i = 0; i < item->count; i++) {
+        out[i] = lac_entry_number(item->entry, at, i % each);
+        step(item, at);
+    }
+}
+
+const double *lac_item_array(const lac_item *item)
+{
+    const size_t first[] = {0};
+    const bool one = item->entry->stride == 0 && !item->entry->pointers;
+    return item->row->held == LAC_HELD_REALS && one ? array(item->entry, first) : NULL;
+}
+
+const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM])
+{
+    size_t at[LAC_MOST_DIMS + 1] = {0};
+    for (size_t d = item->rank; d-- > 0; place /= item->length[d]) {
+        at[d] = place % item->length[d];
+    }
+    at[item->rank] = item->entry->which;
+    return lac_entry_text(item->entry, at, room);
+}
+
+bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
+{
+    const lac_laid *laid = &item->entry->attributes;
+    const size_t at[] = {item->entry->which};
+    while (laid->of != NULL && attribute->next < laid->table.rows) {
+        const lac_entry own = {.row = &laid->table.row[attribute->next++],
+                               .stride = laid->table.stride,
+                               .of = laid->of};
+        const bool is_text = lac_entry_is_text(&own);
+        attribute->name = own.row->name;
+        attribute->text = is_text ? lac_entry_text(&own, at, attribute->room) : NULL;
+        attribute->number = is_text ? NAN : lac_entry_number(&own, at, 0);
+        if (own.row->name != NULL && (attribute->text != NULL || isfinite(attribute->number))) {
+            return true;
+        }
+    }
+    return false;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_DATA_DESCRIBE_H
+#define LACUNA_DATA_DESCRIBE_H
+
+// How a module writes down the tables of its result.
+
+#include "lacuna/dataset.h"
+
+#define LAC_VARIABLES(rows_, over_, stride_)                                      \
+    {                                                                             \
+        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = (over_), \
+        .stride = (stride_)                                                       \
+    }
+
+/// Getters: `declared` names what the expression is about, from `of` and `at`.
+#define LAC_GETTER(returned, name, declared, expression)   \
+    static returned name(const void *of, const size_t *at) \
+    {                                                      \
+        declared;                                          \
+        (void)at;                                          \
+        return (expression);                               \
+    }
+#define LAC_TEXT_GETTER(name, declared, expression)                                     \
+    static const char *name(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]) \
+    {                                                                                   \
+        declared;                                                                       \
+        (void)at, (void)room;                                                           \
+        return (expression);                                                            \
+    }
+
+/// A row of a file.
+#define LAC_ROW(name_, dims_, unit_, long_name_, ...)                                             \
+    {                                                                                             \
+        .name = (name_), .dims = (dims_), .unit = (unit_), .long_name = (long_name_), __VA_ARGS__ \
+    }
+
+/// A value that is held. @param kind  REAL, COUNT ... of lac_held
+#define LAC_HELD(kind, type, field) .held = LAC_HELD_##kind, .offset = offsetof(type, field)
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_DATA_JSON_H
+#define LACUNA_DATA_JSON_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/// Writes one JSON value piece by piece. Keys are NULL at the top and within lists.
+typedef struct lac_json {
+    FILE *out;
+    int depth;
+    bool filled; ///< something stands before on this level
+} lac_json;
+
+/// Opens an object ('{') or a list ('[').
+void lac_json_open(lac_json *json, const char *key, char bracket);
+
+/// Closes it ('}' or ']'); the outermost one ends the line.
+void lac_json_close(lac_json *json, char bracket);
+
+/// The shortest digits that read back to the same double, a whole number below 2^53 without an
+/// exponent; null where not finite.
+void lac_json_number(lac_json *json, const char *key, double value);
+void lac_json_integer(lac_json *json, const char *key, int64_t value);
+void lac_json_boolean(lac_json *json, const char *key, bool value);
+void lac_json_null(lac_json *json, const char *key);
+
+/// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included).
+size_t lac_utf8_length(const unsigned char *s);
+
+/// Text in quotes, escaped; bytes that are no UTF-8 become U+FFFD; null where NULL.
+void lac_json_text(lac_json *json, const char *key, const char *text);
+
+#endif

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a fit came to, as tables: the variables of its file and the members of its JSON.
+#include <math.h>
+#include <stdio.h>
+
+#include "base/date.h"
+#include "data/describe.h"
+#include "lacuna/fit.h"
+
+enum { NAME = 256, TITLE = 300 };
+
+#define RESULT const lac_fit_result *r = of
+#define UNKNOWN const lac_fit_unknown *x = (const lac_fit_unknown *)of + at[0]
+#define OUTCOME const lac_fit_outcome *o = of
+
+// The draws of one unknown.
+static double draw_of(const lac_fit_result *r, size_t chain, size_t step, size_t unknown)
+{
+    const lac_chain *c = r->chain;
+    const double x = c->x[(step * c->walkers + chain) * c->dimension + unknown];
+    return r->unknown[unknown].log ? exp(x) : x;
+}
+
+LAC_GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
+LAC_GETTER(double, best, RESULT, r->unknown[at[0]].best)
+LAC_GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
+LAC_GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
+LAC_GETTER(double, walkers, RESULT, (double)r->chain->walkers)
+LAC_GETTER(double, steps, RESULT, (double)r->chain->steps)
+LAC_GETTER(bool, is_sampled, RESULT, r->chain != NULL)
+LAC_GETTER(bool, is_one_block, RESULT, r->one_block)
+LAC_GETTER(double, correlation, RESULT, r->correlation[at[0]][at[1]])
+LAC_GETTER(double, best_power, RESULT, r->axis[r->parameters - 1].power[at[0]])
+LAC_GETTER(double, best_sigma, RESULT, r->axis[r->parameters - 1].sigma)
+LAC_GETTER(double, least_power, RESULT, r->axis[0].power[at[0]])
+LAC_GETTER(double, least_sigma, RESULT, r->axis[0].sigma)
+LAC_TEXT_GETTER(formula, RESULT; (void)r, "(m/dc)(1 - x^(m-1))")
+
+LAC_GETTER(bool, is_log, UNKNOWN, x->log)
+LAC_GETTER(bool, is_plain, UNKNOWN, !x->log)
+LAC_GETTER(double, error, UNKNOWN, x->log ? NAN : x->error)
+LAC_GETTER(double, log_error, UNKNOWN, x->log ? x->error : NAN)
+LAC_TEXT_GETTER(end, UNKNOWN, x->end == 0 ? NULL : x->end < 0 ? "low" : "high")
+
+static const char *derivatives_by(int by)
+{
+    static const char *const names[] = {"sensitivities", "runs", NULL};
+    return names[by];
+}
+LAC_TEXT_GETTER(derivatives, UNKNOWN, derivatives_by(x->by))
+
+static const char *date_of(const lac_case *c, double t, char room[LAC_TEXT_ROOM])
+{
+    return c->dated && isfinite(t) ? lac_date_format(c->start_date + t, room, LAC_TEXT_ROOM) : NULL;
+}
+LAC_TEXT_GETTER(best_date, OUTCOME, date_of(o->source, o->result->failure, room))
+LAC_TEXT_GETTER(middle_date, OUTCOME, date_of(o->source, o->result->failures.quantile[2], room))
+LAC_GETTER(double, seed, OUTCOME, (double)o->source->fit.seed)
+
+static double share(const void *of, const size_t *at)
+{
+    static const double quantile[LAC_FIT_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
+    (void)of;
+    return quantile[at[0]];
+}
+
+#define X(kind, field) LAC_HELD(kind, lac_fit_unknown, field)
+#define R(kind, field) LAC_HELD(kind, lac_fit_result, field)
+
+// What a file says of an unknown beside its draws.
+static const lac_variable beside_draws[] = {
+    {.name = "best_fit", X(REAL, best)},
+    {.name = "standard_error_of_logarithm", .value = log_error},
+    {.name = "standard_error", .value = error},
+    {.name = "best_fit_at_end_of_range", X(REAL, limit)},
+    {.name = "rhat", X(REAL, converged.rhat)},
+    {.name = "effective_sample_size", X(REAL, converged.ess)},
+    {.name = "case_key", X(TEXT, key)},
+};
+
+static const lac_variable of_unknowns[] = {
+    {.json = "parameters[]/key", X(TEXT, key)},
+    {.json = "parameters[]/unit", X(TEXT, unit)},
+    {.json = "parameters[]/best", X(REAL, best)},
+    {.json = "parameters[]/at_end_of_range", .text = end},
+    {.json = "parameters[]/end_of_range", X(REAL, limit)},
+    {.json = "parameters[]/error_of_logarithm", X(REAL, error), .has = is_log},
+    {.json = "parameters[]/error", X(REAL, error), .has = is_plain},
+    {.json = "parameters[]/derivatives", .text = derivatives},
+    {.json = "parameters[]/median", X(REAL, quantile[2])},
+    {.json = "parameters[]/interval50", X(REAL, quantile[1])},
+    {.json = "parameters[]/interval50", X(REAL, quantile[3])},
+    {.json = "parameters[]/interval90", X(REAL, quantile[0])},
+    {.json = "parameters[]/interval90", X(REAL, quantile[4])},
+    {.json = "parameters[]/rhat", X(REAL, converged.rhat)},
+    {.json = "parameters[]/ess", X(REAL, converged.ess)},
+    {.json = "parameters[]/autocorrelation_steps", X(REAL, converged.time)},
+};
+
+static const lac_variable of_data[] = {
+    {.json = "displacements", R(COUNT, displacements)},
+    {.json = "velocities", R(COUNT, velocities)},
+    {.json = "outside", R(COUNT, outside)},
+    {.json = "missing", R(COUNT, missing)},
+    {.json = "not_positive", R(COUNT, not_positive)},
+    {.json = "rms_m", R(REAL, displacement_rms)},
+    {.json = "rms_ln_rate", R(REAL, log_rate_rms)},
+    {.json = "offset_m", R(REAL, offset)},
+    {.json = "log_likelihood", R(REAL, log_likelihood)},
+    {.json = "bic", R(REAL, bic)},
+    {.json = "residual_autocorrelation", R(REAL, autocorrelation)},
+    {.json = "scatter_m", R(REAL, scatter)},
+    {.json = "fits_badly", R(BOOL, poor)},
+};
+
+static const lac_variable of_result[] = {
+    {.json = "correlation[][]", .dims = "parameter parameter", .value = correlation},
+    {.json = "known_best/powers{}", .dims = "parameter", .value = best_power},
+    {.json = "known_best/sigma_of_logarithm", .value = best_sigma},
+    {.json = "known_least/powers{}", .dims = "parameter", .value = least_power},
+    {.json = "known_least/sigma_of_logarithm", .value = least_sigma},
+    {.json = "shape/formula", .text = formula, .has = is_one_block},
+    {.json = "shape/median_1_m", R(REAL, shape.quantile[2])},
+    {.json = "shape/interval50_1_m", R(REAL, shape.quantile[1])},
+    {.json = "shape/interval50_1_m", R(REAL, shape.quantile[3])},
+    {.json = "shape/interval90_1_m", R(REAL, shape.quantile[0])},
+    {.json = "shape/interval90_1_m", R(REAL, shape.quantile[4])},
+    {.json = "shape/sigma_of_logarithm", R(REAL, shape_sigma)},
+    {.json = "best_failure_time_s", R(REAL, failure)},
+    {.json = "best_failure_error_s", R(REAL, failure_error)},
+    {.json = "tc_s", R(REAL, failures.quantile[2])},
+    {.json = "interval50_s", R(REAL, failures.quantile[1])},
+    {.json = "interval50_s", R(REAL, failures.quantile[3])},
+    {.json = "interval90_s", R(REAL, failures.quantile[0])},
+    {.json = "interval90_s", R(REAL, failures.quantile[4])},
+    {.json = "share_failing", R(REAL, failing)},
+    {.json = "sampler/walkers", .value = walkers, .has = is_sampled},
+    {.json = "sampler/steps", .value = steps},
+    {.json = "sampler/burn", R(COUNT, dropped)},
+    {.json = "sampler/converged", R(BOOL, converged)},
+    {.json = "sampler/acceptance", R(REAL, acceptance)},
+    {.json = "runs", R(INT64, runs)},
+    LAC_ROW("log_posterior", "chain draw", "1",
+            "logarithm of the posterior density of the coordinates, up to a constant",
+            .value = log_density),
+    LAC_ROW("acceptance", "chain", "1", "share of a walker's moves that were accepted",
+            .value = acceptance),
+    LAC_ROW("quantile", "quantile", "1", "share of the posterior below", .value = share),
+    LAC_ROW("prediction_time", "prediction", NULL, "time of a prediction", R(REALS, time),
+            .flags = LAC_TIME),
+    LAC_ROW("best_displacement", "prediction", "m",
+            "displacement of the best fit, its zero that of the data", R(REALS, fitted),
+            .flags = LAC_MISSING),
+    LAC_ROW("predicted_displacement", "quantile prediction", "m",
+            "quantiles of the posterior's displacement; missing beyond failure",
+            R(REALS, displacement), .flags = LAC_MISSING),
+    LAC_ROW("predicted_slip_rate", "quantile prediction", "m s-1",
+            "quantiles of the posterior's slip rate; missing beyond failure", R(REALS, rate),
+            .flags = LAC_MISSING),
+    LAC_ROW("reading_time", "reading", NULL, "time of a reading", R(REALS, reading_time),
+            .flags = LAC_TIME),
+    LAC_ROW("observed_displacement", "reading", "m", "displacement that was read",
+            R(REALS, observed), .flags = LAC_MISSING),
+    LAC_ROW("observed_slip_rate", "reading", "m s-1", "velocity that was read",
+            R(REALS, observed_rate), .flags = LAC_MISSING),
+    LAC_ROW("failure_time", "sample", NULL,
+            "time of failure of draws that were run on; missing where none by the end of the run",
+            R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),
+};
+
+static const lac_variable of_outcome[] = {
+    {.json = "best_failure_date", .text = best_date},
+    {.json = "tc_date", .text = middle_date},
+    {.json = "sampler/seed", .value = seed},
+    {.name = "status",
+     .json = "status",
+     .held = LAC_HELD_TEXT,
+     .offset = offsetof(lac_fit_outcome, status)},
+};
+
+// "friction.aging.dc" as a name that every tool takes.
+static void name_of(const char *key, char name[NAME])
+{
+    (void)snprintf(name, NAME, "%s", key);
+    for (char *c = name; *c != '\0'; c++) {
+        *c = *c == '.' || *c == '-' ? '_' : *c;
+    }
+}
+
+static const char *key_of(const void *of, const size_t *at, char room[LAC_TEXT_ROOM])
+{
+    (void)room;
+    return ((const lac_fit_result *)of)->unknown[at[0]].key;
+}
+
+// A variable an unknown: its draws over (chain, draw), or its best value alone.
+static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *err)
+{
+    static const lac_variable drawn = {.dims = "chain draw", .value = draw};
+    static const lac_variable alone = {.dims = "", .value = best, .flags = LAC_SINGLE};
+    const bool any = r->chain != NULL && r->chain->steps > 0;
+    const lac_laid beside = {LAC_VARIABLES(beside_draws, "", sizeof(lac_fit_unknown)), r->unknown};
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < r->unknowns && status == LAC_OK; k++) {
+        char name[NAME], title[TITLE];
+        const char *key = r->unknown[k].key;
+        name_of(key, name);
+        (void)snprintf(title, sizeof title, "%s of %s", any ? "posterior draws" : "best fit", key);
+        const lac_named named = {name, title, r->unknown[k].unit, NULL, k};
+        status = lac_dataset_add_named(d, any ? &drawn : &alone, &named, r, err);
+        if (status == LAC_OK) {
+            lac_dataset_attributes(d, &beside);
+        }
+    }
+    return status;
+}
+
+lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_error *err)
+{
+    const lac_fit_result *r = o->result;
+    const lac_extent dims[] = {{"chain", r->chain != NULL ? r->chain->walkers : 0},
+                               {"draw", r->chain != NULL ? r->chain->steps : 0},
+                               {"quantile", LAC_FIT_QUANTILES},
+                               {"prediction", r->times},
+                               {"reading", r->readings},
+                               {"sample", r->draws},
+                               {"unknown", r->unknowns},
+                               {"parameter", r->parameters}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_data, "", 0), r},
+        {LAC_VARIABLES(of_unknowns, "unknown", sizeof(lac_fit_unknown)), r->unknown},
+        {LAC_VARIABLES(of_result, "", 0), r},
+        {LAC_VARIABLES(of_outcome, "", 0), o}};
+    lac_dataset *d = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(lac_dataset_create("Parameters of a creep model fitted to a monitoring series: draws "
+                               "of the posterior, predicted series and times of failure.",
+                               &d, err));
+    lac_dataset_set_clock(d, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
+                          o->source->start_date);
+    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
+    lac_dataset_label(d, "parameter", key_of, r);
+    LAC_TRY(add_draws(d, r, err));
+    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
+    *out = d;
+    d = NULL;
+out:
+    lac_dataset_free(d);
+    return status;
+}

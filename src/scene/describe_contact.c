@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the contact of a joint came to, as tables: maps, measures of surface and contact, and how it
+// was solved.
+#include <math.h>
+#include <stdio.h>
+
+#include "data/describe.h"
+#include "scene/describe.h"
+
+#define CONTACT const lac_scene_contact *c = of
+#define OUTCOME const lac_contact_outcome *o = of
+#define FACE const lac_file_report *f = (const lac_file_report *)of + at[0]
+
+LAC_GETTER(double, place_x, CONTACT, ((double)at[0] + 0.5) * c->grid.dx)
+LAC_GETTER(double, place_y, CONTACT, ((double)at[0] + 0.5) * c->grid.dy)
+LAC_TEXT_GETTER(axis_x, (void)of, "X")
+LAC_TEXT_GETTER(axis_y, (void)of, "Y")
+
+LAC_GETTER(double, cells, CONTACT, (double)c->domain->n)
+LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_cells(&c->grid))
+LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
+
+// Over the cells that touch.
+static double sum_pressure(const lac_domain *domain)
+{
+    double sum = 0;
+    for (size_t i = 0; i < domain->n; i++) {
+        sum += domain->pressure[i];
+    }
+    return sum;
+}
+
+static double largest_pressure(const lac_domain *domain)
+{
+    double largest = 0;
+    for (size_t i = 0; i < domain->n; i++) {
+        largest = fmax(largest, domain->pressure[i]);
+    }
+    return largest;
+}
+LAC_GETTER(double, real_pressure, CONTACT, sum_pressure(c->domain) / (double)c->domain->n)
+LAC_GETTER(double, max_pressure, CONTACT, largest_pressure(c->domain))
+
+LAC_GETTER(bool, solved, CONTACT, c->solved)
+#define SOLVED(name, expression) \
+    LAC_GETTER(double, name, CONTACT, c->solved ? (double)(expression) : NAN)
+SOLVED(report_cells, c->report.n_cells)
+SOLVED(report_fraction, (double)c->report.n_cells / (double)lac_grid_cells(&c->grid))
+SOLVED(complementarity, c->report.complementarity_error)
+SOLVED(penetration, c->report.penetration)
+SOLVED(penetration_size, fabs(c->report.penetration))
+SOLVED(load_error, c->report.load_error)
+SOLVED(report_mean, c->report.mean_pressure)
+SOLVED(report_max, c->report.max_pressure)
+SOLVED(approach, c->report.approach)
+SOLVED(iterations, c->report.iterations)
+SOLVED(products, c->report.products)
+
+static const char *measured_word(lac_measured measured)
+{
+    static const char *const words[] = {"interface", "file", "part", "composite"};
+    return words[measured];
+}
+LAC_TEXT_GETTER(measured, CONTACT, c->solved ? measured_word(c->surface.measured) : NULL)
+LAC_GETTER(double, jrc_in_range, CONTACT,
+           c->surface.measures.jrc >= 0.0 && c->surface.measures.jrc <= 20.0)
+
+static const char *fit_word(int fit)
+{
+    static const char *const words[] = {"cropped", "padded", "resampled"};
+    return words[fit];
+}
+LAC_TEXT_GETTER(height_unit, FACE, f->height_unit)
+LAC_TEXT_GETTER(lateral_unit, FACE, f->lateral_unit)
+LAC_TEXT_GETTER(fit, FACE, fit_word(f->fit))
+LAC_TEXT_GETTER(status, OUTCOME, o->status)
+
+#define G(getter) .value = (getter)
+#define T(getter) .text = (getter)
+#define C(kind, field) LAC_HELD(kind, lac_scene_contact, field)
+#define WHOLE .flags = LAC_WHOLE
+
+static const lac_variable of_domain[] = {
+    {.json = "n_cells", G(cells)},
+    {.json = "grid", C(COUNT, grid.nx)},
+    {.json = "grid", C(COUNT, grid.ny)},
+    {.json = "cell_size_m", C(REAL, grid.dx)},
+    {.json = "cell_width_m", C(REAL, grid.dy)},
+    {.name = "boundary", .json = "boundary", T(boundary)},
+    {.json = "contact_fraction", G(fraction)},
+    {.json = "max_pressure_Pa", G(max_pressure)},
+    {.json = "mean_real_pressure_Pa", G(real_pressure)},
+};
+
+static const lac_variable of_contact[] = {
+    LAC_ROW("heights", "y x", "m", "composite height of the two surfaces", C(REALS, heights),
+            .comment = "peaks up; contact of the sum on a flat"),
+    LAC_ROW("gap", "y x", "m", "gap between the surfaces under load", C(REALS, gap),
+            .comment = "zero in contact, within the solver's tolerance"),
+    LAC_ROW("pressure", "y x", "Pa", "normal contact pressure", C(REALS, pressure),
+            .comment = "exactly zero outside the contact"),
+    {.json = "mean_pressure_Pa", C(REAL, mean_pressure)},
+    {.name = "n_cells", G(report_cells), WHOLE},
+    {.name = "contact_fraction", G(report_fraction)},
+    {.name = "mean_pressure_Pa", G(report_mean)},
+    {.name = "max_pressure_Pa", G(report_max)},
+    {.name = "load_error", G(load_error)},
+    {.name = "penetration_m", G(penetration)},
+    {.name = "iterations", .json = "iterations", G(iterations), WHOLE},
+    {.name = "operator_products", .json = "products", G(products), WHOLE},
+    {.name = "complementarity_error", .json = "complementarity_error", G(complementarity)},
+    {.json = "penetration_m", G(penetration_size)},
+    {.name = "approach_m", .json = "approach_m", G(approach)},
+    {.name = "surface_measured", .json = "surface/measured", T(measured), .has = solved},
+};
+
+#define M(name_, json_, field)                                    \
+    {                                                             \
+        .name = "surface_" name_, .json = "surface/" json_,       \
+        LAC_HELD(REAL, lac_scene_contact, surface.measures.field) \
+    }
+static const lac_variable of_surface[] = {
+    M("rms_height_m", "rms_height_m", rms_height),
+    M("rms_slope_x", "rms_slope_x", rms_slope_x),
+    M("rms_slope_y", "rms_slope_y", rms_slope_y),
+    M("hurst", "hurst", hurst),
+    M("hurst_error", "hurst_error", hurst_error),
+    M("hurst_misfit", "hurst_misfit", hurst_misfit),
+    M("hurst_shortest_m", "hurst_shortest_m", fit_shortest),
+    M("hurst_longest_m", "hurst_longest_m", fit_longest),
+    M("z2", "z2", z2),
+    M("z2_step_m", "z2_step_m", z2_step),
+    M("jrc", "jrc", jrc),
+    {.json = "surface/jrc_in_range", G(jrc_in_range), .flags = LAC_TRUTH},
+};
+
+#define P(json_, field)                                                                 \
+    {                                                                                   \
+        .json = "surface/profiles[]/" json_, LAC_HELD(REAL, lac_profile_measure, field) \
+    }
+static const lac_variable of_profiles[] = {P("step_m", step), P("z2", z2), P("jrc", jrc),
+                                           P("jrc_yu_vayssade", jrc_yu)};
+
+#define F(json_, kind, field)                                                    \
+    {                                                                            \
+        .json = "surface/files[]/" json_, LAC_HELD(kind, lac_file_report, field) \
+    }
+static const lac_variable of_files[] = {
+    F("path", TEXT, path),
+    F("format", TEXT, format),
+    F("nx", COUNT, nx),
+    F("ny", COUNT, ny),
+    F("dx_m", REAL, dx),
+    F("dy_m", REAL, dy),
+    {.json = "surface/files[]/height_unit", T(height_unit)},
+    {.json = "surface/files[]/lateral_unit", T(lateral_unit)},
+    F("without_height", COUNT, masked),
+    {.json = "surface/files[]/fit", T(fit)},
+};
+
+static const lac_variable of_outcome[] = {{.name = "status", T(status)}};
+
+static lac_status add_axis(lac_dataset *d, const lac_scene_contact *c, bool along_x, lac_error *err)
+{
+    static const lac_variable x = {.dims = "x", G(place_x)}, y = {.dims = "y", G(place_y)};
+    static const lac_variable axis[] = {{.name = "axis", T(axis_y)}, {.name = "axis", T(axis_x)}};
+    const lac_named named = {
+        .name = along_x ? "x" : "y",
+        .long_name = along_x ? "position of the cell's centre along x, the direction of slip"
+                             : "position of the cell's centre along y",
+        .unit = "m"};
+    const lac_laid beside = {{.row = &axis[along_x], .rows = 1, .over = ""}, c};
+    const lac_status status = lac_dataset_add_named(d, along_x ? &x : &y, &named, c, err);
+    if (status == LAC_OK) {
+        lac_dataset_attributes(d, &beside);
+    }
+    return status;
+}
+
+// A face's file, in words.
+static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROOM])
+{
+    char apart[64] = "";
+    if (!isnan(file->dx) && !isnan(file->dy)) {
+        (void)snprintf(apart, sizeof apart, " %g x %g m apart", file->dx, file->dy);
+    }
+    (void)snprintf(room, LAC_TEXT_ROOM,
+                   "%s, %zu x %zu samples%s, heights in %s, %zu without height, %s", file->format,
+                   file->nx, file->ny, apart, file->height_unit, file->masked, fit_word(file->fit));
+    return room;
+}
+LAC_TEXT_GETTER(face, FACE, face_text(f, room))
+LAC_TEXT_GETTER(face_path, FACE, f->path)
+
+static lac_status add_faces(lac_dataset *d, const lac_surface_report *s, lac_error *err)
+{
+    static const lac_variable rows[] = {{.dims = "", T(face_path)}, {.dims = "", T(face)}};
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < 2 * s->files && status == LAC_OK; i++) {
+        const char *which = s->files < 2 ? "file" : i < 2 ? "upper" : "lower";
+        char name[40];
+        (void)snprintf(name, sizeof name, "surface_%s%s", which, i % 2 == 0 ? "_path" : "");
+        const lac_named named = {.name = name, .long_name = "", .which = i / 2};
+        status = lac_dataset_add_named(d, &rows[i % 2], &named, s->file, err);
+    }
+    return status;
+}
+
+lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out, lac_error *err)
+{
+    const lac_scene_contact *c = o->contact;
+    const lac_surface_report *s = c->solved ? &c->surface : NULL;
+    const lac_extent dims[] = {{"y", c->grid.ny},
+                               {"x", c->grid.nx},
+                               {"profile", s != NULL ? s->measures.profiles : 0},
+                               {"face", s != NULL ? s->files : 0}};
+    const lac_laid domain = {LAC_VARIABLES(of_domain, "", 0), c};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_contact, "", 0), c},
+        {LAC_VARIABLES(of_surface, "", 0), s != NULL ? c : NULL},
+        {LAC_VARIABLES(of_profiles, "profile", sizeof(lac_profile_measure)),
+         s != NULL ? s->measures.profile : NULL},
+        {LAC_VARIABLES(of_files, "face", sizeof(lac_file_report)), s != NULL ? s->file : NULL},
+        {LAC_VARIABLES(of_outcome, "", 0), o}};
+    lac_dataset *d = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(lac_dataset_create("Contact of a rough rock joint under normal load: maps over the "
+                               "interface, and the fractal measures of the contact domain.",
+                               &d, err));
+    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(d, &domain, 1, err));
+    LAC_TRY(lac_describe_dimension(c, d, err));
+    if (o->brief) {
+        goto done;
+    }
+    LAC_TRY(add_axis(d, c, false, err));
+    LAC_TRY(add_axis(d, c, true, err));
+    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(s != NULL ? add_faces(d, s, err) : LAC_OK);
+    LAC_TRY(lac_describe_fractal(c, d, err));
+done:
+    *out = d;
+    d = NULL;
+out:
+    lac_dataset_free(d);
+    return status;
+}
