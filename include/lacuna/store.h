@@ -121,7 +121,6 @@ typedef struct lac_history_store_def {
     lac_provenance provenance;
     lac_contact_view contact; ///< where the history starts
     double friction;          ///< Coulomb's coefficient [1]
-    const char *method;       ///< how it is solved, in one word
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;

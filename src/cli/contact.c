@@ -58,7 +58,6 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
         .provenance = *provenance,
         .contact = *view,
         .friction = history->friction,
-        .method = history->method == LAC_HISTORY_DIRECT ? "direct" : "superposed",
         .keep = keeps[history->fields],
         .pressed = changes_pressure(history),
     };

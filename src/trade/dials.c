@@ -245,21 +245,6 @@ static void field_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     (void)snprintf(label, LAC_DIAL_LABEL, "%s", fields[c->rg.field]);
 }
 
-// How a history of loads is followed: superposed where the case can be, which its check says.
-static const char *const histories[] = {"superposed", "direct"};
-
-static size_t history_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    return c->history.count > 0 ? put_names(histories, 2, out) : 0;
-}
-
-static void history_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   histories[c->history.method == LAC_HISTORY_DIRECT ? 1 : 0]);
-}
-
 static const lac_dial dials[] = {
     {.name = "rtol",
      .key = "solver.rtol",
@@ -299,13 +284,6 @@ static const lac_dial dials[] = {
      .ratio = 4,
      .values = levels_values,
      .current = levels_current},
-    {.name = "history",
-     .key = "load.history.method",
-     .doc = "of a contact's loads: superposed, direct",
-     .use = LAC_OF_CONTACT,
-     .scene = true,
-     .values = history_values,
-     .current = history_current},
     {.name = "transfer",
      .key = "transfer",
      .doc = "of stress: hierarchy, elastic",

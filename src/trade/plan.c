@@ -127,8 +127,7 @@ static unsigned turned_of(const lac_trade_plan *plan)
 static lac_status no_turn(const lac_dial *dial, lac_trade_of of, lac_error *err)
 {
     if (of == LAC_OF_RUN) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a %s", dial->name,
-                        (dial->use & LAC_OF_CONTACT) != 0 ? "contact" : "cascade");
+        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a cascade", dial->name);
     }
     return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing in a %s", dial->name,
                     of == LAC_OF_CONTACT ? "contact" : "cascade, unless fidelity is turned too");
