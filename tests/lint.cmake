@@ -9,6 +9,7 @@ endfunction()
 
 lacuna_lint(selftest ${LACUNA_PYTHON} ${lint}/selftest.py ${CMAKE_C_COMPILER})
 lacuna_lint(layers ${LACUNA_PYTHON} ${lint}/layers.py)
+lacuna_lint(rows ${LACUNA_PYTHON} ${lint}/rows.py)
 lacuna_lint(sizes ${LACUNA_PYTHON} ${lint}/sizes.py)
 lacuna_lint(docs ${LACUNA_PYTHON} ${lint}/docs.py)
 lacuna_lint(spdx ${LACUNA_PYTHON} ${lint}/spdx.py)

@@ -47,8 +47,7 @@ class Joint:
         load = f"load.normal={{pressure: {found['mean_pressure_Pa']!r}}}"
         steps = ", ".join(f"{{ratio_x: {ratio}}}" for ratio in LOADS)
         json_of(arguments.program, "contact", arguments.case, "--force", "-o", path, *own,
-             *settings(load, "load.history={method: superposed, friction: 0.6, steps: "
-                             f"[{steps}]}}"))
+             *settings(load, f"load.history={{friction: 0.6, steps: [{steps}]}}"))
         with open_file(path) as data:
             self.state = data["state"].values.astype(int)
         rows, columns = self.state.shape[1:]

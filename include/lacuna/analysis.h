@@ -97,10 +97,14 @@ typedef struct lac_indicator_kind {
     /// Passes what it has seen so far, to or from a checkpoint: all that observe and finish read
     /// and observe changes. NULL: a run with it makes no checkpoints.
     void (*keep)(lac_indicator *self, lac_tape *tape);
+    bool cascade; ///< needs the critical fraction; its parameters are lac_analysis_rg
 } lac_indicator_kind;
 
 /// The index-th kind in the registry, NULL past the end.
 const lac_indicator_kind *lac_indicator_kind_at(size_t index);
+
+/// The parameters of an indicator that needs the critical fraction; NULL: it does not.
+lac_analysis_rg *lac_analysis_cascade(const lac_slot *indicator);
 
 /// The indicators of a run.
 typedef struct lac_analysis lac_analysis;

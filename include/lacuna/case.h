@@ -136,12 +136,6 @@ typedef struct lac_rg_def {
     double beta[LAC_MOST_BETAS];
 } lac_rg_def;
 
-/// How a history is solved; `superposed` is Ciavarella and Jaeger's superposition of normal loads.
-typedef enum lac_history_method {
-    LAC_HISTORY_DIRECT = 0,
-    LAC_HISTORY_SUPERPOSED
-} lac_history_method;
-
 /// Steps of a history whose fields are kept.
 typedef enum lac_history_fields {
     LAC_HISTORY_ALL = 0,
@@ -160,7 +154,6 @@ typedef struct lac_history_step {
 
 /// A static history of normal and shear load.
 typedef struct lac_history_def {
-    int method;      ///< lac_history_method
     int fields;      ///< lac_history_fields
     double friction; ///< Coulomb's coefficient f [1]
     size_t count;    ///< 0: no history

@@ -79,6 +79,7 @@ typedef struct lac_domain_source {
     /// @param occupied  [ny * nx] set to 1 in contact cells, 0 elsewhere
     /// NULL: the cells are read from a file, which is the scene's part
     lac_status (*fill)(const void *params, const lac_grid *grid, uint8_t *occupied, lac_error *err);
+    bool full; ///< every cell is in contact, whatever the parameters
 } lac_domain_source;
 
 /// Parameters of `cascade`: a random dyadic cascade of the given dimension.

@@ -81,6 +81,8 @@ typedef struct lac_forecast_kind {
     const char *estimator; ///< exactly what is computed from what
     size_t least;          ///< readings or velocities that it needs
     bool displacements;    ///< it fits displacements, not velocities
+    bool baseline;         ///< stands for no knowledge: what the others must beat
+    bool dates;            ///< its time of failure is the one that indicators take
     double worst;          ///< misfit above which its forecast is not issued
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.

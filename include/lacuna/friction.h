@@ -88,6 +88,23 @@ typedef struct lac_friction {
 /// Columns that every law has.
 enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_V1, LAC_V2, LAC_ALPHA, LAC_COMMON_COLUMNS };
 
+/// One cell by itself over a step in which ln v is linear in slip; docs/theory/fidelity-events.md,
+/// eqs. 3-6.
+typedef struct lac_lone_step {
+    double length;       ///< h [s]
+    double u, w, ln_dc;  ///< ln v and ln theta at its start; ln dc
+    double rho, em, phi; ///< ln(v1/v0); e^-rho - 1; (1 - e^-rho)/rho
+    double z, dz;        ///< slip over dc, and its derivative by rho
+} lac_lone_step;
+
+/// How a cell takes steps of its own, as fidelity events has them.
+typedef struct lac_friction_lone {
+    /// dw/dt [1/s]. @param renewal  v/dc [1/s]
+    double (*change)(double u, double w, double ln_dc, double renewal);
+    /// @param w, dw  ln theta at the end, and its derivative by rho; overwritten
+    void (*step)(const lac_lone_step *step, double *w, double *dw);
+} lac_friction_lone;
+
 /// A friction law: how the state evolves. The strength is one of the forms.
 typedef struct lac_friction_law {
     lac_descriptor about;
@@ -98,6 +115,8 @@ typedef struct lac_friction_law {
                    double *g_u, double *g_w);
     /// ln theta at which a cell sliding at ln v = u is steady.
     double (*steady_state)(const lac_friction *friction, size_t cell, double u);
+    const lac_friction_lone *lone; ///< NULL: fidelity events cannot follow it
+    bool block_form; ///< a block by itself moves by (O2) of docs/theory/creep.md, a closed form
 } lac_friction_law;
 
 /// The index-th law in the registry, NULL past the end.

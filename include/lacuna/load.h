@@ -81,6 +81,9 @@ typedef struct lac_load_kind {
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
     bool linear;       ///< linear in time between its breaks
+    bool constant;     ///< the same at all times
+    /// Of the mean slip, which it brings [Pa/m]. NULL: none.
+    double (*stiffness)(const void *params);
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
     /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
     lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
@@ -131,6 +134,9 @@ double lac_load_shear(const lac_load_state *state, double pressure);
 
 /// Frees what a set owns. The set is empty afterwards.
 void lac_load_set_clear(lac_load_set *set);
+
+/// Whether all of these loads are constant in time.
+bool lac_load_slots_constant(const lac_load_slots *slots);
 
 /// Whether any of these loads reads a file.
 bool lac_load_slots_need_files(const lac_load_slots *slots);

@@ -62,6 +62,7 @@ typedef struct lac_precursor_kind {
     size_t value_count;
     const lac_precursor_value *value; ///< [value_count] all that it can give, in this order
     size_t headline;                  ///< which of them a table shows
+    bool page; ///< the page of a run tells it of the whole catalogue, of which it needs no more
     /// Looks at what there is; needs are met.
     /// @return LAC_OK; LAC_ENOMEM
     lac_status (*look)(const lac_observed *seen, lac_finding *found, lac_error *err);

@@ -64,12 +64,10 @@ lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset 
 
 /// What a case's load.history came to.
 typedef struct lac_history_result {
-    size_t steps, planned;           ///< solved, of the whole history
-    bool loaded;                     ///< a shear load was reached and `first_slip` solved
-    lac_first_slip first_slip;       ///< of the joint without any slip, under the first shear load
-    double first_place[2];           ///< centre of its cell [m]
-    bool compared;                   ///< superposed, to its end, and `superposed` solved
-    lac_superposed_error superposed; ///< measured at the last load
+    size_t steps, planned;     ///< solved, of the whole history
+    bool loaded;               ///< a shear load was reached and `first_slip` solved
+    lac_first_slip first_slip; ///< of the joint without any slip, under the first shear load
+    double first_place[2];     ///< centre of its cell [m]
 } lac_history_result;
 
 /// Where the steps of a history go, as they are solved. Members may be NULL.

@@ -108,7 +108,6 @@ typedef struct lac_history_store_def {
     const lac_dataset *contact; ///< where the history starts
     const lac_grid *grid;       ///< of it
     double friction;            ///< Coulomb's coefficient [1]
-    const char *method;         ///< how it is solved, in one word
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;

@@ -9,14 +9,6 @@
 
 LAC_BEGIN_C
 
-/// How a step is solved.
-typedef enum lac_shear_method {
-    LAC_SHEAR_DIRECT, ///< Coulomb's law in every cell: any history
-    /// q = f [p(P) - p(P - Q/f)] (Ciavarella 1998; Jaeger 1998): one normal contact a step. Exact
-    /// for nu = 0; only for a load along one direction that never falls, under constant pressures.
-    LAC_SHEAR_SUPERPOSED,
-} lac_shear_method;
-
 /// A joint in normal contact that is sheared: Coulomb friction on every cell, two equal bodies, so
 /// that normal and tangential problems decouple.
 typedef struct lac_tangential_def {
@@ -26,8 +18,6 @@ typedef struct lac_tangential_def {
     double friction;        ///< Coulomb's coefficient f [1], > 0
     double tolerance;       ///< on the conditions of the solution, relative
     int64_t max_iterations; ///< of one step
-    lac_shear_method method;
-    const double *heights; ///< superposed: [ny * nx] composite height, peaks up [m]; read each step
 } lac_tangential_def;
 
 /// What is given along one axis: the shear load or how far the bodies are shifted.
@@ -53,7 +43,7 @@ typedef struct lac_tangential_report {
     size_t highest_cell;  ///< its index in the grid; SIZE_MAX where nothing sticks
     double residual;      ///< how far the conditions of the solution are from holding, relative:
                           ///< largest slip where it sticks, or slip not along q where it slips,
-                          ///< over the largest displacement; superposed: that of p(P - Q/f)
+                          ///< over the largest displacement
     int64_t iterations;
     int64_t products; ///< applications of the elastic operator
 } lac_tangential_report;
@@ -61,7 +51,7 @@ typedef struct lac_tangential_report {
 /// The solver with its memory: the tractions and elastic displacements of the step before.
 typedef struct lac_tangential lac_tangential;
 
-/// A direct def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.
+/// A def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.
 lac_tangential_def lac_tangential_default(void);
 
 /// Starts a history: no tractions, no shift.
@@ -76,8 +66,7 @@ void lac_tangential_free(lac_tangential *t);
 /// that come into contact start without traction; where pressures change, many small steps follow
 /// the history more closely.
 /// @param pressure  [ny * nx] normal pressures at its end [Pa], >= 0
-/// @return LAC_OK; LAC_EINPUT (not finite, no contact, shear that friction cannot hold: direct,
-/// |Q| >= f P, superposed, |Q| > f P; superposed: a history that it cannot follow);
+/// @return LAC_OK; LAC_EINPUT (not finite, no contact, |Q| >= f P, which friction cannot hold);
 /// LAC_ENUMERIC (no convergence; the history stays where it was); LAC_ENOMEM
 lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
                                const lac_tangential_target *target, lac_tangential_report *report,
@@ -92,26 +81,6 @@ const double *lac_tangential_slip(const lac_tangential *t, int axis);
 
 /// lac_cell_state of every cell [ny * nx].
 const uint8_t *lac_tangential_state(const lac_tangential *t);
-
-/// How far the superposed solution of a load is from the direct one.
-typedef struct lac_superposed_error {
-    size_t nx, ny;        ///< the grid on which it was measured
-    double traction;      ///< rms of the difference of the tractions over their rms [1]
-    double stick_area;    ///< superposed less direct sticking area, over the contact area [1]
-    double stick_nominal; ///< the same over the nominal area [1]
-    double shift;         ///< superposed shift along the load over the direct one, less 1 [1]
-} lac_superposed_error;
-
-/// Measures the error of LAC_SHEAR_SUPERPOSED for a load from the virgin state: solves the normal
-/// contact and both shears.
-/// @param def      with heights; the method does not matter
-/// @param load     mean shear tractions [Pa], 0 < |load| < f mean_pressure
-/// @param largest  sides are halved (means of 2 x 2 heights) while they are even and longer than
-///                 this many cells; 0: never
-/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
-lac_status lac_superposed_measure(const lac_tangential_def *def, double mean_pressure,
-                                  const double load[2], size_t largest, lac_superposed_error *error,
-                                  lac_error *err);
 
 /// Where a joint without any slip would first slip.
 typedef struct lac_first_slip {

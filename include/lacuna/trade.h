@@ -35,6 +35,8 @@ typedef struct lac_dial {
     bool falls;             ///< of a ladder: a finer position is a smaller number
     double ratio;           ///< its positions are a ladder from coarse to fine; that errors fall by
                             ///< more than this a rung is not believed; 0: no ladder
+    const char *cascade;    ///< the label at which the cascade is computed, else a run; NULL: the
+                            ///< dial does not choose between them
     /// Its positions on this case, the coarsest and cheapest first.
     /// @param of   what is traded
     /// @param out  [LAC_DIAL_VALUES]

@@ -17,6 +17,28 @@ typedef struct lac_transfer_scene {
     bool measure;         ///< Fourier transforms are planned by measuring: quicker, not to the bit
 } lac_transfer_scene;
 
+/// What a transfer's parameters say of its stiffness, before one is made.
+typedef struct lac_transfer_outline {
+    const char *rock; ///< it is that of the elastic rock, whose shear modulus it needs: the part of
+                      ///< the parameters that says so (".stiffness: elastic"); NULL: it is not
+    double k0;        ///< where it is not: of the finest cells [Pa/m]
+    double ratio;     ///< and of a level over that of the next finer one [1]; NaN: not given
+    bool anchored;    ///< rock that stays behind holds the mean slip
+} lac_transfer_outline;
+
+/// Where a transfer is to act.
+typedef struct lac_transfer_place {
+    bool periodic, full; ///< the interface repeats; all its cells touch
+} lac_transfer_place;
+
+enum { LAC_TRANSFER_FAULTS = 2 };
+
+/// What is wrong with a parameter: its key below the transfer's (".ratio"), and words; NULL:
+/// nothing.
+typedef struct lac_transfer_fault {
+    const char *key, *text;
+} lac_transfer_fault;
+
 /// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite. Zero
 /// for uniform slip, unless rock that stays behind holds the mean slip (`elastic` with a thickness
 /// or creeping surroundings).
@@ -36,6 +58,12 @@ typedef struct lac_transfer_kind {
     double (*stiffness)(const void *state, size_t level);
     /// The blocks, where K is sum_l stiffness(l) (P_l - P_{l+1}) over them. NULL: it is not
     const lac_hierarchy *(*blocks)(const void *state);
+    bool transforms; ///< applies by Fourier transforms of the grid, and its solve iterates
+    /// NULL: cells do not feel each other's slip.
+    lac_transfer_outline (*outline)(const void *params);
+    /// Whether parameters go together, and with the place. NULL: they always do.
+    /// @param fault  [LAC_TRANSFER_FAULTS] empty; filled in
+    void (*check)(const void *params, const lac_transfer_place *place, lac_transfer_fault *fault);
 } lac_transfer_kind;
 
 /// A transfer kind made for one domain. Immutable but for scratch of its own: one thread at a time.
@@ -61,6 +89,10 @@ typedef struct lac_transfer_elastic {
     double tolerance;        ///< of the stress, relative [1]
     double newton_tolerance; ///< of solve, relative [1]
 } lac_transfer_elastic;
+
+/// What the slot of a case says of its transfer's stiffness; an empty one: none.
+/// @return false: cells do not feel each other's slip, and the outline is empty
+bool lac_transfer_outline_of(const lac_slot *slot, lac_transfer_outline *outline);
 
 /// The index-th kind in the registry, NULL past the end.
 const lac_transfer_kind *lac_transfer_kind_at(size_t index);

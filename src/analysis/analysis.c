@@ -17,6 +17,12 @@ struct lac_analysis {
     lac_sink next;
 };
 
+lac_analysis_rg *lac_analysis_cascade(const lac_slot *indicator)
+{
+    const lac_indicator_kind *kind = (const void *)indicator->about;
+    return kind->cascade ? indicator->params : NULL;
+}
+
 static size_t width(const lac_analysis *a, const lac_extra *extra)
 {
     return extra->over == LAC_OVER_LEVELS ? a->levels : extra->over == LAC_OVER_TIME ? 1 : 0;

@@ -397,4 +397,5 @@ const lac_indicator_kind lac_indicator_rg = {
     .observe = observe,
     .finish = finish,
     .keep = keep,
+    .cascade = true,
 };

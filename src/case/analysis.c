@@ -13,8 +13,6 @@ static const char from_friction[] = "from-friction";
 static const char *const rg_own[] = {"beta", NULL};
 static const char *const none_own[] = {NULL};
 
-static bool is_rg(const lac_descriptor *about) { return strcmp(about->name, "rg") == 0; }
-
 static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *node)
 {
     const lac_kind *kind = lac_kind_at(LAC_KIND_ANALYSIS);
@@ -58,14 +56,15 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *s
         reader->no_memory = true;
         return;
     }
+    lac_analysis_rg *rg = lac_analysis_cascade(slot);
     const lac_table table = {.params = about->params,
                              .count = about->param_count,
-                             .own = is_rg(about) ? rg_own : none_own};
+                             .own = rg != NULL ? rg_own : none_own};
     if (!nothing) {
         lac_read_table(reader, node, &table, slot->params);
     }
-    if (is_rg(about) && !nothing && lac_node_child(node, "beta") != NULL) {
-        read_beta(reader, lac_node_child(node, "beta"), slot->params);
+    if (rg != NULL && !nothing && lac_node_child(node, "beta") != NULL) {
+        read_beta(reader, lac_node_child(node, "beta"), rg);
     }
     bool sound = reader->report->errors == errors;
     const char *fault = sound && about->fault != NULL ? about->fault(slot->params) : NULL;
@@ -176,8 +175,8 @@ void lac_check_analysis(lac_reader *reader, lac_case *c)
         return;
     }
     for (size_t i = 0; i < c->analysis.count; i++) {
-        if (is_rg(c->analysis.item[i].about)) {
-            lac_analysis_rg *rg = c->analysis.item[i].params;
+        lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
+        if (rg != NULL) {
             fill_in(c, rg);
             check_slipping(reader, c, rg);
             check_cascade(reader, c, rg);

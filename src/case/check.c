@@ -45,53 +45,10 @@ static void check_material(lac_reader *reader, const lac_case *c)
     }
 }
 
-static void check_hierarchy(lac_reader *reader, const lac_case *c, bool material_read)
-{
-    const lac_transfer_hierarchy *hierarchy = c->transfer.params;
-    bool elastic = hierarchy->stiffness >= 0;
-    bool given = !isnan(hierarchy->k0);
-    if (elastic == given) {
-        lac_blame_key(reader, "transfer.hierarchy", "needs %s",
-                      elastic ? "either stiffness: elastic or k0, not both"
-                              : "stiffness: elastic, or k0 (and ratio)");
-    }
-    if (elastic && !isnan(hierarchy->ratio)) {
-        lac_blame_key(reader, "transfer.hierarchy.ratio",
-                      "goes with k0, not with stiffness: elastic");
-    }
-    if (elastic && material_read && !lac_present(reader, "material.shear_modulus")) {
-        lac_blame_key(reader, "material.shear_modulus",
-                      "is missing: needed by transfer.hierarchy.stiffness: elastic; must be a "
-                      "pressure such as \"20 GPa\"");
-    }
-}
-
 static bool holds_mean_slip(const lac_case *c)
 {
-    if (c->transfer.about == NULL || strcmp(c->transfer.about->name, "elastic") != 0) {
-        return false;
-    }
-    const lac_transfer_elastic *elastic = c->transfer.params;
-    return !isnan(elastic->thickness) || elastic->outside != 0;
-}
-
-static void check_elastic(lac_reader *reader, const lac_case *c, bool material_read)
-{
-    const lac_transfer_elastic *elastic = c->transfer.params;
-    bool periodic = c->interface.boundary == LAC_PERIODIC;
-    if (material_read && !lac_present(reader, "material.shear_modulus")) {
-        lac_blame_key(reader, "material.shear_modulus",
-                      "is missing: needed by transfer.elastic; must be a pressure such as "
-                      "\"20 GPa\"");
-    }
-    if (!isnan(elastic->thickness) && !periodic) {
-        lac_blame_key(reader, "transfer.elastic.thickness", "needs interface.boundary: periodic");
-    }
-    bool full = c->domain.about == NULL || strcmp(c->domain.about->name, "full") == 0;
-    if (elastic->outside != 0 && (periodic || c->surface.about != NULL || !full)) {
-        lac_blame_key(reader, "transfer.elastic.outside",
-                      "needs interface.boundary: free and interface.domain: {full: {}}");
-    }
+    lac_transfer_outline outline;
+    return lac_transfer_outline_of(&c->transfer, &outline) && outline.anchored;
 }
 
 // A spread is about one pressure.
@@ -107,14 +64,31 @@ static void check_file_pressures(lac_reader *reader, const lac_case *c)
 
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
-    const lac_descriptor *about = c->transfer.about;
-    if (about == NULL || !lac_clean(reader, "transfer")) {
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_domain_source *domain = (const void *)c->domain.about;
+    const lac_transfer_place place = {.periodic = c->interface.boundary == LAC_PERIODIC,
+                                      .full = c->surface.about == NULL &&
+                                              (domain == NULL || domain->full)};
+    lac_transfer_fault fault[LAC_TRANSFER_FAULTS] = {0};
+    lac_transfer_outline outline;
+    char key[100];
+    if (kind == NULL || !lac_clean(reader, "transfer")) {
         return;
     }
-    if (strcmp(about->name, "hierarchy") == 0) {
-        check_hierarchy(reader, c, material_read);
-    } else if (strcmp(about->name, "elastic") == 0) {
-        check_elastic(reader, c, material_read);
+    if (kind->check != NULL) {
+        kind->check(c->transfer.params, &place, fault);
+    }
+    for (size_t i = 0; i < LAC_TRANSFER_FAULTS; i++) {
+        if (fault[i].text != NULL) {
+            (void)snprintf(key, sizeof key, "transfer.%s%s", kind->about.name, fault[i].key);
+            lac_blame_key(reader, key, "%s", fault[i].text);
+        }
+    }
+    if (material_read && lac_transfer_outline_of(&c->transfer, &outline) && outline.rock != NULL &&
+        !lac_present(reader, "material.shear_modulus")) {
+        lac_blame_key(reader, "material.shear_modulus",
+                      "is missing: needed by transfer.%s%s; must be a pressure such as \"20 GPa\"",
+                      kind->about.name, outline.rock);
     }
 }
 
@@ -256,15 +230,8 @@ static bool starts_unstable(const lac_case *c)
 // Whether nothing but constant loads acts.
 static bool loads_stay(const lac_case *c)
 {
-    bool stay = !holds_mean_slip(c);
-    for (size_t i = 0; i < c->shear.count; i++) {
-        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
-        stay = stay && kind->fixes_shear;
-    }
-    for (size_t i = 0; i < c->pore.count; i++) {
-        stay = stay && strcmp(c->pore.item[i].about->name, "constant") == 0;
-    }
-    return stay;
+    const lac_load_slots loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    return !holds_mean_slip(c) && lac_load_slots_constant(&loads);
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.

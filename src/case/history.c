@@ -9,25 +9,18 @@
 
 enum { MOST_STEPS = 10000 }; // of all entries with their counts
 
-static const char *const axis_names[2] = {"x", "y"};
-
-static const char *axis_key(char *text, size_t size, const char *what, int axis)
-{
-    (void)snprintf(text, size, "%s_%s", what, axis_names[axis]);
-    return text;
-}
-
 // Of ratio, shear and shift along an axis at most one.
-static void check_axis(lac_reader *reader, const lac_node *node, int axis)
+static void check_axis(lac_reader *reader, const lac_node *node, char axis)
 {
     static const char *const controls[] = {"ratio", "shear", "shift"};
     const lac_node *first = NULL;
     for (size_t i = 0; i < sizeof controls / sizeof controls[0]; i++) {
         char key[16];
-        const lac_node *given = lac_node_child(node, axis_key(key, sizeof key, controls[i], axis));
+        (void)snprintf(key, sizeof key, "%s_%c", controls[i], axis);
+        const lac_node *given = lac_node_child(node, key);
         if (given != NULL && first != NULL) {
-            lac_blame(reader, given, "is given beside %s; exactly one is allowed along %s",
-                      first->key, axis_names[axis]);
+            lac_blame(reader, given, "is given beside %s; exactly one is allowed along %c",
+                      first->key, axis);
         }
         first = first == NULL ? given : first;
     }
@@ -42,8 +35,8 @@ static void read_step(lac_reader *reader, const lac_node *node, lac_history_step
         return;
     }
     lac_read_table(reader, node, &table, step);
-    check_axis(reader, node, 0);
-    check_axis(reader, node, 1);
+    check_axis(reader, node, 'x');
+    check_axis(reader, node, 'y');
     bool nothing = isnan(step->pressure);
     for (int i = 0; i < 2; i++) {
         nothing =
@@ -77,11 +70,24 @@ static void read_steps(lac_reader *reader, const lac_node *node, lac_history_def
     }
 }
 
+// There were two methods once: cases that name the one that is left are read as before.
+static void read_old_method(lac_reader *reader, lac_node *method)
+{
+    if (method->kind != LAC_NODE_SCALAR || strcmp(method->text, "direct") != 0) {
+        lac_blame(reader, method,
+                  "is no method any more: leave the key out, and the history is solved directly");
+    }
+    method->ignored = true;
+}
+
 void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     lac_table table = lac_section_table(LAC_SECTION_HISTORY);
     if (node->bad || !lac_expect_map(reader, node, "a mapping such as {steps: [{ratio_x: 0.3}]}")) {
         return;
+    }
+    if (lac_node_child(node, "method") != NULL) {
+        read_old_method(reader, lac_node_child(node, "method"));
     }
     lac_read_table(reader, node, &table, c);
     const lac_node *steps = lac_node_child(node, "steps");
@@ -94,7 +100,7 @@ void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
 }
 
 // What is pressed and sheared.
-static void check_joint(lac_reader *reader, const lac_case *c)
+static void check_joint(lac_reader *reader)
 {
     bool near = lac_present(reader, "load.normal.approach");
     if (near || lac_present(reader, "load.normal.dimension")) {
@@ -109,10 +115,6 @@ static void check_joint(lac_reader *reader, const lac_case *c)
     if (lac_present(reader, "interface.domain") && !lac_present(reader, "material.shear_modulus")) {
         lac_blame_key(reader, "material.shear_modulus",
                       "is missing: needed by load.history; must be a pressure such as \"20 GPa\"");
-    }
-    if (c->history.method == LAC_HISTORY_SUPERPOSED && !lac_present(reader, "interface.surface")) {
-        lac_blame_key(reader, "load.history.method",
-                      "superposes contacts under other loads and needs interface.surface");
     }
 }
 
@@ -176,56 +178,15 @@ static void check_limit(lac_reader *reader, const lac_node *node, const way *at,
     }
 }
 
-// Superposition holds for shear that only grows, in one direction, at constant pressure.
-static void check_superposed(lac_reader *reader, const lac_node *node, const way *before,
-                             const way *after)
-{
-    static const char any[] = "method: direct takes any history";
-    const double tolerance = 1e-9;
-    const double *p = before->shear;
-    const double *q = after->shear;
-    double size = hypot(p[0], p[1]);
-    bool shifted = false;
-    for (int i = 0; i < 2; i++) {
-        char key[16];
-        const lac_node *shift = lac_node_child(node, axis_key(key, sizeof key, "shift", i));
-        if (shift != NULL) {
-            lac_blame(reader, shift, "is no load, as method: superposed needs it; %s", any);
-            shifted = true;
-        }
-    }
-    if (shifted) {
-        return;
-    }
-    if (fabs(after->pressure - before->pressure) > tolerance * before->pressure) {
-        lac_blame(reader, lac_node_child(node, "pressure"),
-                  "differs from before, where method: superposed holds it; %s", any);
-    } else if (fabs(p[0] * q[1] - p[1] * q[0]) > tolerance * size * hypot(q[0], q[1])) {
-        lac_blame(reader, node,
-                  "turns the shear load, where method: superposed keeps it in one "
-                  "direction; %s",
-                  any);
-    } else if (p[0] * q[0] + p[1] * q[1] < (1 - tolerance) * size * size) {
-        lac_blame(reader, node,
-                  "unloads or reverses the shear load, which method: superposed "
-                  "cannot follow; %s",
-                  any);
-    }
-}
-
 void lac_check_history(lac_reader *reader, lac_case *c, double pressure)
 {
     const lac_node *steps = lac_node_at(reader->root, "load.history.steps");
-    check_joint(reader, c);
+    check_joint(reader);
     lac_find_coulomb(reader, c, "load.history", &c->history.friction);
     double f = c->history.friction;
     way at = {.pressure = pressure};
     for (size_t i = 0; isfinite(f) && isfinite(pressure) && i < c->history.count; i++) {
-        const way before = at;
         follow(&at, &c->history.step[i], f);
         check_limit(reader, steps->child[i], &at, f);
-        if (c->history.method == LAC_HISTORY_SUPERPOSED) {
-            check_superposed(reader, steps->child[i], &before, &at);
-        }
     }
 }

@@ -12,7 +12,6 @@
 
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
-static const char *const history_methods[] = {"direct", "superposed", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
@@ -139,14 +138,6 @@ static const lac_param load_rows[] = {
 static const char *const load_own[] = {"normal", "shear", "pore_pressure", "history", NULL};
 
 static const lac_param history_rows[] = {
-    {.key = "method",
-     .unit = "1",
-     .fallback = LAC_HISTORY_DIRECT,
-     .type = LAC_CHOICE,
-     .choices = history_methods,
-     .offset = FIELD(history.method),
-     .doc = "direct: any history, exact; superposed: shear that only grows, in one direction, at "
-            "constant pressure, by superposition of normal loads"},
     {.key = "friction",
      .unit = "1",
      .fallback = NAN,

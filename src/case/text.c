@@ -405,8 +405,8 @@ static void put_analysis(writer *w, const lac_case *c)
         const lac_slot *slot = &c->analysis.item[i];
         put(w, "  ");
         put_model(w, 1, slot);
-        bool rg = strcmp(slot->about->name, "rg") == 0;
-        if (rg && ((const lac_analysis_rg *)slot->params)->beta_from_friction) {
+        const lac_analysis_rg *rg = lac_analysis_cascade(slot);
+        if (rg != NULL && rg->beta_from_friction) {
             put(w, "    beta: from-friction\n");
         }
     }

@@ -58,13 +58,8 @@ static double spring_stiffness(const lac_case *c)
 {
     double sum = 0;
     for (size_t i = 0; i < c->shear.count; i++) {
-        const lac_slot *load = &c->shear.item[i];
-        for (size_t k = 0; k < load->about->param_count; k++) {
-            const lac_param *row = &load->about->params[k];
-            if (strcmp(load->about->name, "spring") == 0 && strcmp(row->key, "stiffness") == 0) {
-                sum += *(const double *)((const char *)load->params + row->offset);
-            }
-        }
+        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        sum += kind->stiffness != NULL ? kind->stiffness(c->shear.item[i].params) : 0;
     }
     return sum;
 }
@@ -72,11 +67,12 @@ static double spring_stiffness(const lac_case *c)
 // Softly held by each other, yet never let go.
 static bool slips_one_by_one(const lac_case *c, const cli_estimate *e)
 {
-    const lac_transfer_hierarchy *params = c->transfer.params;
-    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
-    return hierarchy && spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    lac_transfer_outline outline;
+    return lac_transfer_outline_of(&c->transfer, &outline) && kind->blocks != NULL &&
+           spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&
            e->stiffness_ratio > least_ratio &&
-           (params->stiffness >= 0 || !(params->ratio < least_level_ratio));
+           (outline.rock != NULL || !(outline.ratio < least_level_ratio));
 }
 
 const char *cli_faster_fidelity(const lac_case *c, double cells, const cli_estimate *e)

@@ -112,11 +112,9 @@ out:
 // Whether a spring or the rock around holds the mean slip.
 static bool is_held(const lac_case *c, const lac_load_state *start)
 {
-    const lac_slot *transfer = &c->transfer;
-    bool elastic = transfer->about != NULL && strcmp(transfer->about->name, "elastic") == 0;
-    const lac_transfer_elastic *rock = transfer->params;
+    lac_transfer_outline outline;
     return start->spring_stiffness > 0.0 ||
-           (elastic && (rock->outside != 0 || !isnan(rock->thickness)));
+           (lac_transfer_outline_of(&c->transfer, &outline) && outline.anchored);
 }
 
 // What counts as failure of a joint whose cells are not known: of one that slips evenly, by the

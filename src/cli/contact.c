@@ -60,7 +60,6 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
         .contact = dataset,
         .grid = &job->contact.grid,
         .friction = history->friction,
-        .method = history->method == LAC_HISTORY_DIRECT ? "direct" : "superposed",
         .keep = keeps[history->fields],
         .pressed = changes_pressure(history),
     };

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli/advice.h"
 #include "cli/failure.h"
@@ -129,27 +128,23 @@ static lac_status count_domain(const lac_case *c, cli_estimate *e, lac_error *er
     return status;
 }
 
-static bool elastic_hierarchy(const lac_case *c)
+// Whether the stiffness of cells is that of the rock.
+static bool rock_holds(const lac_case *c)
 {
-    const lac_transfer_hierarchy *params = c->transfer.params;
-    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
-    return hierarchy && params->stiffness >= 0;
+    lac_transfer_outline outline;
+    return lac_transfer_outline_of(&c->transfer, &outline) && outline.rock != NULL;
 }
 
-static bool elastic_transfer(const lac_case *c)
-{
-    return c->transfer.about != NULL && strcmp(c->transfer.about->name, "elastic") == 0;
-}
-
-// What the elastic transfer adds to a step.
+// What a transfer by transforms adds to a step.
 static double elastic_seconds(const lac_case *c, const cli_estimate *e)
 {
-    if (!elastic_transfer(c)) {
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    lac_transfer_outline outline;
+    if (!lac_transfer_outline_of(&c->transfer, &outline) || !kind->transforms) {
         return 0;
     }
-    const lac_transfer_elastic *params = c->transfer.params;
     bool alone = c->interface.boundary == LAC_FREE;
-    bool filter = e->contact_cells == e->grid_cells && (!alone || params->outside != 0);
+    bool filter = e->contact_cells == e->grid_cells && (!alone || outline.anchored);
     return (filter ? filter_seconds : iteration_seconds) * (alone ? 4 : 1) * e->grid_cells *
            slowdown(e->grid_cells);
 }
@@ -187,7 +182,7 @@ static double contact_seconds(const lac_case *c, const cli_estimate *e)
 
 static double calibration_seconds(const lac_case *c, const lac_grid *grid, const cli_estimate *e)
 {
-    if (!e->integrated || !(elastic_hierarchy(c) || elastic_transfer(c))) {
+    if (!e->integrated || !rock_holds(c)) {
         return 0;
     }
     double levels = ceil(log2((double)(grid->nx > grid->ny ? grid->nx : grid->ny)));
@@ -197,12 +192,11 @@ static double calibration_seconds(const lac_case *c, const lac_grid *grid, const
 
 static double finest_stiffness(const lac_case *c, const lac_grid *grid)
 {
-    const lac_transfer_hierarchy *params = c->transfer.params;
-    if (elastic_transfer(c) || elastic_hierarchy(c)) {
-        return c->material.shear_modulus / grid->dx;
+    lac_transfer_outline outline;
+    if (!lac_transfer_outline_of(&c->transfer, &outline)) {
+        return 0;
     }
-    bool hierarchy = c->transfer.about != NULL && strcmp(c->transfer.about->name, "hierarchy") == 0;
-    return hierarchy ? params->k0 : 0;
+    return outline.rock != NULL ? c->material.shear_modulus / grid->dx : outline.k0;
 }
 
 // Whether the friction of cells differs in what decides how they hold.
@@ -232,35 +226,13 @@ static void judge_stability(const lac_case *c, const lac_grid *grid, cli_estimat
     e->stable = !several || !(e->stiffness_ratio < safe);
 }
 
-static bool is_constant(const lac_slot *load)
-{
-    static const char *const constant[] = {"ratio", "slope", "constant"};
-    for (size_t i = 0; i < sizeof constant / sizeof *constant; i++) {
-        if (strcmp(load->about->name, constant[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool loads_change(const lac_case *c)
-{
-    bool change = false;
-    for (size_t i = 0; i < c->shear.count; i++) {
-        change = change || !is_constant(&c->shear.item[i]);
-    }
-    for (size_t i = 0; i < c->pore.count; i++) {
-        change = change || !is_constant(&c->pore.item[i]);
-    }
-    return change;
-}
-
 static void count_steps(const lac_case *c, double cells, cli_estimate *e)
 {
     if (!e->integrated) {
         return;
     }
-    e->changing = loads_change(c);
+    const lac_load_slots loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    e->changing = !lac_load_slots_constant(&loads);
     e->steps_least = FEWEST_STEPS;
     e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
     e->steps_most += e->stable ? 0 : STEPS_PER_FAILURE * cells;
@@ -280,8 +252,8 @@ static double cascade_of(const lac_case *c, bool elastic, double seeds, double p
 static const lac_analysis_rg *followed_cascade(const lac_case *c)
 {
     for (size_t i = 0; i < c->analysis.count; i++) {
-        const lac_analysis_rg *rg = c->analysis.item[i].params;
-        if (strcmp(c->analysis.item[i].about->name, "rg") == 0 && isnan(rg->critical_fraction)) {
+        const lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
+        if (rg != NULL && isnan(rg->critical_fraction)) {
             return rg;
         }
     }

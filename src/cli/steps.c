@@ -46,9 +46,6 @@ static lac_status put_summary(const steps_job *job, lac_error *err)
         {"first_slip_q_over_fp", r->loaded ? r->first_slip.factor : NAN},
         {"first_slip_x_m", r->loaded ? r->first_place[0] : NAN},
         {"first_slip_y_m", r->loaded ? r->first_place[1] : NAN},
-        {"superposed_error_traction_rms", r->compared ? r->superposed.traction : NAN},
-        {"superposed_error_stick_area", r->compared ? r->superposed.stick_area : NAN},
-        {"superposed_error_shift", r->compared ? r->superposed.shift : NAN},
     };
     lac_status status = LAC_OK;
     for (size_t i = 0; status == LAC_OK && i < sizeof numbers / sizeof numbers[0]; i++) {
@@ -92,7 +89,6 @@ lac_status cli_steps_run(const cli_request *request, const lac_case *c,
     lac_status status = LAC_OK;
     *steps = (cli_steps){.status = "failed",
                          .friction = def->friction,
-                         .method = def->method,
                          .grid = contact->grid,
                          .record = calloc(job.planned, sizeof *steps->record)};
     if (steps->record == NULL) {

@@ -10,7 +10,6 @@
 typedef struct cli_steps {
     const char *status; ///< of the file: complete, interrupted, failed
     double friction;
-    const char *method;
     lac_grid grid;
     lac_history_result result;
     lac_history_record *record; ///< [result.steps]

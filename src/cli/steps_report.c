@@ -221,17 +221,6 @@ static void print_first_slip(const cli_steps *steps)
     }
 }
 
-static void print_superposed(const cli_steps *steps)
-{
-    const lac_superposed_error *error = &steps->result.superposed;
-    if (steps->result.compared) {
-        cli_row("superposed error", "tractions %.2g %% rms, sticking area %+.2g %% of the contact,",
-                100 * error->traction, 100 * error->stick_area);
-        cli_row("", "shift %+.2g %% (last load, %zu x %zu cells)", 100 * error->shift, error->nx,
-                error->ny);
-    }
-}
-
 void cli_steps_print(const cli_steps *steps)
 {
     column columns[COLUMNS];
@@ -243,10 +232,9 @@ void cli_steps_print(const cli_steps *steps)
     share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);
     share_unit(&columns[HIGHEST_X], &columns[HIGHEST_Y]);
     hide_idle_axis(columns);
-    cli_row("friction", "%.4g, %s", steps->friction, steps->method);
+    cli_row("friction", "%.4g, direct", steps->friction);
     cli_row("steps", "%zu of %zu (%s)", steps->result.steps, steps->result.planned, steps->status);
     print_first_slip(steps);
-    print_superposed(steps);
     print_header(columns);
     for (size_t i = 0; i < steps->result.steps; i++) {
         print_step(steps, i, columns);
@@ -303,32 +291,13 @@ static void write_first_slip(cli_json *json, const cli_steps *steps)
     cli_json_close(json, '}');
 }
 
-static void write_superposed(cli_json *json, const cli_steps *steps)
-{
-    const lac_superposed_error *error = &steps->result.superposed;
-    if (!steps->result.compared) {
-        cli_json_null(json, "superposed_error");
-        return;
-    }
-    cli_json_open(json, "superposed_error", '{');
-    cli_json_number(json, "traction_rms", error->traction);
-    cli_json_number(json, "stick_area", error->stick_area);
-    cli_json_number(json, "shift", error->shift);
-    cli_json_open(json, "grid", '[');
-    cli_json_integer(json, NULL, (int64_t)error->nx);
-    cli_json_integer(json, NULL, (int64_t)error->ny);
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
-}
-
 void cli_steps_json(cli_json *json, const cli_steps *steps)
 {
     cli_json_text(json, "status", steps->status);
-    cli_json_text(json, "history_method", steps->method);
+    cli_json_text(json, "history_method", "direct");
     cli_json_number(json, "friction_coefficient", steps->friction);
     cli_json_integer(json, "planned_steps", (int64_t)steps->result.planned);
     write_first_slip(json, steps);
-    write_superposed(json, steps);
     cli_json_open(json, "steps", '[');
     for (size_t i = 0; i < steps->result.steps; i++) {
         write_step(json, &steps->record[i], &steps->grid);

@@ -20,6 +20,7 @@ static const lac_domain_source full = {
               .summary = "every cell is in contact",
               .reference = "docs/theory/contact.md, \"Full contact\""},
     .fill = fill_full,
+    .full = true,
 };
 
 typedef struct cascade {

@@ -83,18 +83,15 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     t->def = *def;
     t->softness = lac_tangential_softness(def);
     t->used[0] = t->used[1] = def->poisson > 0.0;
-    const bool direct = def->method == LAC_SHEAR_DIRECT;
     t->tau = calloc(2 * cells, sizeof *t->tau);
-    t->u = calloc(direct ? 2 * cells : 1, sizeof *t->u);
+    t->u = calloc(2 * cells, sizeof *t->u);
     t->slip = calloc(2 * cells, sizeof *t->slip);
     t->state = calloc(cells, sizeof *t->state);
     if (t->tau == NULL || t->u == NULL || t->slip == NULL || t->state == NULL) {
         status = lac_fail_memory(err);
         goto out;
     }
-    if (direct) {
-        LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
-    }
+    LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
     *out = t;
     return LAC_OK;
 out:
@@ -112,9 +109,6 @@ void lac_tangential_free(lac_tangential *t)
     free(t->u);
     free(t->slip);
     free(t->state);
-    free(t->superposed.pressure);
-    free(t->superposed.reduced);
-    free(t->superposed.gap);
     free(t);
 }
 
@@ -277,8 +271,9 @@ static lac_cell_state slip_of(const lac_tangential *t, const step *s, size_t k, 
     return p->limited[k] && along > p->tolerance * p->scale ? LAC_CELL_SLIP : LAC_CELL_STICK;
 }
 
-void lac_tangential_count(lac_tangential_report *report, lac_cell_state state, double ratio,
-                          size_t cell)
+// Counts a contact cell in a report whose highest_ratio was -1 before the first.
+static void count_cell(lac_tangential_report *report, lac_cell_state state, double ratio,
+                       size_t cell)
 {
     report->contact_cells++;
     report->slip_cells += state == LAC_CELL_SLIP ? 1 : 0;
@@ -314,7 +309,7 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *r
             report->traction[axis] += tau / (double)cells;
             report->dissipation += area * tau * moved;
         }
-        lac_tangential_count(report, state, hypot(p->tau[k], p->tau[p->n + k]) / p->limit[k], i);
+        count_cell(report, state, hypot(p->tau[k], p->tau[p->n + k]) / p->limit[k], i);
         k++;
     }
 }
@@ -334,9 +329,9 @@ static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_ta
     }
 }
 
-static lac_status direct_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
-                              const lac_tangential_target *target, lac_tangential_report *report,
-                              lac_error *err)
+static lac_status solve_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
+                             const lac_tangential_target *target, lac_tangential_report *report,
+                             lac_error *err)
 {
     lac_status status;
     step s = {0};
@@ -372,11 +367,7 @@ lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
     lac_tangential_report r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
     LAC_TRY(lac_tangential_check_pressure(&t->def, pressure, &pressed, err));
     LAC_TRY(check_target(target, err));
-    if (t->def.method == LAC_SHEAR_DIRECT) {
-        LAC_TRY(direct_step(t, pressure, &pressed, target, &r, err));
-    } else {
-        LAC_TRY(lac_superposed_step(t, pressure, &pressed, target, &r, err));
-    }
+    LAC_TRY(solve_step(t, pressure, &pressed, target, &r, err));
 out:
     r.highest_ratio = fmax(r.highest_ratio, 0.0);
     if (report != NULL) {

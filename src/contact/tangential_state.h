@@ -5,27 +5,16 @@
 #include "contact/tangential_space.h"
 #include "lacuna/tangential.h"
 
-/// What a superposed history must not change, and what it goes on from.
-typedef struct lac_superposed {
-    double *pressure;    ///< [cells] of the first step [Pa]; NULL before
-    double *reduced;     ///< [cells] p(P - Q/f), of the last step [Pa]
-    double *gap;         ///< [cells] there [m]
-    double approach;     ///< under the first step's pressures [m]
-    double direction[2]; ///< of the load; (0, 0) before any
-    double load;         ///< mean traction of the last step [Pa]
-} lac_superposed;
-
 struct lac_tangential {
     lac_tangential_def def;
-    lac_shear_space *space; ///< NULL where superposed
-    double softness;        ///< displacements in the unit of space to metres [m/Pa]
-    double *tau;            ///< [2 * cells] tractions [Pa]
-    double *u;              ///< [2 * cells] displacements, in the unit of space; direct only
-    double *slip;           ///< [2 * cells] [m]
-    uint8_t *state;         ///< [cells]
-    double shift[2];        ///< [m]
-    bool used[2];           ///< axes that have ever been loaded, or are coupled to one that has
-    lac_superposed superposed;
+    lac_shear_space *space;
+    double softness; ///< displacements in the unit of space to metres [m/Pa]
+    double *tau;     ///< [2 * cells] tractions [Pa]
+    double *u;       ///< [2 * cells] displacements, in the unit of space
+    double *slip;    ///< [2 * cells] [m]
+    uint8_t *state;  ///< [cells]
+    double shift[2]; ///< [m]
+    bool used[2];    ///< axes that have ever been loaded, or are coupled to one that has
 };
 
 /// The pressures of a contact: how many press, their mean and the highest.
@@ -44,14 +33,5 @@ lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const do
 
 /// Displacements in the unit of lac_shear_space to metres [m/Pa].
 double lac_tangential_softness(const lac_tangential_def *def);
-
-/// Counts a contact cell in a report whose highest_ratio was -1 before the first.
-void lac_tangential_count(lac_tangential_report *report, lac_cell_state state, double ratio,
-                          size_t cell);
-
-/// lac_tangential_step where the method is superposed, its pressures and target being numbers.
-lac_status lac_superposed_step(lac_tangential *t, const double *pressure,
-                               const lac_pressed *pressed, const lac_tangential_target *target,
-                               lac_tangential_report *report, lac_error *err);
 
 #endif

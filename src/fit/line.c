@@ -11,6 +11,7 @@
 // in dc, x and b their posterior is a thin bent sheet. So where dc and x are both sought and m > 1
 // > x, ln S and ln(q/(1-q)) - ln k stand for them.
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "fit/internal.h"
@@ -18,8 +19,10 @@
 static bool bounded(const lac_fit *fit, size_t k) { return isfinite(fit->high[k] - fit->low[k]); }
 
 // A parameter's index among the unknowns; -1: it is none.
-static int index_of(const lac_fit *fit, const char *key)
+static int index_of(const lac_fit *fit, const char *section, const char *name)
 {
+    char key[80];
+    (void)snprintf(key, sizeof key, "%s.%s", section, name);
     for (size_t k = 0; k < fit->def->count; k++) {
         if (strcmp(fit->def->parameter[k].key, key) == 0) {
             return (int)k;
@@ -36,17 +39,20 @@ static double end_of(const lac_fit *fit, int k, bool high, double held)
 
 bool lac_fit_is_one_block(const lac_case *c)
 {
-    return strcmp(c->friction.about->name, "aging") == 0 && c->surface.about == NULL &&
-           c->domain.about == NULL && c->friction_spread.count == 0 &&
-           c->initial.state == LAC_STATE_RATIO && !isnan(c->initial.slip_rate);
+    const lac_friction_law *law = (const void *)c->friction.about;
+    return law->block_form && c->surface.about == NULL && c->domain.about == NULL &&
+           c->friction_spread.count == 0 && c->initial.state == LAC_STATE_RATIO &&
+           !isnan(c->initial.slip_rate);
 }
 
 lac_fit_straight lac_fit_straighten(const lac_fit *fit)
 {
-    lac_fit_straight s = {.dc = index_of(fit, "friction.aging.dc"),
-                          .x = index_of(fit, "initial.state.ratio_to_steady"),
-                          .a = index_of(fit, "friction.aging.a"),
-                          .b = index_of(fit, "friction.aging.b")};
+    char law_key[60];
+    (void)snprintf(law_key, sizeof law_key, "friction.%s", fit->source->friction.about->name);
+    lac_fit_straight s = {.dc = index_of(fit, law_key, "dc"),
+                          .x = index_of(fit, "initial.state", "ratio_to_steady"),
+                          .a = index_of(fit, law_key, "a"),
+                          .b = index_of(fit, law_key, "b")};
     if (!lac_fit_is_one_block(fit->source) || s.dc < 0 || s.x < 0) {
         return s;
     }

@@ -39,6 +39,7 @@ const lac_forecast_kind lac_forecast_log = {
     .estimator = "d = A - B ln(tc - t) by least squares over all displacements of the window",
     .least = 6,
     .displacements = true,
+    .dates = true,
     .worst = 0.04,
     .calibration = {1.2, -1.153, -0.676, -0.211, 0.016},
     .fit = fit_log,

@@ -23,6 +23,7 @@ const lac_forecast_kind lac_forecast_persistence = {
               .reference = "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"},
     .estimator = "as long again as the window has lasted; below r with the chance r/(t + r)",
     .least = 1,
+    .baseline = true,
     .worst = 1.0,
     .calibration = {1.0, -2.9444389791664403, -1.0986122886681098, 1.0986122886681098,
                     2.9444389791664403},

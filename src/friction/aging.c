@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/clones.h"
+#include "base/phi.h"
 #include "base/vmath.h"
 #include "friction/law.h"
 
@@ -34,6 +35,37 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     lac_aging_renew(cells->n, cells->v, inv_dc, g);
 }
 
+static double change(double u, double w, double ln_dc, double renewal)
+{
+    (void)u;
+    (void)ln_dc;
+    return exp(-w) - renewal;
+}
+
+// theta1 = e^-z theta0 + h E/phi(rho), E = (e^-z - e^-rho)/(rho - z).
+static void step(const lac_lone_step *s, double *w, double *dw)
+{
+    double e = 1.0 + s->em;
+    double g = -lac_phi_slope(s->rho, e - 1.0, s->phi) / s->phi; // d ln(1/phi)/drho
+    double ez = exp(-s->z);
+    double d = s->rho - s->z;
+    double mean;
+    double dmean;
+    if (fabs(d) < 1e-4) {
+        mean = ez * (1.0 - d * (0.5 - d / 6.0));
+        dmean = -s->dz * mean + ez * (-0.5 + d / 3.0) * (1.0 - s->dz);
+    } else {
+        mean = (ez - e) / d;
+        dmean = ((e - s->dz * ez) - mean * (1.0 - s->dz)) / d;
+    }
+    double old = exp(s->w) * ez;
+    double theta = old + s->length * mean / s->phi;
+    *w = log(theta);
+    *dw = (-s->dz * old + s->length * (dmean + mean * g) / s->phi) / theta;
+}
+
+static const lac_friction_lone lone = {.change = change, .step = step};
+
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_aging = {
@@ -51,4 +83,6 @@ const lac_friction_law lac_friction_aging = {
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
+    .lone = &lone,
+    .block_form = true,
 };

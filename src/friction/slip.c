@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/phi.h"
 #include "friction/law.h"
 
 // dtheta/dt = -(v theta/dc) ln(v theta/dc), for w = ln theta:  g = -(v/dc) (u + w - ln dc)
@@ -22,6 +23,24 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
     }
 }
 
+static double change(double u, double w, double ln_dc, double renewal)
+{
+    return -renewal * (u + w - ln_dc);
+}
+
+// With O = u + w - ln dc, O1 = O0 e^-z + rho phi(z).
+static void step(const lac_lone_step *s, double *w, double *dw)
+{
+    double em = expm1(-s->z);
+    double phi = lac_phi(s->z, em);
+    double before = s->u + s->w - s->ln_dc;
+    double after = before * (1.0 + em) + s->rho * phi;
+    *w = after - (s->u + s->rho) + s->ln_dc;
+    *dw = -before * (1.0 + em) * s->dz + phi + s->rho * lac_phi_slope(s->z, em, phi) * s->dz - 1.0;
+}
+
+static const lac_friction_lone lone = {.change = change, .step = step};
+
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_slip = {
@@ -38,4 +57,5 @@ const lac_friction_law lac_friction_slip = {
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
+    .lone = &lone,
 };

@@ -109,6 +109,18 @@ bool lac_load_slots_need_files(const lac_load_slots *slots)
            need_files(slots->pore, slots->pore_count);
 }
 
+bool lac_load_slots_constant(const lac_load_slots *slots)
+{
+    bool constant = true;
+    for (size_t i = 0; i < slots->shear_count; i++) {
+        constant = constant && kind_of(&slots->shear[i])->constant;
+    }
+    for (size_t i = 0; i < slots->pore_count; i++) {
+        constant = constant && kind_of(&slots->pore[i])->constant;
+    }
+    return constant;
+}
+
 // Makes the loads of one list ready, up to the first that cannot be.
 static lac_status prepare_all(const lac_slot *slots, size_t count, const char *list,
                               const lac_load_clock *clock, lac_load **out, size_t *ready,

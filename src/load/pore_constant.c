@@ -30,5 +30,6 @@ const lac_load_kind lac_pore_constant = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(constant_params)},
     .linear = true,
+    .constant = true,
     .add = add,
 };

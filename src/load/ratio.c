@@ -34,5 +34,6 @@ const lac_load_kind lac_shear_ratio = {
               .params_size = sizeof(ratio_params)},
     .fixes_shear = true,
     .linear = true,
+    .constant = true,
     .add = add,
 };

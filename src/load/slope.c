@@ -34,5 +34,6 @@ const lac_load_kind lac_shear_slope = {
               .params_size = sizeof(slope_params)},
     .fixes_shear = true,
     .linear = true,
+    .constant = true,
     .add = add,
 };

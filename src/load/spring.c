@@ -16,6 +16,8 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
     sum->spring_rate += rate;
 }
 
+static double stiffness(const void *given) { return ((const spring_params *)given)->stiffness; }
+
 static const lac_param params[] = {
     {.key = "stiffness",
      .unit = "Pa/m",
@@ -42,5 +44,6 @@ const lac_load_kind lac_shear_spring = {
               .param_count = sizeof params / sizeof params[0],
               .params_size = sizeof(spring_params)},
     .linear = true,
+    .stiffness = stiffness,
     .add = add,
 };

@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+#include "base/phi.h"
+
 enum { MOST_NEWTON = 30, MOST_STEPS = 100000 };
 
 #define LONGEST 3.0  // step of Newton's method, in ln v
@@ -33,24 +35,13 @@ static strength strength_at(const lac_micro_rules *rules, const lac_micro_cell *
 // dw/dt
 static double evolution(const lac_micro_rules *rules, const lac_micro_cell *c)
 {
-    double rate = c->v / c->dc;
-    return rules->aging ? exp(-c->w) - rate : -rate * (c->u + c->w - c->ln_dc);
+    return rules->law->change(c->u, c->w, c->ln_dc, c->v / c->dc);
 }
 
-// (1 - e^-x)/x and its derivative, from em = e^-x - 1
-static double phi_of(double x, double em)
-{
-    return fabs(x) < 1e-4 ? 1.0 - x * (0.5 - x / 6.0) : -em / x;
-}
-
-static double phi_slope(double x, double em, double phi)
-{
-    return fabs(x) < 1e-4 ? -0.5 + x / 3.0 : (1.0 + em - phi) / x;
-}
-
-// The start of a step and its length.
+// The start of a step and its length, and as far as its end has been sought.
 typedef struct start {
-    double h, u, w, v, slip;
+    lac_lone_step lone;
+    double v, slip;
     double skew; // of the slip, where what acts from outside does not change evenly
 } start;
 
@@ -60,64 +51,30 @@ typedef struct finish {
     double w, dw;
 } finish;
 
-// Aging: theta1 = e^-z theta0 + h E/phi(rho), E = (e^-z - e^-rho)/(rho - z).
-static void age(const start *s, double rho, double e, double phi, double z, double dz, finish *end)
-{
-    double g = -phi_slope(rho, e - 1.0, phi) / phi; // d ln(1/phi)/drho
-    double ez = exp(-z);
-    double d = rho - z;
-    double mean;
-    double dmean;
-    if (fabs(d) < 1e-4) {
-        mean = ez * (1.0 - d * (0.5 - d / 6.0));
-        dmean = -dz * mean + ez * (-0.5 + d / 3.0) * (1.0 - dz);
-    } else {
-        mean = (ez - e) / d;
-        dmean = ((e - dz * ez) - mean * (1.0 - dz)) / d;
-    }
-    double old = exp(s->w) * ez;
-    double theta = old + s->h * mean / phi;
-    end->w = log(theta);
-    end->dw = (-dz * old + s->h * (dmean + mean * g) / phi) / theta;
-}
-
-// Slip law: with O = u + w - ln dc, O1 = O0 e^-z + rho phi(z).
-static void renew(const lac_micro_cell *c, const start *s, double rho, double z, double dz,
-                  finish *end)
-{
-    double em = expm1(-z);
-    double phi = phi_of(z, em);
-    double before = s->u + s->w - c->ln_dc;
-    double after = before * (1.0 + em) + rho * phi;
-    end->w = after - (s->u + rho) + c->ln_dc;
-    end->dw = -before * (1.0 + em) * dz + phi + rho * phi_slope(z, em, phi) * dz - 1.0;
-}
-
-static finish finish_at(const lac_micro_rules *rules, const lac_micro_cell *c, const start *s,
-                        double rho)
+static finish finish_at(const lac_micro_rules *rules, const lac_micro_cell *c, start *s, double rho)
 {
     double em = expm1(-rho);
-    double phi = phi_of(rho, em);
-    double g = -phi_slope(rho, em, phi) / phi;
-    finish end = {.v = s->v / (1.0 + em), .slip = s->skew * s->h * s->v / phi};
+    double phi = lac_phi(rho, em);
+    double g = -lac_phi_slope(rho, em, phi) / phi;
+    finish end = {.v = s->v / (1.0 + em), .slip = s->skew * s->lone.length * s->v / phi};
     end.dslip = end.slip * g;
-    double z = end.slip / c->dc;
-    if (rules->aging) {
-        age(s, rho, 1.0 + em, phi, z, z * g, &end);
-    } else {
-        renew(c, s, rho, z, z * g, &end);
-    }
+    s->lone.rho = rho;
+    s->lone.em = em;
+    s->lone.phi = phi;
+    s->lone.z = end.slip / c->dc;
+    s->lone.dz = s->lone.z * g;
+    rules->law->step(&s->lone, &end.w, &end.dw);
     return end;
 }
 
 // Solves the balance p f + eta v = A - K slip at the end of the step for rho. False where it is not
 // found, as in a step across an instability.
-static bool balance(const lac_micro_rules *rules, const lac_micro_cell *c, const start *s,
+static bool balance(const lac_micro_rules *rules, const lac_micro_cell *c, start *s,
                     const lac_micro_span *at, double *rho, finish *end)
 {
     for (int k = 0; k < MOST_NEWTON; k++) {
         *end = finish_at(rules, c, s, *rho);
-        strength f = strength_at(rules, c, s->u + *rho, end->w);
+        strength f = strength_at(rules, c, s->lone.u + *rho, end->w);
         double off =
             at->pressure1 * f.f + c->damping * end->v - at->pull1 + at->own * (s->slip + end->slip);
         double slope =
@@ -173,12 +130,14 @@ static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
                                  .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
                                  .own = at->own};
     double direct = c->a * at->pressure1 + c->damping * c->v;
-    start s = {at->length, c->u,    c->w,
-               c->v,       c->slip, fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
+    start s = {.lone = {.length = at->length, .u = c->u, .w = c->w, .ln_dc = c->ln_dc},
+               .v = c->v,
+               .slip = c->slip,
+               .skew = fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
     double outside;
     double rise = rise_of(rules, c, &push, &outside);
     *rho = foreseen(rise, at->length);
-    double expected = s.skew * s.h * s.v / phi_of(*rho, expm1(-*rho));
+    double expected = s.skew * s.lone.length * s.v / lac_phi(*rho, expm1(-*rho));
     if (!balance(rules, c, &s, at, rho, end)) {
         return INFINITY;
     }
@@ -310,7 +269,7 @@ double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *p
     h = fmin(h, time_under(outside, c->v, fmax(2.0 * c->z, small) * c->dc));
     h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
     double rho = foreseen(rise, h);
-    c->told = isfinite(h) ? c->v / phi_of(rho, expm1(-rho)) : c->v;
+    c->told = isfinite(h) ? c->v / lac_phi(rho, expm1(-rho)) : c->v;
     double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
     double allowed = rules->wake * small;

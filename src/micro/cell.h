@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "lacuna/friction.h"
+
 // One contact cell with a time of its own; docs/theory/fidelity-events.md.
 typedef struct lac_micro_cell {
     double a, b, constant, dc, ln_dc; // friction: f = constant + a u + b w
@@ -26,7 +28,8 @@ typedef struct lac_micro_cell {
 
 // What all cells have in common.
 typedef struct lac_micro_rules {
-    bool aging, regularised;
+    const lac_friction_lone *law;
+    bool regularised;
     double tolerance; // of ln v over a step
     double wake;      // part of it that an unforeseen change of traction may cost
 } lac_micro_rules;

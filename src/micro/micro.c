@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "micro/tree.h"
 
@@ -22,7 +21,7 @@ struct lac_micro {
 
 lac_status lac_micro_follows(const lac_descriptor *law, bool cut_off, lac_error *err)
 {
-    if (strcmp(law->name, "aging") != 0 && strcmp(law->name, "slip") != 0) {
+    if (((const lac_friction_law *)(const void *)law)->lone == NULL) {
         return lac_fail(err, LAC_EINPUT,
                         "fidelity events follows the aging and the slip law, not \"%s\"",
                         law->name);
@@ -86,7 +85,7 @@ lac_status lac_micro_create(const lac_micro_def *def, lac_micro **out, lac_error
     }
     m->damping = def->damping;
     m->drag = def->drag;
-    m->rules = (lac_micro_rules){.aging = strcmp(def->friction->law->about.name, "aging") == 0,
+    m->rules = (lac_micro_rules){.law = def->friction->law->lone,
                                  .regularised = def->friction->form == LAC_FORM_REGULARISED,
                                  .tolerance = def->tolerance,
                                  .wake = def->wake};

@@ -124,6 +124,7 @@ const lac_precursor_kind lac_precursor_b_value = {
                   "Seismol. Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. "
                   "Am. 95, 684"},
     .needs = LAC_NEEDS_EVENTS,
+    .page = true,
     .estimator =
         "b = log10(e)/(mean - mc) over magnitudes from mc: the fullest bin of 0.1 and 0.2, "
         "and on until b is stable over 0.5; fall_p: the later half of them against the "

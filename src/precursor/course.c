@@ -2,7 +2,6 @@
 // Indicators at one time after the other, each of nothing but what was known then.
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lacuna/precursor.h"
 
@@ -45,7 +44,7 @@ static void set_time_of_failure(const lac_outlook *o, lac_observed *seen)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
-        if (strcmp(f->kind->about.name, "log") == 0 && f->issued) {
+        if (f->kind->dates && f->issued) {
             seen->tc = f->time;
             seen->start = f->window_start;
         }

@@ -2,7 +2,6 @@
 // The catalogue of events: each in time, and how many are larger than what.
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lacuna/precursor.h"
 #include "report/run.h"
@@ -63,25 +62,15 @@ static void write_distribution(lac_page_text *text, size_t n, const double *sort
     free(at);
 }
 
-static const lac_precursor_kind *find_kind(const char *name)
+// What an indicator says of the catalogue.
+static lac_status write_indicator(lac_page_text *text, const lac_precursor_kind *kind,
+                                  const lac_event_list *events, lac_error *err)
 {
-    const lac_precursor_kind *kind;
-    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
-        if (strcmp(kind->about.name, name) == 0) {
-            return kind;
-        }
-    }
-    return NULL;
-}
-
-static lac_status write_b_value(lac_page_text *text, const lac_event_list *events, lac_error *err)
-{
-    const lac_precursor_kind *kind = find_kind("b_value");
     const lac_observed seen = {.events = events, .tc = NAN, .start = NAN};
     lac_finding found = {0};
-    lac_status status = kind != NULL ? kind->look(&seen, &found, err) : LAC_OK;
+    lac_status status = kind->look(&seen, &found, err);
     if (status == LAC_OK) {
-        lac_page_open(text, "b_value", '{');
+        lac_page_open(text, kind->about.name, '{');
         lac_page_string(text, "reason", found.reason);
         lac_page_number(text, "points", (double)found.points, 17);
         for (size_t i = 0; i < found.count; i++) {
@@ -114,7 +103,12 @@ static lac_status write_events(const lac_page *page, size_t n, const lac_stored_
     write_distribution(text, n, sorted);
     const lac_event_list list = {
         .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
-    LAC_TRY(write_b_value(text, &list, err));
+    const lac_precursor_kind *kind;
+    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
+        if (kind->page) {
+            LAC_TRY(write_indicator(text, kind, &list, err));
+        }
+    }
     lac_page_close(text, '}');
 out:
     free(sorted);

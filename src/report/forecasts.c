@@ -3,7 +3,6 @@
 // there is one, else of the run.
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lacuna/hindcast.h"
 #include "report/run.h"
@@ -97,11 +96,6 @@ static void write_forecast(lac_page_text *text, const lac_forecast *f)
     lac_page_close(text, ']');
 }
 
-static bool is_baseline(const lac_forecast_kind *kind)
-{
-    return strcmp(kind->about.name, "persistence") == 0;
-}
-
 static void write_methods(lac_page_text *text, const lac_rolling *rolling)
 {
     lac_page_open(text, "methods", '[');
@@ -111,7 +105,7 @@ static void write_methods(lac_page_text *text, const lac_rolling *rolling)
         lac_page_string(text, "name", kind->about.name);
         lac_page_string(text, "summary", kind->about.summary);
         lac_page_string(text, "reference", kind->about.reference);
-        lac_page_bool(text, "baseline", is_baseline(kind));
+        lac_page_bool(text, "baseline", kind->baseline);
         lac_page_close(text, '}');
     }
     lac_page_close(text, ']');
@@ -136,7 +130,7 @@ static void write_rolling(lac_page_text *text, const lac_rolling *rolling)
 static bool any_issued(const lac_rolling *rolling)
 {
     for (size_t i = 0; i < rolling->issues * rolling->methods; i++) {
-        if (rolling->forecast[i].issued && !is_baseline(rolling->forecast[i].kind)) {
+        if (rolling->forecast[i].issued && !rolling->forecast[i].kind->baseline) {
             return true;
         }
     }

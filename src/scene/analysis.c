@@ -2,7 +2,6 @@
 // The indicators of a case's run, with what they need to know before it starts.
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "lacuna/scene_analysis.h"
 
@@ -75,8 +74,9 @@ lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch 
     lac_status status = LAC_OK;
     *out = NULL;
     for (size_t i = 0; i < slots->count; i++) {
-        if (strcmp(slots->item[i].about->name, "rg") == 0) {
-            LAC_TRY(find_critical(scene, slots->item[i].params, watch, &made_for.critical, err));
+        const lac_analysis_rg *rg = lac_analysis_cascade(&slots->item[i]);
+        if (rg != NULL) {
+            LAC_TRY(find_critical(scene, rg, watch, &made_for.critical, err));
         }
     }
     if (slots->count > 0) {

@@ -197,10 +197,6 @@ static lac_tangential_def shear_def(const history *h)
     def.poisson = material->poisson;
     def.friction = h->source->history.friction;
     def.tolerance = h->source->contact_tolerance;
-    if (h->source->history.method == LAC_HISTORY_SUPERPOSED) {
-        def.method = LAC_SHEAR_SUPERPOSED;
-        def.heights = h->contact->heights;
-    }
     return def;
 }
 
@@ -299,28 +295,13 @@ static lac_status begin(history *h, lac_error *err)
     return lac_tangential_create(&def, &h->shear, err);
 }
 
-// What superposition costs in accuracy, on a grid that solves quickly, at the last load; likewise.
-static lac_status compare_superposed(history *h, lac_error *err)
-{
-    enum { LARGEST_SIDE = 128 };
-    const double *load = h->reached.traction;
-    if (h->source->history.method != LAC_HISTORY_SUPERPOSED || !h->sought_first_slip) {
-        return LAC_OK;
-    }
-    const lac_tangential_def def = shear_def(h);
-    lac_status status =
-        lac_superposed_measure(&def, h->mean, load, LARGEST_SIDE, &h->result->superposed, err);
-    h->result->compared = status == LAC_OK;
-    return status == LAC_ENOMEM ? status : LAC_OK;
-}
-
 static lac_status follow(history *h, lac_error *err)
 {
     lac_status status = LAC_OK;
     for (size_t i = 0; status == LAC_OK && i < h->source->history.count; i++) {
         status = follow_entry(h, i, err);
     }
-    return status == LAC_OK ? compare_superposed(h, err) : status;
+    return status;
 }
 
 lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,

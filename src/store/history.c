@@ -165,7 +165,7 @@ static lac_status define(lac_history_store *s, const lac_history_store_def *def,
                               err));
     LAC_TRY(lac_nc_dataset(&s->file, def->contact, err));
     LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "friction_coefficient", def->friction, err));
-    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "history_method", def->method, err));
+    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "history_method", "direct", err));
     LAC_TRY(lac_nc_dim(&s->file, "step", NC_UNLIMITED, &step, err));
     LAC_TRY(define_series(s, step, err));
     if (s->keep != LAC_KEEP_NONE) {

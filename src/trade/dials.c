@@ -93,18 +93,23 @@ static void formulation_current(const lac_case *c, char label[LAC_DIAL_LABEL])
 // Whether cells take one another's load.
 static bool is_coupled(const lac_case *c)
 {
-    return c->transfer.about != NULL && strcmp(c->transfer.about->name, "none") != 0;
+    lac_transfer_outline ignored;
+    return lac_transfer_outline_of(&c->transfer, &ignored);
 }
+
+#define CASCADE "static"
 
 static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    static const char *const names[] = {"static", "events", "ode"};
+    static const char *const names[] = {CASCADE, "events", "ode"};
     if (of == LAC_OF_CASCADE) {
         bool runs = c->friction.about != NULL && !isnan(c->run.end);
         return put_names(names, runs ? 3 : 0, out);
     }
-    bool hierarchy = is_coupled(c) && strcmp(c->transfer.about->name, "hierarchy") == 0;
-    return hierarchy && lac_inertia_mass(c) <= 0.0 ? put_names(names + 1, 2, out) : 0;
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    return kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0
+               ? put_names(names + 1, 2, out)
+               : 0;
 }
 
 static void fidelity_current(const lac_case *c, char label[LAC_DIAL_LABEL])
@@ -157,8 +162,8 @@ static const char *const plannings[] = {"estimate", "measure"};
 static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
     (void)of;
-    bool transforms = is_coupled(c) && strcmp(c->transfer.about->name, "elastic") == 0;
-    return transforms ? put_names(plannings, 2, out) : 0;
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    return kind != NULL && kind->transforms ? put_names(plannings, 2, out) : 0;
 }
 
 static void planning_current(const lac_case *c, char label[LAC_DIAL_LABEL])
@@ -245,21 +250,6 @@ static void field_current(const lac_case *c, char label[LAC_DIAL_LABEL])
     (void)snprintf(label, LAC_DIAL_LABEL, "%s", fields[c->rg.field]);
 }
 
-// How a history of loads is followed: superposed where the case can be, which its check says.
-static const char *const histories[] = {"superposed", "direct"};
-
-static size_t history_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    return c->history.count > 0 ? put_names(histories, 2, out) : 0;
-}
-
-static void history_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   histories[c->history.method == LAC_HISTORY_DIRECT ? 1 : 0]);
-}
-
 static const lac_dial dials[] = {
     {.name = "rtol",
      .key = "solver.rtol",
@@ -288,6 +278,7 @@ static const lac_dial dials[] = {
      .use = LAC_OF_RUN | LAC_OF_CASCADE,
      .asked = LAC_OF_RUN | LAC_OF_CASCADE,
      .scene = true,
+     .cascade = CASCADE,
      .values = fidelity_values,
      .current = fidelity_current},
     {.name = "levels",
@@ -299,13 +290,6 @@ static const lac_dial dials[] = {
      .ratio = 4,
      .values = levels_values,
      .current = levels_current},
-    {.name = "history",
-     .key = "load.history.method",
-     .doc = "of a contact's loads: superposed, direct",
-     .use = LAC_OF_CONTACT,
-     .scene = true,
-     .values = history_values,
-     .current = history_current},
     {.name = "transfer",
      .key = "transfer",
      .doc = "of stress: hierarchy, elastic",

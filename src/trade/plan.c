@@ -119,7 +119,7 @@ static unsigned turned_of(const lac_trade_plan *plan)
 {
     unsigned of = plan->of;
     for (size_t d = 0; plan->of == LAC_OF_CASCADE && d < plan->dials; d++) {
-        of |= strcmp(plan->dial[d].dial->name, "fidelity") == 0 ? LAC_OF_RUN : 0;
+        of |= plan->dial[d].dial->cascade != NULL ? LAC_OF_RUN : 0;
     }
     return of;
 }
@@ -127,8 +127,7 @@ static unsigned turned_of(const lac_trade_plan *plan)
 static lac_status no_turn(const lac_dial *dial, lac_trade_of of, lac_error *err)
 {
     if (of == LAC_OF_RUN) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a %s", dial->name,
-                        (dial->use & LAC_OF_CONTACT) != 0 ? "contact" : "cascade");
+        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a cascade", dial->name);
     }
     return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing in a %s", dial->name,
                     of == LAC_OF_CONTACT ? "contact" : "cascade, unless fidelity is turned too");
@@ -188,8 +187,8 @@ static bool reference_runs(const lac_trade_plan *plan)
     bool runs = plan->of == LAC_OF_RUN;
     for (size_t d = 0; d < plan->dials; d++) {
         const lac_trade_dial *dial = &plan->dial[d];
-        if (plan->of == LAC_OF_CASCADE && strcmp(dial->dial->name, "fidelity") == 0) {
-            runs = strcmp(dial->value[dial->shown - 1].label, "static") != 0;
+        if (plan->of == LAC_OF_CASCADE && dial->dial->cascade != NULL) {
+            runs = strcmp(dial->value[dial->shown - 1].label, dial->dial->cascade) != 0;
         }
     }
     return runs;
@@ -397,8 +396,9 @@ lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run)
     lac_trade_of of = plan->of;
     for (size_t d = 0; d < plan->dials; d++) {
         const int at = plan->run[run].at[d];
-        if (at >= 0 && strcmp(plan->dial[d].dial->name, "fidelity") == 0) {
-            of = strcmp(plan->dial[d].value[at].label, "static") == 0 ? LAC_OF_CASCADE : LAC_OF_RUN;
+        const char *cascade = plan->dial[d].dial->cascade;
+        if (at >= 0 && cascade != NULL) {
+            of = strcmp(plan->dial[d].value[at].label, cascade) == 0 ? LAC_OF_CASCADE : LAC_OF_RUN;
         }
     }
     return of;

@@ -307,6 +307,26 @@ static double stiffness(const void *state, size_t level)
     return level < lac_hierarchy_levels(e->h) ? e->k[level] : 0;
 }
 
+static lac_transfer_outline outline(const void *given)
+{
+    const lac_transfer_elastic *p = given;
+    return (lac_transfer_outline){
+        .rock = "", .k0 = NAN, .ratio = NAN, .anchored = !isnan(p->thickness) || p->outside != 0};
+}
+
+static void check_place(const void *given, const lac_transfer_place *place,
+                        lac_transfer_fault *fault)
+{
+    const lac_transfer_elastic *p = given;
+    if (!isnan(p->thickness) && !place->periodic) {
+        fault[0] = (lac_transfer_fault){".thickness", "needs interface.boundary: periodic"};
+    }
+    if (p->outside != 0 && (place->periodic || !place->full)) {
+        fault[1] = (lac_transfer_fault){
+            ".outside", "needs interface.boundary: free and interface.domain: {full: {}}"};
+    }
+}
+
 const lac_transfer_kind lac_elastic_kind = {
     .about = {.name = "elastic",
               .summary = "two elastic half-spaces or slabs, gaps slipping freely",
@@ -322,4 +342,7 @@ const lac_transfer_kind lac_elastic_kind = {
     .apply = apply,
     .solve = solve,
     .stiffness = stiffness,
+    .transforms = true,
+    .outline = outline,
+    .check = check_place,
 };

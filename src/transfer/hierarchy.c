@@ -146,6 +146,29 @@ static const lac_hierarchy *blocks(const void *state)
     return self->h;
 }
 
+static lac_transfer_outline outline(const void *given)
+{
+    const lac_transfer_hierarchy *p = given;
+    return (lac_transfer_outline){
+        .rock = p->stiffness >= 0 ? ".stiffness: elastic" : NULL, .k0 = p->k0, .ratio = p->ratio};
+}
+
+static void check_place(const void *given, const lac_transfer_place *place,
+                        lac_transfer_fault *fault)
+{
+    const lac_transfer_hierarchy *p = given;
+    const bool elastic = p->stiffness >= 0;
+    (void)place;
+    if (elastic != isnan(p->k0)) {
+        fault[0] =
+            (lac_transfer_fault){"", elastic ? "needs either stiffness: elastic or k0, not both"
+                                             : "needs stiffness: elastic, or k0 (and ratio)"};
+    }
+    if (elastic && !isnan(p->ratio)) {
+        fault[1] = (lac_transfer_fault){".ratio", "goes with k0, not with stiffness: elastic"};
+    }
+}
+
 const lac_transfer_kind lac_hierarchy_kind = {
     .about = {.name = "hierarchy",
               .summary = "at every scale a block's slip relative to its parent's is resisted",
@@ -161,4 +184,6 @@ const lac_transfer_kind lac_hierarchy_kind = {
     .solve = solve,
     .stiffness = stiffness,
     .blocks = blocks,
+    .outline = outline,
+    .check = check_place,
 };

@@ -20,6 +20,14 @@ lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *s
     return LAC_OK;
 }
 
+bool lac_transfer_outline_of(const lac_slot *slot, lac_transfer_outline *outline)
+{
+    const lac_transfer_kind *kind = (const void *)slot->about;
+    const bool tied = kind != NULL && kind->outline != NULL;
+    *outline = tied ? kind->outline(slot->params) : (lac_transfer_outline){0};
+    return tied;
+}
+
 void lac_transfer_clear(lac_transfer *transfer)
 {
     if (transfer->kind != NULL) {

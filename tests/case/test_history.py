@@ -233,46 +233,6 @@ class FirstSlip(History):
         self.assertGreater(above["slip_cells"], 0)
 
 
-class Superposed(History):
-    LOADS = [0.3, 0.7]
-
-    def both(self, poisson):
-        """Results and, of the last step, tractions and states of either method."""
-        done, fields = [], []
-        for method in ("direct", "superposed"):
-            done.append(self.follow(
-                a08(ratios(self.LOADS), poisson=poisson, keys=f"method: {method}, ")))
-            with self.data() as data:
-                self.assertEqual(data.history_method, method)
-                fields.append((numpy.array([data["traction_x"][-1], data["traction_y"][-1]]),
-                               numpy.count_nonzero(data["state"][-1] == 1)))
-        return done, fields
-
-    def test_exact_without_coupling(self):
-        (direct, superposed), _ = self.both(0.0)
-        for a, b in zip(direct["steps"], superposed["steps"]):
-            self.assertAlmostEqual(b["shift_m"] / a["shift_m"], 1, delta=1e-5)
-        self.assertLess(superposed["superposed_error"]["traction_rms"], 1e-4)
-        self.assertLess(abs(superposed["superposed_error"]["shift"]), 1e-5)
-        self.assertIsNone(direct["superposed_error"])
-
-    def test_its_error_is_what_comparing_shows(self):
-        (direct, superposed), ((exact, sticks), (near, near_sticks)) = self.both(0.2)
-        error = superposed["superposed_error"]
-        self.assertEqual(error["grid"], [64, 64])  # small enough to be measured as it is
-        off = math.sqrt(((near - exact) ** 2).sum() / (exact ** 2).sum())
-        self.assertAlmostEqual(error["traction_rms"] / off, 1, delta=1e-3)
-        self.assertGreater(off, 0.01)
-        shifts = [d["steps"][-1]["shift_m"] for d in (direct, superposed)]
-        self.assertAlmostEqual(error["shift"], shifts[1] / shifts[0] - 1, delta=1e-5)
-        part = (near_sticks - sticks) / direct["n_cells"]
-        self.assertAlmostEqual(error["stick_area"], part, delta=2 / direct["n_cells"])
-        with self.data() as data:
-            self.assertEqual(data.superposed_error_traction_rms, error["traction_rms"])
-            self.assertEqual(data.first_slip_x_m, superposed["first_slip"]["x_m"])
-        self.check_cf("complete")
-
-
 class Program(History):
     def test_table(self):
         self.write("h.yaml", a08("{ratio_x: 0.5}, {ratio_x: 0}, {ratio_x: 0.5}"))

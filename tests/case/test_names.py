@@ -36,8 +36,6 @@ CALLS = (
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
     ("contact", "cases/shear-cycle.yaml -o cycle.nc --set interface.levels=6"),
-    ("contact", "cases/shear-cycle.yaml -o superposed.nc --set interface.levels=6 --set "
-                "load.history.method=superposed --set 'load.history.steps=[{ratio_x: 0.3}]'"),
     ("rg", "cases/rg/fix.yaml -o rg.nc"),
     ("rg", "run.nc -o now.nc"),
     ("precursors", "cases/data/creep.csv --displacement disp_mm:mm -o series.nc --rolling --failed-at "

@@ -17,7 +17,7 @@ enum { SIDE = 8, CELLS = SIDE * SIDE };
 
 // A small joint whose pressures are made up, and its history
 typedef struct joint {
-    double h[CELLS], p[CELLS], traction[2 * CELLS];
+    double p[CELLS], traction[2 * CELLS];
     lac_tangential_def def;
     lac_tangential *t;
     lac_tangential_report report;
@@ -415,37 +415,6 @@ static void projection(void **state)
     }
 }
 
-static void superposed_refuses_what_it_cannot_follow(void **state)
-{
-    joint *j = *state;
-    j->def.method = LAC_SHEAR_SUPERPOSED;
-    begin(j);
-    refused(j, load(j, 1e4, 0.0), "needs the heights");
-    j->def.heights = j->h;
-    begin(j);
-    refused(j, load(j, 1e4, 0.0), "pressures of its own heights");
-    for (size_t i = 0; i < CELLS; i++) {
-        j->p[i] = 1e6; // flat in full contact
-    }
-    refused(j, drag(j, 1e-5, 0.0), "not shifts");
-    refused(j, load(j, 6.1e5, 0.0), "more than the friction");
-    must(j, load(j, 1e5, 2e5));
-    refused(j, load(j, 0.9e5, 1.8e5), "grows along one direction");
-    refused(j, load(j, 2e5, 2e5), "grows along one direction");
-    refused(j, load(j, -1e5, -2e5), "grows along one direction");
-    j->p[3] = 2e6;
-    refused(j, load(j, 1e5, 2e5), "constant pressures");
-    j->p[3] = 1e6;
-    must(j, load(j, 1.1e5, 2.2e5));
-    assert_int_equal(j->report.stick_cells, CELLS);
-    lac_superposed_error e;
-    refused(j, lac_superposed_measure(&j->def, 1e6, (double[]){0.0, 0.0}, 0, &e, &j->err),
-            "a load");
-    j->def.heights = NULL;
-    refused(j, lac_superposed_measure(&j->def, 1e6, (double[]){1e5, 0.0}, 0, &e, &j->err),
-            "heights");
-}
-
 // Two cells far from equal: they pull alike, so that the one pressed less slips first.
 static void first_of_two_slips(void **state)
 {
@@ -483,8 +452,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(extremes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_failed_step_changes_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(projection, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(superposed_refuses_what_it_cannot_follow, set_up,
-                                        tear_down),
         cmocka_unit_test_setup_teardown(first_of_two_slips, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -163,7 +163,7 @@ static void own_tolerance(void **state)
     lac_case_free(c);
 }
 
-// A contact is traded over its grid and how its history is followed, and over nothing of a run.
+// A contact is traded over its grid, and over nothing of a run.
 static void plan_of_a_contact(void **state)
 {
     (void)state;
@@ -171,25 +171,21 @@ static void plan_of_a_contact(void **state)
     lac_error err;
     lac_case *c = read_text(pressed, LAC_FOR_CONTACT);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
-    assert_int_equal(plan.dials, 2);
+    assert_int_equal(plan.dials, 1);
     assert_string_equal(plan.dial[0].dial->name, "levels");
-    assert_string_equal(plan.dial[1].dial->name, "history");
     const lac_trade_run *reference = &plan.run[plan.reference];
     assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
-    assert_string_equal(plan.dial[1].value[reference->at[1]].label, "direct");
     assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CONTACT);
-    assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
+    assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3);
     lac_trade_plan_clear(&plan);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, "rtol", false, &plan, &err),
                      LAC_EINPUT);
     assert_non_null(strstr(err.message, "turns nothing in a contact"));
     c->interface.levels = 0;
-    c->history.count = 0;
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, &err),
                      LAC_EINPUT);
     assert_non_null(strstr(err.message, "no dial to turn"));
     c->interface.levels = 4;
-    c->history.count = 1;
     lac_case_free(c);
 }
 

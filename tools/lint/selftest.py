@@ -14,6 +14,7 @@ import unittest
 
 import docs
 import layers
+import rows
 import sizes
 import spdx
 import symbols
@@ -87,6 +88,32 @@ class Docs(unittest.TestCase):
                             ('"docs/x.md, \\"B\\""', 1), ('"docs/x.md, eq. 2"', 1),
                             ('"docs/y.md"', 1)):
             self.assertEqual(len(docs.check_references(self.project, "src/a.c", text)), wrong, text)
+
+
+class Rows(unittest.TestCase):
+    LAW = 'const law lac_aging = {.about = {.name = "aging",\n .summary = "heals"}, .v = 1};\n'
+
+    def complaints(self, path, text):
+        return rows.check(path, text, rows.names({"src/friction/aging.c": self.LAW, "src/case/registry.c":
+                                                  'kind k = {.name = "friction", .summary = "laws"};'}))
+
+    def refuses(self, text):
+        found = self.complaints("src/fit/line.c", "int x;\n" + text)
+        self.assertEqual(len(found), 1, found)
+        self.assertTrue(found[0].startswith("src/fit/line.c:2: "), found)
+
+    def test_compared(self):
+        self.refuses('bool b = strcmp(law->about.name, "aging") == 0;')
+        self.refuses('bool b = strcmp(name_of(law), \n "aging") == 0;')
+        self.refuses('const law *l = find_law("aging");')
+        self.refuses("bool b = strcmp(c->load.about->name, names[i]) == 0;")
+
+    def test_good(self):
+        for path, text in (("src/friction/aging.c", 'strcmp(name, "aging")'),
+                           ("src/fit/line.c", 'strcmp(key, "friction") == 0 && law->heals'),
+                           ("src/fit/line.c", '// strcmp(name, "aging")\nprintf("%s aging", about->name);'),
+                           ("src/case/slot.c", "strcmp(kind->at(i)->name, name)")):
+            self.assertEqual(self.complaints(path, text), [])
 
 
 class Layers(unittest.TestCase):
