@@ -123,10 +123,9 @@ void cli_options_help(unsigned mask)
 typedef struct cursor {
     int argc, at;
     char **argv;
-    bool only_arguments; // after "--"
 } cursor;
 
-static const option *find_name(const char *name, size_t length)
+const cli_option *cli_option_named(const char *name, size_t length)
 {
     for (size_t i = 0; i < OPTIONS; i++) {
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) {
@@ -136,7 +135,7 @@ static const option *find_name(const char *name, size_t length)
     return NULL;
 }
 
-static const option *find_letter(char letter)
+const cli_option *cli_option_of_letter(char letter)
 {
     for (size_t i = 0; i < OPTIONS; i++) {
         if (letter != '\0' && table[i].letter == letter) {
@@ -243,12 +242,13 @@ static lac_status apply(cli_request *request, const option *o, const char *value
 
 // The next word as an option's value; "" where there is none. A value that may be left out is a
 // number: other words are not taken for it, and "0" stands where there is none.
-static const char *next_word(cursor *c, const option *o)
+static const char *next_word(cursor *c, const option *o, cli_request *request)
 {
     const char *word = c->at < c->argc ? c->argv[c->at] : "";
     if (o->value[0] == '[' && (word[0] == '\0' || word[strspn(word, "0123456789")] != '\0')) {
         return "0";
     }
+    request->open = c->at < c->argc ? NULL : o;
     c->at += c->at < c->argc;
     return word;
 }
@@ -256,7 +256,7 @@ static const char *next_word(cursor *c, const option *o)
 static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
 {
     size_t length = strcspn(name, "=");
-    const option *o = find_name(name, length);
+    const option *o = cli_option_named(name, length);
     if (o == NULL) {
         return unknown_name(name, length, err);
     }
@@ -267,7 +267,7 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
             return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
         }
     } else if (o->value != NULL) {
-        value = next_word(c, o);
+        value = next_word(c, o, request);
     }
     return apply(request, o, value, err);
 }
@@ -276,7 +276,7 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
 static lac_status read_letters(cursor *c, const char *letters, cli_request *request, lac_error *err)
 {
     for (; *letters != '\0'; letters++) {
-        const option *o = find_letter(*letters);
+        const option *o = cli_option_of_letter(*letters);
         if (o == NULL) {
             return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
         }
@@ -287,7 +287,7 @@ static lac_status read_letters(cursor *c, const char *letters, cli_request *requ
             }
             continue;
         }
-        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o), err);
+        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o, request), err);
     }
     return LAC_OK;
 }
@@ -324,11 +324,11 @@ static lac_status read_argument(const char *word, cli_request *request, lac_erro
 static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
 {
     const char *word = c->argv[c->at++];
-    if (c->only_arguments || word[0] != '-' || word[1] == '\0') {
+    if (request->only_arguments || word[0] != '-' || word[1] == '\0') {
         return read_argument(word, request, err);
     }
     if (strcmp(word, "--") == 0) {
-        c->only_arguments = true;
+        request->only_arguments = true;
         return LAC_OK;
     }
     return word[1] == '-' ? read_long(c, word + 2, request, err)
@@ -375,6 +375,16 @@ static char *join(int argc, char **argv)
         used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
     }
     return text;
+}
+
+void cli_request_begin(int count, char **word, cli_request *request)
+{
+    lac_error ignored;
+    cursor c = {.argc = count, .argv = word};
+    *request = (cli_request){0};
+    while (c.at < c.argc) {
+        (void)read_word(&c, request, &ignored);
+    }
 }
 
 lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err)

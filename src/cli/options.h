@@ -53,6 +53,10 @@ typedef struct cli_option {
 /// The index-th option, NULL past the end.
 const cli_option *cli_option_at(size_t index);
 
+/// The option of a name, which need not end there, or of a letter; NULL where there is none.
+const cli_option *cli_option_named(const char *name, size_t length);
+const cli_option *cli_option_of_letter(char letter);
+
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {
     const char *time, *time_format, *displacement, *velocity, *sigma;
@@ -70,6 +74,8 @@ typedef struct cli_trade_words {
 typedef struct cli_request {
     const cli_command *command; ///< NULL: only --help or --version
     unsigned given;             ///< CLI_OPT_*
+    bool only_arguments;        ///< there was a "--"
+    const cli_option *open;     ///< the last one, where the line ended before its value; else NULL
     size_t count;               ///< arguments after the command
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
@@ -90,6 +96,10 @@ typedef struct cli_request {
 /// Reads the command line; options may stand before or after the command and its arguments.
 /// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM
 lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err);
+
+/// Reads the begin of a command line that is still typed, past all that is wrong in it.
+/// @param word  [count] after the program's name
+void cli_request_begin(int count, char **word, cli_request *request);
 
 /// Frees what the request owns.
 void cli_request_clear(cli_request *request);
