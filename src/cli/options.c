@@ -10,96 +10,71 @@
 
 typedef cli_option option;
 
+// An option whose word has a place of its own in the request, and one that is told by its bit or
+// that apply() has a line for.
+#define KEPT(bit, letter, name, value, place, doc)                            \
+    {                                                                         \
+        CLI_OPT_##bit, letter, name, value, doc, offsetof(cli_request, place) \
+    }
+#define PLAIN(bit, letter, name, value, doc)       \
+    {                                              \
+        CLI_OPT_##bit, letter, name, value, doc, 0 \
+    }
+
 static const option table[] = {
-    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the file"},
-    {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
-    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from what was kept when it was stopped"},
-    {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
-    {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
-    {CLI_OPT_BOXES, '\0', "boxes", "S:S", "sides of boxes that D_box is fitted to: 2:32"},
-    {CLI_OPT_COARSEST, '\0', "coarsest", "N", "cells a side of the coarsest resolution: 64"},
-    {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
-    {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
-    {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
-    {CLI_OPT_COMPARE, '\0', "compare", "SERIES", "monitoring data to lay beside the run"},
-    {CLI_OPT_COMPARE, '\0', "fit", "FIT", "file of lacuna fit: its forecast beside the run"},
-    {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
-    {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
-     "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
-    {CLI_OPT_SERIES, '\0', "displacement", "COL:UNIT", "column and unit: \"disp_mm:mm\""},
-    {CLI_OPT_SERIES, '\0', "velocity", "COL:UNIT", "column and unit: \"rate:mm/day\""},
-    {CLI_OPT_SERIES, '\0', "sigma", "COL:UNIT", "standard error of each displacement"},
-    {CLI_OPT_FORECAST, '\0', "smooth", "HOW",
-     "velocities: average:5, window:\"3 day\", savgol:7,2"},
-    {CLI_OPT_FORECAST, '\0', "raw", NULL, "keep outliers and sensor resets"},
-    {CLI_OPT_FORECAST, '\0', "since", "TIME", "fit from here, not from the onset of acceleration"},
-    {CLI_OPT_FORECAST, '\0', "onset", "S,L", "acceleration: mean of S above that of L: 3,7"},
-    {CLI_OPT_FORECAST, '\0', "rolling", NULL, "forecasts as issued at each reading"},
-    {CLI_OPT_FORECAST, '\0', "issues", "N", "issue times of --rolling at most: 200"},
-    {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
-    {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
-    {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
-    {CLI_OPT_TRADE, '\0', "quantity", "NAME", "failure, slip, rate, q-crit, contact-fraction ..."},
-    {CLI_OPT_TRADE, '\0', "reach", "ERROR", "to reach: 1%, or \"1 h\" of a time of failure"},
-    {CLI_OPT_TRADE, '\0', "spend", "TIME", "that a run may take: \"10 min\""},
-    {CLI_OPT_TRADE, '\0', "dials", "LIST", "rtol,method, or positions: rtol=1e-3:1e-6,levels"},
-    {CLI_OPT_TRADE, '\0', "crossed", NULL, "every position of a dial with every other"},
-    {CLI_OPT_TRADE, '\0', "jobs", "N", "runs at a time (default: one a processor)"},
-    {CLI_OPT_ACCURACY, '\0', "accuracy", "ERROR", "to keep: 1%; pilot runs pick the settings"},
-    {CLI_OPT_VIEW, '\0', "view", "[PORT]", "its page while it runs, on 127.0.0.1"},
-    {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
-    {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
-    {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
-    {CLI_OPT_VERBOSE, 'v', "verbose", NULL, "say what is being done"},
-    {CLI_OPT_THREADS, '\0', "threads", "N", "threads to compute with (default 1)"},
-    {CLI_OPT_NO_PROGRESS, '\0', "no-progress", NULL, "no progress bar"},
-    {CLI_OPT_VERSION, '\0', "version", NULL, "version, and those of the libraries"},
-    {CLI_OPT_HELP, 'h', "help", NULL, "this text"},
+    KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
+    PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
+    PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
+    KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
+    KEPT(KIND, 0, "kind", "KIND", kind, "block, joint (default) or slope"),
+    KEPT(BOXES, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
+    KEPT(COARSEST, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
+    KEPT(COARSENING, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),
+    KEPT(SIZES, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
+    KEPT(SNAPSHOT, 0, "snapshot", "WHICH", snapshot, "of a file: last, a number from 0, or a time"),
+    KEPT(COMPARE, 0, "compare", "SERIES", compare, "monitoring data to lay beside the run"),
+    KEPT(COMPARE, 0, "fit", "FIT", fit, "file of lacuna fit: its forecast beside the run"),
+    KEPT(SERIES, 0, "time", "COLUMN", series.time, "of times; else the first one"),
+    KEPT(SERIES, 0, "time-format", "FORMAT", series.time_format,
+         "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."),
+    KEPT(SERIES, 0, "displacement", "COL:UNIT", series.displacement,
+         "column and unit: \"disp_mm:mm\""),
+    KEPT(SERIES, 0, "velocity", "COL:UNIT", series.velocity, "column and unit: \"rate:mm/day\""),
+    KEPT(SERIES, 0, "sigma", "COL:UNIT", series.sigma, "standard error of each displacement"),
+    KEPT(FORECAST, 0, "smooth", "HOW", forecast.smooth,
+         "velocities: average:5, window:\"3 day\", savgol:7,2"),
+    KEPT(FORECAST, 0, "raw", NULL, forecast.raw, "keep outliers and sensor resets"),
+    KEPT(FORECAST, 0, "since", "TIME", forecast.since,
+         "fit from here, not from the onset of acceleration"),
+    KEPT(FORECAST, 0, "onset", "S,L", forecast.onset,
+         "acceleration: mean of S above that of L: 3,7"),
+    KEPT(FORECAST, 0, "rolling", NULL, forecast.rolling, "forecasts as issued at each reading"),
+    KEPT(FORECAST, 0, "issues", "N", forecast.issues, "issue times of --rolling at most: 200"),
+    KEPT(FORECAST, 0, "failed-at", "TIME", forecast.failed_at, "judge --rolling: a time, or never"),
+    KEPT(FORECAST, 0, "horizon", "TIME", forecast.horizon, "of alarms: \"7 day\""),
+    KEPT(FORECAST, 0, "case", "CASE", forecast.case_file,
+         "forecast by this case too, fitted to the series"),
+    KEPT(TRADE, 0, "quantity", "NAME", trade.quantity,
+         "failure, slip, rate, q-crit, contact-fraction ..."),
+    KEPT(TRADE, 0, "reach", "ERROR", trade.reach, "to reach: 1%, or \"1 h\" of a time of failure"),
+    KEPT(TRADE, 0, "spend", "TIME", trade.spend, "that a run may take: \"10 min\""),
+    KEPT(TRADE, 0, "dials", "LIST", trade.dials,
+         "rtol,method, or positions: rtol=1e-3:1e-6,levels"),
+    KEPT(TRADE, 0, "crossed", NULL, trade.crossed, "every position of a dial with every other"),
+    KEPT(TRADE, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
+    KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
+    PLAIN(SET, 0, "set", "KEY=VALUE", "override the case; may be repeated"),
+    PLAIN(JSON, 0, "json", NULL, "results as one JSON object, in SI"),
+    PLAIN(QUIET, 'q', "quiet", NULL, "no progress, no warnings"),
+    PLAIN(VERBOSE, 'v', "verbose", NULL, "say what is being done"),
+    PLAIN(THREADS, 0, "threads", "N", "threads to compute with (default 1)"),
+    PLAIN(NO_PROGRESS, 0, "no-progress", NULL, "no progress bar"),
+    PLAIN(VERSION, 0, "version", NULL, "version, and those of the libraries"),
+    PLAIN(HELP, 'h', "help", NULL, "this text"),
 };
 
 enum { OPTIONS = sizeof table / sizeof *table };
-
-// Where in the request the word of an option goes that means something to its command only: its
-// value, or its name where it takes none.
-static const struct {
-    const char *name;
-    size_t offset;
-} places[] = {
-    {"compare", offsetof(cli_request, compare)},
-    {"fit", offsetof(cli_request, fit)},
-    {"accuracy", offsetof(cli_request, accuracy)},
-    {"view", offsetof(cli_request, view)},
-    {"time", offsetof(cli_request, series.time)},
-    {"time-format", offsetof(cli_request, series.time_format)},
-    {"displacement", offsetof(cli_request, series.displacement)},
-    {"velocity", offsetof(cli_request, series.velocity)},
-    {"sigma", offsetof(cli_request, series.sigma)},
-    {"smooth", offsetof(cli_request, forecast.smooth)},
-    {"raw", offsetof(cli_request, forecast.raw)},
-    {"since", offsetof(cli_request, forecast.since)},
-    {"onset", offsetof(cli_request, forecast.onset)},
-    {"rolling", offsetof(cli_request, forecast.rolling)},
-    {"issues", offsetof(cli_request, forecast.issues)},
-    {"failed-at", offsetof(cli_request, forecast.failed_at)},
-    {"horizon", offsetof(cli_request, forecast.horizon)},
-    {"case", offsetof(cli_request, forecast.case_file)},
-    {"quantity", offsetof(cli_request, trade.quantity)},
-    {"reach", offsetof(cli_request, trade.reach)},
-    {"spend", offsetof(cli_request, trade.spend)},
-    {"dials", offsetof(cli_request, trade.dials)},
-    {"crossed", offsetof(cli_request, trade.crossed)},
-    {"jobs", offsetof(cli_request, trade.jobs)},
-};
-
-static void keep_word(cli_request *request, const option *o, const char *value)
-{
-    const char *word = o->value != NULL ? value : o->name;
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        if (strcmp(places[i].name, o->name) == 0) {
-            memcpy((char *)request + places[i].offset, &word, sizeof word);
-        }
-    }
-}
 
 const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
 
@@ -202,32 +177,11 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
                         o->value);
     }
-    keep_word(request, o, value);
+    if (o->at != 0) {
+        const char *word = o->value != NULL ? value : o->name;
+        memcpy((char *)request + o->at, &word, sizeof word);
+    }
     switch (o->bit) {
-    case CLI_OPT_OUTPUT:
-        request->output = value;
-        break;
-    case CLI_OPT_UNTIL:
-        request->until = value;
-        break;
-    case CLI_OPT_KIND:
-        request->kind = value;
-        break;
-    case CLI_OPT_BOXES:
-        request->boxes = value;
-        break;
-    case CLI_OPT_COARSEST:
-        request->coarsest = value;
-        break;
-    case CLI_OPT_COARSENING:
-        request->coarsening = value;
-        break;
-    case CLI_OPT_SIZES:
-        request->sizes = value;
-        break;
-    case CLI_OPT_SNAPSHOT:
-        request->snapshot = value;
-        break;
     case CLI_OPT_SET:
         return add_override(request, value, err);
     case CLI_OPT_ACCURACY:

@@ -48,6 +48,8 @@ typedef struct cli_option {
     const char *name;  ///< without the dashes
     const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
     const char *doc;
+    size_t at; ///< of the text in the request that is set to its value, or to its name where it
+               ///< takes none; 0: no such text
 } cli_option;
 
 /// The index-th option, NULL past the end.
