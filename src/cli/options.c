@@ -27,10 +27,10 @@ static const option table[] = {
     PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
     KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
     KEPT(KIND, 0, "kind", "KIND", kind, "block, joint (default) or slope"),
-    KEPT(BOXES, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
-    KEPT(COARSEST, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
-    KEPT(COARSENING, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),
-    KEPT(SIZES, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
+    KEPT(FRACTAL, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
+    KEPT(FRACTAL, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
+    KEPT(FRACTAL, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),
+    KEPT(FRACTAL, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
     KEPT(SNAPSHOT, 0, "snapshot", "WHICH", snapshot, "of a file: last, a number from 0, or a time"),
     KEPT(COMPARE, 0, "compare", "SERIES", compare, "monitoring data to lay beside the run"),
     KEPT(COMPARE, 0, "fit", "FIT", fit, "file of lacuna fit: its forecast beside the run"),
@@ -289,6 +289,13 @@ static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
                           : read_letters(c, word + 1, request, err);
 }
 
+static bool was_given(const cli_request *request, const option *o)
+{
+    const char *word = NULL;
+    memcpy(&word, (const char *)request + o->at, sizeof word);
+    return o->at != 0 ? word != NULL : cli_given(request, o->bit); // several share a bit
+}
+
 // The whole must make sense: a command, its arguments, no option that it does not take.
 static lac_status check_request(const cli_request *request, lac_error *err)
 {
@@ -300,7 +307,8 @@ static lac_status check_request(const cli_request *request, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
     }
     for (size_t i = 0; i < OPTIONS; i++) {
-        if ((table[i].bit & request->given & ~(command->options | CLI_OPT_COMMON)) != 0) {
+        const bool taken = (table[i].bit & (command->options | CLI_OPT_COMMON)) != 0;
+        if (!taken && was_given(request, &table[i])) {
             return lac_fail(err, LAC_EINPUT, "--%s: not an option of %s; see lacuna %s --help",
                             table[i].name, command->name, command->name);
         }

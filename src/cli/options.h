@@ -22,10 +22,7 @@ enum {
     CLI_OPT_NO_PROGRESS = 1 << 9,
     CLI_OPT_HELP = 1 << 10,
     CLI_OPT_VERSION = 1 << 11,
-    CLI_OPT_BOXES = 1 << 16,
-    CLI_OPT_COARSENING = 1 << 17,
-    CLI_OPT_SIZES = 1 << 18,
-    CLI_OPT_COARSEST = 1 << 19,
+    CLI_OPT_FRACTAL = 1 << 16, ///< how contact is measured
     CLI_OPT_SNAPSHOT = 1 << 20,
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
@@ -34,7 +31,6 @@ enum {
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
-    CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
