@@ -9,6 +9,7 @@
 
 #include "cli/clean.h"
 #include "cli/command.h"
+#include "cli/completion.h"
 #include "cli/exits.h"
 #include "cli/json.h"
 #include "cli/libraries.h"
@@ -148,6 +149,10 @@ int main(int argc, char **argv)
     lac_error err = {0};
     cli_request request;
     occupy_standard_streams();
+    if (argc > 1 && strcmp(argv[1], "__complete") == 0) { // for shells: no command, and no errors
+        cli_complete(argc - 2, argv + 2);
+        return CLI_EXIT_DONE;
+    }
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();

@@ -10,96 +10,71 @@
 
 typedef cli_option option;
 
+// An option whose word has a place of its own in the request, and one that is told by its bit or
+// that apply() has a line for.
+#define KEPT(bit, letter, name, value, place, doc)                            \
+    {                                                                         \
+        CLI_OPT_##bit, letter, name, value, doc, offsetof(cli_request, place) \
+    }
+#define PLAIN(bit, letter, name, value, doc)       \
+    {                                              \
+        CLI_OPT_##bit, letter, name, value, doc, 0 \
+    }
+
 static const option table[] = {
-    {CLI_OPT_OUTPUT, 'o', "output", "FILE", "where to write the file"},
-    {CLI_OPT_FORCE, '\0', "force", NULL, "replace a file that exists"},
-    {CLI_OPT_RESUME, '\0', "resume", NULL, "go on from what was kept when it was stopped"},
-    {CLI_OPT_UNTIL, '\0', "until", "TIME", "end earlier: \"10 day\", or a date"},
-    {CLI_OPT_KIND, '\0', "kind", "KIND", "block, joint (default) or slope"},
-    {CLI_OPT_BOXES, '\0', "boxes", "S:S", "sides of boxes that D_box is fitted to: 2:32"},
-    {CLI_OPT_COARSEST, '\0', "coarsest", "N", "cells a side of the coarsest resolution: 64"},
-    {CLI_OPT_COARSENING, '\0', "coarsening", "HOW", "coarser grids by sample or block-mean"},
-    {CLI_OPT_SIZES, '\0', "sizes", "LIST", "specimens of the size effect: \"50 mm, 1 m\""},
-    {CLI_OPT_SNAPSHOT, '\0', "snapshot", "WHICH", "of a file: last, a number from 0, or a time"},
-    {CLI_OPT_COMPARE, '\0', "compare", "SERIES", "monitoring data to lay beside the run"},
-    {CLI_OPT_COMPARE, '\0', "fit", "FIT", "file of lacuna fit: its forecast beside the run"},
-    {CLI_OPT_SERIES, '\0', "time", "COLUMN", "of times; else the first one"},
-    {CLI_OPT_SERIES, '\0', "time-format", "FORMAT",
-     "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."},
-    {CLI_OPT_SERIES, '\0', "displacement", "COL:UNIT", "column and unit: \"disp_mm:mm\""},
-    {CLI_OPT_SERIES, '\0', "velocity", "COL:UNIT", "column and unit: \"rate:mm/day\""},
-    {CLI_OPT_SERIES, '\0', "sigma", "COL:UNIT", "standard error of each displacement"},
-    {CLI_OPT_FORECAST, '\0', "smooth", "HOW",
-     "velocities: average:5, window:\"3 day\", savgol:7,2"},
-    {CLI_OPT_FORECAST, '\0', "raw", NULL, "keep outliers and sensor resets"},
-    {CLI_OPT_FORECAST, '\0', "since", "TIME", "fit from here, not from the onset of acceleration"},
-    {CLI_OPT_FORECAST, '\0', "onset", "S,L", "acceleration: mean of S above that of L: 3,7"},
-    {CLI_OPT_FORECAST, '\0', "rolling", NULL, "forecasts as issued at each reading"},
-    {CLI_OPT_FORECAST, '\0', "issues", "N", "issue times of --rolling at most: 200"},
-    {CLI_OPT_FORECAST, '\0', "failed-at", "TIME", "judge --rolling: a time, or never"},
-    {CLI_OPT_FORECAST, '\0', "horizon", "TIME", "of alarms: \"7 day\""},
-    {CLI_OPT_FORECAST, '\0', "case", "CASE", "forecast by this case too, fitted to the series"},
-    {CLI_OPT_TRADE, '\0', "quantity", "NAME", "failure, slip, rate, q-crit, contact-fraction ..."},
-    {CLI_OPT_TRADE, '\0', "reach", "ERROR", "to reach: 1%, or \"1 h\" of a time of failure"},
-    {CLI_OPT_TRADE, '\0', "spend", "TIME", "that a run may take: \"10 min\""},
-    {CLI_OPT_TRADE, '\0', "dials", "LIST", "rtol,method, or positions: rtol=1e-3:1e-6,levels"},
-    {CLI_OPT_TRADE, '\0', "crossed", NULL, "every position of a dial with every other"},
-    {CLI_OPT_TRADE, '\0', "jobs", "N", "runs at a time (default: one a processor)"},
-    {CLI_OPT_ACCURACY, '\0', "accuracy", "ERROR", "to keep: 1%; pilot runs pick the settings"},
-    {CLI_OPT_VIEW, '\0', "view", "[PORT]", "its page while it runs, on 127.0.0.1"},
-    {CLI_OPT_SET, '\0', "set", "KEY=VALUE", "override the case; may be repeated"},
-    {CLI_OPT_JSON, '\0', "json", NULL, "results as one JSON object, in SI"},
-    {CLI_OPT_QUIET, 'q', "quiet", NULL, "no progress, no warnings"},
-    {CLI_OPT_VERBOSE, 'v', "verbose", NULL, "say what is being done"},
-    {CLI_OPT_THREADS, '\0', "threads", "N", "threads to compute with (default 1)"},
-    {CLI_OPT_NO_PROGRESS, '\0', "no-progress", NULL, "no progress bar"},
-    {CLI_OPT_VERSION, '\0', "version", NULL, "version, and those of the libraries"},
-    {CLI_OPT_HELP, 'h', "help", NULL, "this text"},
+    KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
+    PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
+    PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
+    KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
+    KEPT(KIND, 0, "kind", "KIND", kind, "block, joint (default) or slope"),
+    KEPT(FRACTAL, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
+    KEPT(FRACTAL, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
+    KEPT(FRACTAL, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),
+    KEPT(FRACTAL, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
+    KEPT(SNAPSHOT, 0, "snapshot", "WHICH", snapshot, "of a file: last, a number from 0, or a time"),
+    KEPT(COMPARE, 0, "compare", "SERIES", compare, "monitoring data to lay beside the run"),
+    KEPT(COMPARE, 0, "fit", "FIT", fit, "file of lacuna fit: its forecast beside the run"),
+    KEPT(SERIES, 0, "time", "COLUMN", series.time, "of times; else the first one"),
+    KEPT(SERIES, 0, "time-format", "FORMAT", series.time_format,
+         "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."),
+    KEPT(SERIES, 0, "displacement", "COL:UNIT", series.displacement,
+         "column and unit: \"disp_mm:mm\""),
+    KEPT(SERIES, 0, "velocity", "COL:UNIT", series.velocity, "column and unit: \"rate:mm/day\""),
+    KEPT(SERIES, 0, "sigma", "COL:UNIT", series.sigma, "standard error of each displacement"),
+    KEPT(FORECAST, 0, "smooth", "HOW", forecast.smooth,
+         "velocities: average:5, window:\"3 day\", savgol:7,2"),
+    KEPT(FORECAST, 0, "raw", NULL, forecast.raw, "keep outliers and sensor resets"),
+    KEPT(FORECAST, 0, "since", "TIME", forecast.since,
+         "fit from here, not from the onset of acceleration"),
+    KEPT(FORECAST, 0, "onset", "S,L", forecast.onset,
+         "acceleration: mean of S above that of L: 3,7"),
+    KEPT(FORECAST, 0, "rolling", NULL, forecast.rolling, "forecasts as issued at each reading"),
+    KEPT(FORECAST, 0, "issues", "N", forecast.issues, "issue times of --rolling at most: 200"),
+    KEPT(FORECAST, 0, "failed-at", "TIME", forecast.failed_at, "judge --rolling: a time, or never"),
+    KEPT(FORECAST, 0, "horizon", "TIME", forecast.horizon, "of alarms: \"7 day\""),
+    KEPT(FORECAST, 0, "case", "CASE", forecast.case_file,
+         "forecast by this case too, fitted to the series"),
+    KEPT(TRADE, 0, "quantity", "NAME", trade.quantity,
+         "failure, slip, rate, q-crit, contact-fraction ..."),
+    KEPT(TRADE, 0, "reach", "ERROR", trade.reach, "to reach: 1%, or \"1 h\" of a time of failure"),
+    KEPT(TRADE, 0, "spend", "TIME", trade.spend, "that a run may take: \"10 min\""),
+    KEPT(TRADE, 0, "dials", "LIST", trade.dials,
+         "rtol,method, or positions: rtol=1e-3:1e-6,levels"),
+    KEPT(TRADE, 0, "crossed", NULL, trade.crossed, "every position of a dial with every other"),
+    KEPT(TRADE, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
+    KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
+    PLAIN(SET, 0, "set", "KEY=VALUE", "override the case; may be repeated"),
+    PLAIN(JSON, 0, "json", NULL, "results as one JSON object, in SI"),
+    PLAIN(QUIET, 'q', "quiet", NULL, "no progress, no warnings"),
+    PLAIN(VERBOSE, 'v', "verbose", NULL, "say what is being done"),
+    PLAIN(THREADS, 0, "threads", "N", "threads to compute with (default 1)"),
+    PLAIN(NO_PROGRESS, 0, "no-progress", NULL, "no progress bar"),
+    PLAIN(VERSION, 0, "version", NULL, "version, and those of the libraries"),
+    PLAIN(HELP, 'h', "help", NULL, "this text"),
 };
 
 enum { OPTIONS = sizeof table / sizeof *table };
-
-// Where in the request the word of an option goes that means something to its command only: its
-// value, or its name where it takes none.
-static const struct {
-    const char *name;
-    size_t offset;
-} places[] = {
-    {"compare", offsetof(cli_request, compare)},
-    {"fit", offsetof(cli_request, fit)},
-    {"accuracy", offsetof(cli_request, accuracy)},
-    {"view", offsetof(cli_request, view)},
-    {"time", offsetof(cli_request, series.time)},
-    {"time-format", offsetof(cli_request, series.time_format)},
-    {"displacement", offsetof(cli_request, series.displacement)},
-    {"velocity", offsetof(cli_request, series.velocity)},
-    {"sigma", offsetof(cli_request, series.sigma)},
-    {"smooth", offsetof(cli_request, forecast.smooth)},
-    {"raw", offsetof(cli_request, forecast.raw)},
-    {"since", offsetof(cli_request, forecast.since)},
-    {"onset", offsetof(cli_request, forecast.onset)},
-    {"rolling", offsetof(cli_request, forecast.rolling)},
-    {"issues", offsetof(cli_request, forecast.issues)},
-    {"failed-at", offsetof(cli_request, forecast.failed_at)},
-    {"horizon", offsetof(cli_request, forecast.horizon)},
-    {"case", offsetof(cli_request, forecast.case_file)},
-    {"quantity", offsetof(cli_request, trade.quantity)},
-    {"reach", offsetof(cli_request, trade.reach)},
-    {"spend", offsetof(cli_request, trade.spend)},
-    {"dials", offsetof(cli_request, trade.dials)},
-    {"crossed", offsetof(cli_request, trade.crossed)},
-    {"jobs", offsetof(cli_request, trade.jobs)},
-};
-
-static void keep_word(cli_request *request, const option *o, const char *value)
-{
-    const char *word = o->value != NULL ? value : o->name;
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        if (strcmp(places[i].name, o->name) == 0) {
-            memcpy((char *)request + places[i].offset, &word, sizeof word);
-        }
-    }
-}
 
 const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
 
@@ -123,10 +98,9 @@ void cli_options_help(unsigned mask)
 typedef struct cursor {
     int argc, at;
     char **argv;
-    bool only_arguments; // after "--"
 } cursor;
 
-static const option *find_name(const char *name, size_t length)
+const cli_option *cli_option_named(const char *name, size_t length)
 {
     for (size_t i = 0; i < OPTIONS; i++) {
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) {
@@ -136,7 +110,7 @@ static const option *find_name(const char *name, size_t length)
     return NULL;
 }
 
-static const option *find_letter(char letter)
+const cli_option *cli_option_of_letter(char letter)
 {
     for (size_t i = 0; i < OPTIONS; i++) {
         if (letter != '\0' && table[i].letter == letter) {
@@ -203,32 +177,11 @@ static lac_status apply(cli_request *request, const option *o, const char *value
         return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
                         o->value);
     }
-    keep_word(request, o, value);
+    if (o->at != 0) {
+        const char *word = o->value != NULL ? value : o->name;
+        memcpy((char *)request + o->at, &word, sizeof word);
+    }
     switch (o->bit) {
-    case CLI_OPT_OUTPUT:
-        request->output = value;
-        break;
-    case CLI_OPT_UNTIL:
-        request->until = value;
-        break;
-    case CLI_OPT_KIND:
-        request->kind = value;
-        break;
-    case CLI_OPT_BOXES:
-        request->boxes = value;
-        break;
-    case CLI_OPT_COARSEST:
-        request->coarsest = value;
-        break;
-    case CLI_OPT_COARSENING:
-        request->coarsening = value;
-        break;
-    case CLI_OPT_SIZES:
-        request->sizes = value;
-        break;
-    case CLI_OPT_SNAPSHOT:
-        request->snapshot = value;
-        break;
     case CLI_OPT_SET:
         return add_override(request, value, err);
     case CLI_OPT_ACCURACY:
@@ -243,12 +196,13 @@ static lac_status apply(cli_request *request, const option *o, const char *value
 
 // The next word as an option's value; "" where there is none. A value that may be left out is a
 // number: other words are not taken for it, and "0" stands where there is none.
-static const char *next_word(cursor *c, const option *o)
+static const char *next_word(cursor *c, const option *o, cli_request *request)
 {
     const char *word = c->at < c->argc ? c->argv[c->at] : "";
     if (o->value[0] == '[' && (word[0] == '\0' || word[strspn(word, "0123456789")] != '\0')) {
         return "0";
     }
+    request->open = c->at < c->argc ? NULL : o;
     c->at += c->at < c->argc;
     return word;
 }
@@ -256,7 +210,7 @@ static const char *next_word(cursor *c, const option *o)
 static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
 {
     size_t length = strcspn(name, "=");
-    const option *o = find_name(name, length);
+    const option *o = cli_option_named(name, length);
     if (o == NULL) {
         return unknown_name(name, length, err);
     }
@@ -267,7 +221,7 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
             return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
         }
     } else if (o->value != NULL) {
-        value = next_word(c, o);
+        value = next_word(c, o, request);
     }
     return apply(request, o, value, err);
 }
@@ -276,7 +230,7 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
 static lac_status read_letters(cursor *c, const char *letters, cli_request *request, lac_error *err)
 {
     for (; *letters != '\0'; letters++) {
-        const option *o = find_letter(*letters);
+        const option *o = cli_option_of_letter(*letters);
         if (o == NULL) {
             return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
         }
@@ -287,7 +241,7 @@ static lac_status read_letters(cursor *c, const char *letters, cli_request *requ
             }
             continue;
         }
-        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o), err);
+        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o, request), err);
     }
     return LAC_OK;
 }
@@ -324,15 +278,22 @@ static lac_status read_argument(const char *word, cli_request *request, lac_erro
 static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
 {
     const char *word = c->argv[c->at++];
-    if (c->only_arguments || word[0] != '-' || word[1] == '\0') {
+    if (request->only_arguments || word[0] != '-' || word[1] == '\0') {
         return read_argument(word, request, err);
     }
     if (strcmp(word, "--") == 0) {
-        c->only_arguments = true;
+        request->only_arguments = true;
         return LAC_OK;
     }
     return word[1] == '-' ? read_long(c, word + 2, request, err)
                           : read_letters(c, word + 1, request, err);
+}
+
+static bool was_given(const cli_request *request, const option *o)
+{
+    const char *word = NULL;
+    memcpy(&word, (const char *)request + o->at, sizeof word);
+    return o->at != 0 ? word != NULL : cli_given(request, o->bit); // several share a bit
 }
 
 // The whole must make sense: a command, its arguments, no option that it does not take.
@@ -346,7 +307,8 @@ static lac_status check_request(const cli_request *request, lac_error *err)
         return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
     }
     for (size_t i = 0; i < OPTIONS; i++) {
-        if ((table[i].bit & request->given & ~(command->options | CLI_OPT_COMMON)) != 0) {
+        const bool taken = (table[i].bit & (command->options | CLI_OPT_COMMON)) != 0;
+        if (!taken && was_given(request, &table[i])) {
             return lac_fail(err, LAC_EINPUT, "--%s: not an option of %s; see lacuna %s --help",
                             table[i].name, command->name, command->name);
         }
@@ -375,6 +337,16 @@ static char *join(int argc, char **argv)
         used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
     }
     return text;
+}
+
+void cli_request_begin(int count, char **word, cli_request *request)
+{
+    lac_error ignored;
+    cursor c = {.argc = count, .argv = word};
+    *request = (cli_request){0};
+    while (c.at < c.argc) {
+        (void)read_word(&c, request, &ignored);
+    }
 }
 
 lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err)

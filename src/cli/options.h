@@ -22,10 +22,7 @@ enum {
     CLI_OPT_NO_PROGRESS = 1 << 9,
     CLI_OPT_HELP = 1 << 10,
     CLI_OPT_VERSION = 1 << 11,
-    CLI_OPT_BOXES = 1 << 16,
-    CLI_OPT_COARSENING = 1 << 17,
-    CLI_OPT_SIZES = 1 << 18,
-    CLI_OPT_COARSEST = 1 << 19,
+    CLI_OPT_FRACTAL = 1 << 16, ///< how contact is measured
     CLI_OPT_SNAPSHOT = 1 << 20,
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
@@ -34,7 +31,6 @@ enum {
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
-    CLI_OPT_FRACTAL = CLI_OPT_BOXES | CLI_OPT_COARSENING | CLI_OPT_SIZES | CLI_OPT_COARSEST,
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
@@ -48,10 +44,16 @@ typedef struct cli_option {
     const char *name;  ///< without the dashes
     const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
     const char *doc;
+    size_t at; ///< of the text in the request that is set to its value, or to its name where it
+               ///< takes none; 0: no such text
 } cli_option;
 
 /// The index-th option, NULL past the end.
 const cli_option *cli_option_at(size_t index);
+
+/// The option of a name, which need not end there, or of a letter; NULL where there is none.
+const cli_option *cli_option_named(const char *name, size_t length);
+const cli_option *cli_option_of_letter(char letter);
 
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {
@@ -70,6 +72,8 @@ typedef struct cli_trade_words {
 typedef struct cli_request {
     const cli_command *command; ///< NULL: only --help or --version
     unsigned given;             ///< CLI_OPT_*
+    bool only_arguments;        ///< there was a "--"
+    const cli_option *open;     ///< the last one, where the line ended before its value; else NULL
     size_t count;               ///< arguments after the command
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
@@ -90,6 +94,10 @@ typedef struct cli_request {
 /// Reads the command line; options may stand before or after the command and its arguments.
 /// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM
 lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err);
+
+/// Reads the begin of a command line that is still typed, past all that is wrong in it.
+/// @param word  [count] after the program's name
+void cli_request_begin(int count, char **word, cli_request *request);
 
 /// Frees what the request owns.
 void cli_request_clear(cli_request *request);

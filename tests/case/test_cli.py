@@ -143,6 +143,10 @@ class Usage(Case):
     def test_option_of_another_command(self):
         self.expect_line(2, "--force: not an option of check; see lacuna check --help", "check",
                          "block.yaml", "--force")
+        for words in (["--sizes", "1 m"], ["--fit", "x.nc"], ["--sigma", "mm:mm"], ["--raw"], ["--failed-at", "1"],
+                      ["--horizon=1 day"], ["--reach", "1%"], ["--crossed"], ["--jobs", "2"], ["--view", "0"]):
+            self.expect_line(2, words[0].split("=")[0] + ": not an option of check; see lacuna check --help",
+                             "check", "block.yaml", *words)
 
     def test_arguments(self):
         self.expect_line(2, "run: CASE is missing; see lacuna run --help", "run")

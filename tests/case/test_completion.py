@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shells complete every command, every option of each, every model and every key of a case; bash
-(and fish, zsh, where they are installed) do so in fact, at a terminal, by the Tab key.
+"""Shells are told of every command, every option of each, every model and every key of a case; bash
+(and fish, zsh, where they are installed) complete them in fact, bash and zsh at a terminal by the Tab key.
 
 usage: test_completion.py PROGRAM SOURCE_FOLDER
 """
@@ -10,8 +10,10 @@ import glob
 import json
 import os
 import pty
+import random
 import re
 import select
+import shlex
 import shutil
 import subprocess
 import sys
@@ -19,6 +21,10 @@ import tempfile
 import unittest
 
 PROGRAM, SOURCE = map(os.path.abspath, sys.argv[1:3])
+sys.path.insert(0, os.path.join(SOURCE, "tests", "support"))
+import completed  # noqa: E402
+
+WITH_PROGRAM = dict(os.environ, PATH=os.path.dirname(PROGRAM) + os.pathsep + os.environ["PATH"])
 
 
 def call(*words, **options):
@@ -33,18 +39,19 @@ def options_of(*command):
         re.findall(r"^ +(-\w), --", text, re.MULTILINE))
 
 
-def typed(shell, script, line):
+def typed(shell, script, line, *files):
     """The words of a command line that was typed at a terminal, with Tab where it has one."""
     with tempfile.TemporaryDirectory() as folder:
+        for name, text in (("script", script), *((file, "") for file in files)):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as out:
+                out.write(text)
         file = os.path.join(folder, "script")
-        with open(file, "w", encoding="utf-8") as out:
-            out.write(script)
         begin = {"bash": ["bash", "--norc", "--noprofile", "-i"], "zsh": ["zsh", "-f", "-i"]}[shell]
         ready = {"bash": f"source {file}", "zsh": f"autoload -U compinit; compinit -D; source {file}"}
         child, end = pty.fork()
         if child == 0:
-            os.chdir(SOURCE)
-            os.environ.update(PS1="$ ", TERM="dumb", HOME=folder)
+            os.chdir(folder if files else SOURCE)
+            os.environ.update(WITH_PROGRAM, PS1="$ ", TERM="dumb", HOME=folder)
             os.execvp(begin[0], begin)
         os.write(end, (ready[shell] + "; lacuna() { printf '<%s>' \"$@\"; echo '</END>'; }\n"
                        f"{line}\nexit\n").encode())
@@ -80,66 +87,107 @@ class Completion(unittest.TestCase):
         for shell in ("bash", "zsh", "fish"):
             cls.script[shell] = call(PROGRAM, "completion", shell)
 
-    def bash(self, *words):
-        """What bash offers for the last word."""
-        quoted = " ".join(f"'{word}'" for word in words)
-        text = (f"{self.script['bash']}\nCOMP_WORDS=(lacuna {quoted}); COMP_CWORD={len(words)}\n"
-                "COMP_LINE=\"${COMP_WORDS[*]}\"; COMP_POINT=${#COMP_LINE}\n"
-                "_lacuna; printf '%s\\n' \"${COMPREPLY[@]}\"")
-        return set(call("bash", "-c", text, cwd=SOURCE).split("\n")) - {""}
+    def offered(self, *words):
+        return set(completed.offered(PROGRAM, *words))
 
-    def test_bash_knows_every_command(self):
+    def test_every_command(self):
         self.assertGreater(len(self.listed), 7)
-        self.assertEqual(self.bash(""), set(self.listed))
-        self.assertEqual(self.bash("-"), self.common)
-        self.assertEqual(self.bash("--json", "che"), {"check"})
+        self.assertEqual(self.offered(), set(self.listed))
+        self.assertEqual(self.offered(""), set(self.listed))
+        self.assertEqual(self.offered("-"), self.common)
+        self.assertEqual(self.offered("--json", "che"), {"check"})
+        self.assertEqual(self.offered("-o", "run", "che"), {"check"})  # run is a file
 
-    def test_bash_knows_the_options_of_each(self):
+    def test_options_of_each(self):
         for command in self.listed:
             with self.subTest(command):
-                offered = self.bash(command, "-")
-                self.assertEqual(offered, self.common | options_of(command))
+                self.assertEqual(self.offered(command, "-"), self.common | options_of(command))
+        self.assertEqual(self.offered("run", "x", "--", "-"), set())
 
-    def test_bash_knows_every_model(self):
+    def test_meanings_are_those_of_the_help_texts(self):
+        told = completed.offered(PROGRAM, "run", "-")
+        for option, meaning in told.items():
+            self.assertIn(meaning, call(PROGRAM, "run", "--help") + call(PROGRAM, "--help"), option)
+        for command, meaning in completed.offered(PROGRAM, "").items():
+            self.assertIn(meaning, call(PROGRAM, command, "--help"))
+        self.assertIn("adams", completed.offered(PROGRAM, "run", "--set", "solver.me")["solver.method="])
+
+    def test_every_model(self):
         kinds = {kind["name"] for kind in self.models["kinds"]}
         sections = {section["name"] for section in self.models["sections"]}
-        self.assertEqual(self.bash("describe", ""), kinds | sections)
+        self.assertEqual(self.offered("describe", ""), kinds | sections)
         for kind in self.models["kinds"]:
             names = {model["name"] for model in kind["models"]}
-            self.assertEqual(self.bash("describe", kind["name"], ""), names)
+            self.assertEqual(self.offered("describe", kind["name"], ""), names)
+        self.assertEqual(self.offered("describe", "friction", "aging", ""), set())
 
-    def test_bash_values(self):
-        self.assertEqual(self.bash("run", "case"), {"cases"})
-        self.assertEqual(self.bash("run", "cases/block"), {"cases/block.yaml"})
-        self.assertEqual(self.bash("run", "x.yaml", "-o", "READ"), {"README.md"})
-        self.assertEqual(self.bash("new", "--kind", ""), {"block", "joint", "slope"})
-        self.assertEqual(self.bash("run", "--until", ""), set())
-        self.assertEqual(self.bash("report", "x.nc", "--compare", "cases/data/cr"),
-                         {"cases/data/creep.csv"})
-        self.assertEqual(self.bash("run", "cases/data/"), set())  # no case is there
-        self.assertEqual(self.bash("completion", ""), {"bash", "zsh", "fish"})
+    def test_values(self):
+        """Of files a line says what stands before them in the word, and their endings."""
+        def files(*words):
+            return completed.offered(PROGRAM, *words)
+        self.assertEqual(files("run", ""), {":": "yaml"})
+        self.assertEqual(files("rg", "c"), {":": "yaml|nc"})
+        self.assertEqual(files("report", "c"), {":": "nc"})
+        self.assertEqual(files("fit", "c"), {":": "yaml"})
+        self.assertEqual(files("fit", "x.yaml", "c"), {":": ""})
+        self.assertEqual(files("precursors", ""), {":": ""})
+        self.assertEqual(files("precursors", "x", "--case", ""), {":": "yaml"})
+        self.assertEqual(files("run", "x.yaml", "-o", "READ"), {":": ""})
+        self.assertEqual(files("run", "x.yaml", "-qoREAD"), {})
+        self.assertEqual(files("run", "x.yaml", "-oREAD"), {":-o": ""})
+        self.assertEqual(files("run", "x.yaml", "--output=READ"), {":--output=": ""})
+        self.assertEqual(files("run", "x", "--set=fit.errors=ar"), {"--set=fit.errors=ar1": ""})
+        self.assertEqual(files("run", "x", "--set", "compare.7.file=x"), {":compare.7.file=": ""})
+        for words in (["run", "--until", ""], ["run", "--until=1"], ["run", "--force=1"], ["run", "x", ""],
+                      ["run", "--nothing=1"], ["new", ""], ["run", "--threads", ""], ["run", "-x1"]):
+            self.assertEqual(files(*words), {}, words)
+        self.assertEqual(files("run", "--view", ""), {":": "yaml"})  # it needs no value
+        self.assertEqual(self.offered("new", "--kind", ""), {"block", "joint", "slope"})
+        self.assertEqual(self.offered("new", "--kind=s"), {"--kind=slope"})
+        self.assertEqual(self.offered("completion", ""), {"bash", "zsh", "fish"})
 
-    def test_bash_keeps_names_with_spaces_whole(self):
-        with tempfile.TemporaryDirectory() as folder:
-            with open(os.path.join(folder, "two words.yaml"), "w", encoding="utf-8"):
-                pass
-            self.assertEqual(self.bash("check", folder + "/two"), {folder + "/two words.yaml"})
+    def test_words_as_bash_cuts_them(self):
+        """At = and :, with quotes; an empty word stands behind a blank."""
+        for words in (["--set", "solver.method", "=", "ad"], ["--set", "'solver.method=ad"],
+                      ["--set", "'solver.method", "=", "ad"], ["--set", "solver.meth\\od=ad"]):
+            self.assertEqual(self.offered("run", "x", *words), {"solver.method=adams"})
+        for words in (["--set", "=", "solver.method", "=", "ad"], ["--set", "=", '"solver.method=ad']):
+            self.assertEqual(self.offered("run", "x", *words), {"--set=solver.method=adams"})
+        self.assertEqual(self.offered("run", "x", "--set", "fit.errors", "="), 
+                         {"fit.errors=" + word for word in completed.choices(PROGRAM, "fit.errors")})
+        self.assertEqual(self.offered("run", "--set", "fit.errors", "=", ""), {":"})
+        self.assertEqual(self.offered("precursors", "--sigma", "mm", ":", "mm", "--ra"), {"--raw"})
+        self.assertEqual(self.offered("'describe'", '"friction"', "'a"), {"aging"})
 
-    def keys(self):
-        """All keys, as each shell's script lists them."""
-        found = {"bash": re.search(r"^_lacuna_keys='(.*)'$", self.script["bash"], re.MULTILINE),
-                 "zsh": re.search(r"^    keys=\( *(.*)\)$", self.script["zsh"], re.MULTILINE),
-                 "fish": re.search(r"string replace .0. .* -- (.*) \|", self.script["fish"])}
-        keys = {shell: match.group(1).split() for shell, match in found.items()}
-        self.assertEqual(keys["bash"], keys["zsh"])
-        self.assertEqual(keys["bash"], keys["fish"])
-        self.assertEqual(len(keys["bash"]), len(set(keys["bash"])))
-        return keys["bash"]
+    def test_nothing_but_candidates(self):
+        """Whatever stands on the line: exit status 0, no error, and no word of it comes back."""
+        strange = ["", "=", ":", "==", "=:=", "-", "--", "---", "--=", "-=", "--set", "--set=", "--set==", "-o",
+                   "-o=", "'", '"', "\\", "'\"", "$(touch x)", "`touch x`", "a\nb", "\n", "\t", "\x1b[2J", "\x7f",
+                   "%s%n", "run", "help", "describe", "friction", ".", "..", "0", "solver.", "solver..",
+                   "load.shear.", "load.shear.=", "load.shear.99999999999999999999999.", "é\u202e",
+                   "load.shear." + "9" * 5000, "load.shear." + "9" * 5000 + ".", "x" * 100000, "--" + "x" * 100000,
+                   "--set=" + "x" * 100000, "0.ratio", ".0.", "output.every.", "*", "?", "~", "&"]
+        known = [*self.listed, *sorted(self.common), "--set", "friction"]
+        chance = random.Random(1)
+        pools = [strange, known, [f"{word}=" for word in strange]]
+        lines = [[word] for word in strange] + [["run", "x", "--set", word] for word in strange]
+        lines += [[chance.choice(chance.choice(pools)) for _ in range(chance.randint(1, 7))] for _ in range(150)]
+        for words in lines:
+            done = subprocess.run([PROGRAM, "__complete", *words], capture_output=True, check=False, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (0, b""), words)
+            for line in done.stdout.decode("ascii").splitlines():
+                self.assertRegex(line, r"^(:?[-a-z][\w.=-]*\t[ -~]*|:\t[a-z|]*)$", words)
+
+    def test_it_is_told_even_where_output_fails(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([PROGRAM, "__complete", ""], stdout=full, stderr=subprocess.PIPE, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_every_key_is_one(self):
         """The program knows each key: what it says of a wrong value is never that there is no such."""
-        keys = self.keys()
+        keys = completed.keys(PROGRAM)
         self.assertGreater(len(keys), 300)
+        self.assertEqual(len(keys), len(set(keys)))
         seen = {}
         for key in keys:  # one model at a place
             place = re.sub(r"^(friction\.spread|initial\.spread|interface\.spread)\.\w+\..*", r"\1", key)
@@ -166,7 +214,7 @@ class Completion(unittest.TestCase):
 
     def test_keys_of_the_bundled_cases_are_offered(self):
         import yaml  # of python3-yaml
-        keys = set(self.keys())
+        keys = set(completed.keys(PROGRAM))
         for path in glob.glob(os.path.join(SOURCE, "cases", "**", "*.yaml"), recursive=True):
             with open(path, encoding="utf-8") as file:
                 case = flattened(yaml.safe_load(file))
@@ -175,24 +223,60 @@ class Completion(unittest.TestCase):
                 self.assertTrue(key in keys or any(k.startswith(key + ".") or key.startswith(k + ".")
                                                    for k in keys), f"{path}: {key}")
 
-    def test_bash_keys_part_by_part(self):
-        self.assertEqual(self.bash("run", "--set", "solver.me"), {"solver.method="})
-        self.assertEqual(self.bash("run", "--set", "interface.d"), {"interface.domain."})
-        self.assertEqual(self.bash("run", "--set", "load.shear.3.ra"),
-                         {"load.shear.3.ratio.", "load.shear.3.ramp."})
-        self.assertEqual(self.bash("run", "--set=output.ever"), {"output.every=", "output.every."})
+    def test_keys_part_by_part(self):
+        def keys(typed):
+            return self.offered("run", "--set", typed)
+        self.assertEqual(keys("solver.me"), {"solver.method="})
+        self.assertEqual(keys("solver"), {"solver."})
+        self.assertEqual(keys("interface.d"), {"interface.domain."})
+        self.assertEqual(keys("load.shear."), {"load.shear.0."})
+        self.assertEqual(keys("load.shear.31"), {"load.shear.31."})
+        self.assertEqual(keys("load.shear.31.ra"), {"load.shear.31.ratio.", "load.shear.31.ramp."})
+        self.assertEqual(keys("output.ever"), {"output.every=", "output.every."})  # a time, or a map
+        self.assertEqual(keys("time.f"), {"time.failure."})
+        self.assertEqual(self.offered("run", "--set=solver.me"), {"--set=solver.method="})
+
+    def bash(self, line):
+        """What bash is told of the last word of a line without quotes."""
+        words = re.findall(r"[=:]+|(?:[^\s=:\\]|\\.)+", line) + [""] * (line[-1] in " =:")
+        quoted = " ".join(map(shlex.quote, words[:-1] if line[-1] in "=:" else words))
+        text = (f"{self.script['bash']}\nCOMP_WORDS=({quoted}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+                f"COMP_LINE={shlex.quote(line)}; COMP_POINT=${{#COMP_LINE}}; compopt() {{ :; }}\n"
+                f"_lacuna {words[0]} {shlex.quote(words[-1])}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+        return set(call("bash", "-c", text, cwd=SOURCE, env=WITH_PROGRAM).split("\n")) - {""}
+
+    def test_bash_is_told(self):
+        self.assertEqual(self.bash("lacuna "), set(self.listed))
+        self.assertEqual(self.bash("lacuna run -"), self.common | options_of("run"))
+        self.assertEqual(self.bash("lacuna run case"), {"cases"})
+        self.assertEqual(self.bash("lacuna run cases/block"), {"cases/block.yaml"})
+        self.assertEqual(self.bash(f"{PROGRAM} run x.yaml -o READ"), {"README.md"})
+        self.assertEqual(self.bash("lacuna run x.yaml --output=READ"), {"README.md"})
+        self.assertEqual(self.bash("lacuna run x.yaml -oREAD"), {"-oREADME.md"})
+        self.assertEqual(self.bash("lacuna report x.nc --compare cases/data/cr"), {"cases/data/creep.csv"})
+        self.assertEqual(self.bash("lacuna run cases/data/"), set())  # no case is there
+        self.assertEqual(self.bash("lacuna run --until "), set())
+        self.assertEqual(self.bash("lacuna run x --set solver.fid"), {"solver.fidelity="})
+        self.assertEqual(self.bash("lacuna run x --set=solver.method="), {"bdf", "adams", "erk"})
+        self.assertEqual(self.bash("nothing run "), set())  # which is no program
+
+    def at_a_terminal(self, shell, *without):
+        for line, words in self.lines.items():
+            if not set(without) & set(line):
+                with self.subTest(line):
+                    self.assertEqual(typed(shell, self.script[shell], line), words)
+        for line, words in self.with_blanks.items():
+            if not set(without) & set(line):
+                with self.subTest(line):
+                    self.assertEqual(typed(shell, self.script[shell], line, "two words.yaml", "other.txt"), words)
 
     def test_bash_at_a_terminal(self):
-        for line, words in self.lines.items():
-            with self.subTest(line):
-                self.assertEqual(typed("bash", self.script["bash"], line), words)
+        self.at_a_terminal("bash")
+        self.assertEqual(typed("bash", self.script["bash"], "lacuna check o\t", "other.txt"), ["check", "o"])
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_at_a_terminal(self):
-        for line, words in self.lines.items():
-            if "'" not in line:
-                with self.subTest(line):
-                    self.assertEqual(typed("zsh", self.script["zsh"], line), words)
+        self.at_a_terminal("zsh")
 
     lines = {
         "lacuna desc\tfric\tag\t": ["describe", "friction", "aging"],
@@ -202,47 +286,42 @@ class Completion(unittest.TestCase):
         "lacuna run x --set=solver.met\tad\t": ["run", "x", "--set=solver.method=adams"],
         "lacuna run x --set load.sh\t2.rat\tv\t3": ["run", "x", "--set", "load.shear.2.ratio.value=3"],
         "lacuna run x --set 'solver.method=b\t": ["run", "x", "--set", "solver.method=bdf"],
+        "lacuna run x --set='solver.method=b\t": ["run", "x", "--set=solver.method=bdf"],
         "lacuna run x --set interface.sur\tfile.pa\tREAD\t":
             ["run", "x", "--set", "interface.surface.file.path=README.md"],
+        "lacuna run x --set 'interface.surface.file.path=READ\t":
+            ["run", "x", "--set", "interface.surface.file.path=README.md"],
+        "lacuna run x --output=READ\t": ["run", "x", "--output=README.md"],
+        "lacuna run x --outp\tREAD\t": ["run", "x", "--output", "README.md"],
         "lacuna fit x --set fit.errors=ar\t--json": ["fit", "x", "--set", "fit.errors=ar1", "--json"],
     }
-
-    def test_zsh_and_fish_list_the_same(self):
-        for shell, form in (("zsh", "'*?{}[+=\\[]"), ("fish", "-l {} ")):
-            for command in self.listed:
-                for name in self.common | options_of(command):
-                    word = name if shell == "zsh" else name.lstrip("-")
-                    if name.startswith("--"):
-                        self.assertRegex(self.script[shell], form.format(re.escape(word)))
-            for word in self.listed:
-                self.assertRegex(self.script[shell], rf"\b{word}\b")
-            for kind in self.models["kinds"]:
-                for model in kind["models"]:
-                    self.assertIn(model["name"], self.script[shell])
-
-    def test_zsh_completes_values(self):
-        """Keys after --set alone, files after -o, nothing after a number."""
-        found = {}
-        for name, action in re.findall(r"'\*?(--?[a-z-]+)[=+]\[[^]]*\]:[^:]*:(.*)'", self.script["zsh"]):
-            found.setdefault(action, set()).add(name)
-        self.assertEqual(found["_lacuna_set"], {"--set"})
-        self.assertLessEqual({"-o", "--output"}, found["_files"])
-        self.assertIn("--threads", found[""])
+    with_blanks = {
+        "lacuna check tw\t--json": ["check", "two words.yaml", "--json"],
+        "lacuna check 'two w\t": ["check", "two words.yaml"],
+        "lacuna check two\\ w\t": ["check", "two words.yaml"],
+        "lacuna check o -o o\t": ["check", "o", "-o", "other.txt"],
+    }
 
     @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
     def test_fish(self):
         def offered(line):
-            lines = call("fish", "--no-config", "-c", self.script["fish"] +
-                         f"\ncomplete -C '{line}'").splitlines()
+            lines = call("fish", "--no-config", "-c", self.script["fish"] + f"\ncomplete -C {shlex.quote(line)}",
+                         env=WITH_PROGRAM, cwd=SOURCE).splitlines()
             return {text.split("\t")[0] for text in lines}
         self.assertEqual(offered("lacuna "), set(self.listed))
         for command in self.listed:
             self.assertEqual({o for o in offered(f"lacuna {command} --")},
                              {o for o in self.common | options_of(command) if o[:2] == "--"})
         self.assertEqual(offered("lacuna describe friction ag"), {"aging"})
+        self.assertEqual(offered("lacuna new --kind s"), {"slope"})
         self.assertEqual(offered("lacuna run x --set solver.met"), {"solver.method="})
         self.assertEqual(offered("lacuna run x --set solver.method=a"), {"solver.method=adams"})
         self.assertEqual(offered("lacuna run x --set load.shear.2.ratio.v"), {"load.shear.2.ratio.value="})
+        self.assertEqual(offered("lacuna run x --set=solver.method=a"), {"--set=solver.method=adams"})
+        self.assertEqual(offered(f"{PROGRAM} run cases/blo"), {"cases/block.yaml"})
+        self.assertEqual(offered("lacuna run x -o READ"), {"README.md"})
+        self.assertEqual(offered("lacuna run x --output=READ"), {"--output=README.md"})
+        self.assertEqual(offered("lacuna run x --until READ"), set())
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_reads_it(self):

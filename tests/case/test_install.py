@@ -18,6 +18,8 @@ import unittest
 
 PROGRAM, SOURCE, BUILD = map(os.path.abspath, sys.argv[1:4])
 BLOCK = os.path.join(SOURCE, "cases", "block.yaml")
+sys.path.insert(0, os.path.join(SOURCE, "tests", "support"))
+import completed  # noqa: E402
 
 
 def call(*words, **options):
@@ -60,8 +62,7 @@ class Prefix:
                                       os.path.join(self.folder, "block.nc"), "--force"))
 
     def checks_of_pages(self):
-        overview = call(PROGRAM, "completion", "fish")
-        commands = re.findall(r"__fish_use_subcommand -a ([\w-]+)", overview)
+        commands = completed.commands(PROGRAM)
         self.assertIn("run", commands)
         for page in ["lacuna"] + [f"lacuna-{name}" for name in commands]:
             found = glob.glob(os.path.join(self.prefix, "share", "man", "man1", page + ".1*"))

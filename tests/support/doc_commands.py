@@ -14,6 +14,8 @@ import subprocess
 import sys
 from collections import namedtuple
 
+import completed
+
 Command = namedtuple("Command", "page line kind text")
 
 # What begins a command. A line that looks like one and begins otherwise is told by `strangers`.
@@ -90,8 +92,7 @@ def of_manual(page, text):
 
 
 def of_help(program):
-    listed = subprocess.run([program, "completion", "fish"], capture_output=True, text=True, check=True)
-    for name in [""] + re.findall(r"__fish_use_subcommand -a ([\w-]+)", listed.stdout):
+    for name in [""] + completed.commands(program):
         words = [program, name, "--help"] if name else [program, "--help"]
         text = subprocess.run(words, capture_output=True, text=True, check=True).stdout
         example, = re.findall(r"^example: (.*)$", text, re.MULTILINE)
