@@ -5,26 +5,12 @@
 
 #include "case/sections.h"
 
-const lac_param lac_ratio_row = {
-    .key = "ratio_to_steady",
-    .unit = "1",
-    .fallback = NAN,
-    .min = 0,
-    .max = 1e6,
-    .flags = LAC_ABOVE_MIN,
-    .offset = offsetof(lac_initial_def, state_value),
-    .doc = "theta over theta_ss at the load that follows",
-};
+const lac_param lac_ratio_row =
+    LAC_REAL("ratio_to_steady", "1", offsetof(lac_initial_def, state_value), NAN, 0, 1e6,
+             LAC_ABOVE_MIN, "theta over theta_ss at the load that follows");
 
-const lac_param lac_state_row = {
-    .key = "state",
-    .unit = "s",
-    .fallback = NAN,
-    .min = 1e-12,
-    .max = 1e20,
-    .offset = offsetof(lac_initial_def, state_value),
-    .doc = "theta",
-};
+const lac_param lac_state_row =
+    LAC_REAL("state", "s", offsetof(lac_initial_def, state_value), NAN, 1e-12, 1e20, 0, "theta");
 
 static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def *initial)
 {

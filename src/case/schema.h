@@ -2,7 +2,11 @@
 #ifndef LACUNA_CASE_SCHEMA_H
 #define LACUNA_CASE_SCHEMA_H
 
+#include "base/rows.h"
 #include "case/reader.h"
+
+/// A row that is only described: the reader has a function for its key.
+#define LAC_OWN(name, text) LAC_TEXT(name, 0, LAC_OPTIONAL, text)
 
 /// The keys of a mapping.
 typedef struct lac_table {
