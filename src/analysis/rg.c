@@ -10,13 +10,11 @@
 #include "analysis/slip_blocks.h"
 #include "analysis/slip_clusters.h"
 #include "analysis/slipping.h"
+#include "base/rg_rows.h"
 #include "base/rows.h"
 #include "base/units.h"
 
 #define FIELD(name) offsetof(lac_analysis_rg, name)
-
-static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const fields[] = {"elastic", "equal", "uniform", NULL};
 
 static const lac_param params[] = {
     LAC_REAL("slipping_strength", "1", FIELD(slipping_strength), NAN, 0, 1,
@@ -31,16 +29,14 @@ static const lac_param params[] = {
     LAC_REAL("critical_fraction", "1", FIELD(critical_fraction), NAN, 0, 1,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "fixed point of the map; from the static cascade of the contact domain if absent"),
-    LAC_CHOICE("rule", FIELD(rule), NAN, rules, LAC_OPTIONAL,
-               "of that cascade, as rg.rule; the section rg's, or its default, if absent"),
-    LAC_CHOICE("field", FIELD(field), NAN, fields, LAC_OPTIONAL,
-               "of that cascade, as rg.field; likewise"),
-    LAC_REAL("beta", "1", FIELD(beta), NAN, 0, 1, LAC_OPTIONAL,
-             "of that cascade, a number or from-friction; the first of rg.beta, or 0.7, if absent"),
-    LAC_INTEGER("shifts", FIELD(shifts), NAN, 1, 10000, LAC_OPTIONAL,
-                "of that cascade, as rg.shifts"),
-    LAC_INTEGER("loads", FIELD(loads), NAN, 10, 10000, LAC_OPTIONAL,
-                "of that cascade, as rg.loads"),
+    LAC_RG_RULE_ROW(FIELD(rule), NAN, LAC_OPTIONAL,
+                    "of that cascade, as rg.rule; the section rg's, or its default, if absent"),
+    LAC_RG_FIELD_ROW(FIELD(field), NAN, LAC_OPTIONAL, "of that cascade, as rg.field; likewise"),
+    LAC_RG_BETA_ROW(
+        FIELD(beta), LAC_OPTIONAL,
+        "of that cascade, a number or from-friction; the first of rg.beta, or 0.7, if absent"),
+    LAC_RG_SHIFTS_ROW(FIELD(shifts), NAN, LAC_OPTIONAL, "of that cascade, as rg.shifts"),
+    LAC_RG_LOADS_ROW(FIELD(loads), NAN, LAC_OPTIONAL, "of that cascade, as rg.loads"),
 };
 
 static const char *fault(const void *p)

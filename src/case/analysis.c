@@ -32,16 +32,12 @@ static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *
 
 static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
 {
-    double beta = NAN;
     if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
         rg->beta_from_friction = true;
     } else if (node->kind != LAC_NODE_SCALAR) {
         lac_blame(reader, node, "must be a number or %s", from_friction);
-    } else if (lac_read_number(reader, node, "1", &beta)) {
-        rg->beta = beta;
-        if (!(beta >= 0.0 && beta <= 1.0)) {
-            lac_blame(reader, node, "must be >= 0 and <= 1");
-        }
+    } else {
+        (void)lac_read_beta(reader, node, &rg->beta);
     }
 }
 

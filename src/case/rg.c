@@ -3,33 +3,31 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/rg_rows.h"
 #include "case/sections.h"
 #include "lacuna/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 
-static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const rg_fields[] = {"elastic", "equal", "uniform", NULL};
 static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
-    LAC_CHOICE("rule", FIELD(rg.rule), 0, rules, 0,
-               "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
-               "all above its residual strength; lump, as a point with its sums"),
-    LAC_CHOICE("field", FIELD(rg.field), LAC_RG_ELASTIC, rg_fields, 0,
-               "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
-               "same stress on all (uniform), as a ramp with share: equal puts it on"),
+    LAC_RG_RULE_ROW(
+        FIELD(rg.rule), 0, 0,
+        "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
+        "all above its residual strength; lump, as a point with its sums"),
+    LAC_RG_FIELD_ROW(
+        FIELD(rg.field), LAC_RG_ELASTIC, 0,
+        "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
+        "same stress on all (uniform), as a ramp with share: equal puts it on"),
     LAC_OWN("beta",
             "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
-    LAC_REAL("friction", "1", FIELD(rg.friction), NAN, 0, 1000, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "Coulomb's coefficient f; f0 of the friction law if absent"),
-    LAC_INTEGER("shifts", FIELD(rg.shifts), 16, 1, 10000, 0,
-                "places of the grid of blocks, averaged"),
+    LAC_COULOMB_ROW(FIELD(rg.friction)),
+    LAC_RG_SHIFTS_ROW(FIELD(rg.shifts), 16, 0, "places of the grid of blocks, averaged"),
     LAC_INTEGER("seeds", FIELD(rg.seeds), 1, 1, 10000, 0,
                 "interfaces: the case's own seed and those that follow it"),
-    LAC_INTEGER("loads", FIELD(rg.loads), 60, 10, 10000, 0,
-                "shear forces at which slipping blocks are counted"),
+    LAC_RG_LOADS_ROW(FIELD(rg.loads), 60, 0, "shear forces at which slipping blocks are counted"),
     LAC_INTEGER("contacts", FIELD(rg.contacts), LAC_RG_LOADS, 10, LAC_RG_MOST_LOADS, 0,
                 "contacts solved along the path of field elastic, to interpolate between"),
     LAC_CHOICE(
@@ -39,17 +37,27 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
 
 const char *const lac_rg_own[] = {"beta", NULL};
 
+bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
+{
+    static const lac_param row = LAC_RG_BETA_ROW(0, 0, "");
+    char why[80];
+    if (!lac_read_number(reader, node, row.unit, beta)) {
+        return false;
+    }
+    bool allowed = lac_param_allows(&row, *beta, why, sizeof why);
+    if (!allowed) {
+        lac_blame(reader, node, "must be >= %g and <= %g", row.min, row.max);
+    }
+    return allowed;
+}
+
 static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
 {
     double beta = NAN;
     if (rg->betas == LAC_MOST_BETAS) {
         lac_blame(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
-    } else if (lac_read_number(reader, node, "1", &beta)) {
-        if (beta >= 0.0 && beta <= 1.0) {
-            rg->beta[rg->betas++] = beta;
-        } else {
-            lac_blame(reader, node, "must be >= 0 and <= 1");
-        }
+    } else if (lac_read_beta(reader, node, &beta)) {
+        rg->beta[rg->betas++] = beta;
     }
 }
 

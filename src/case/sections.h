@@ -72,10 +72,19 @@ extern const lac_param lac_inertia_rows[LAC_INERTIA_ROWS];
 /// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
 void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
 
+/// A key of those whose friction is Coulomb's: lac_find_coulomb.
+#define LAC_COULOMB_ROW(where)                                                   \
+    LAC_REAL("friction", "1", where, NAN, 0, 1000, LAC_OPTIONAL | LAC_ABOVE_MIN, \
+             "Coulomb's coefficient f; f0 of the friction law if absent")
+
 /// The keys of `rg`.
 enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];
 extern const char *const lac_rg_own[];
+
+/// Reads a strength left after slip.
+/// @return false where it is wrong, which is then reported
+bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta);
 
 /// Reads `rg`; NULL: the defaults.
 void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
@@ -132,6 +141,9 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
 
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
+
+/// Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
+#define LAC_MOST_CELLS 16777216
 
 /// What is wrong with the interface as a whole; fills in what is absent.
 void lac_check_interface(lac_reader *reader, lac_interface_def *def);

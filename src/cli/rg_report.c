@@ -3,21 +3,13 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/rg_rows.h"
 #include "cli/rg.h"
 #include "cli/words.h"
 
-const char *cli_rg_rule(const lac_case *c)
-{
-    static const char *const names[] = {"fix", "cons", "lump"};
-    return names[c->rg.rule];
-}
+const char *cli_rg_rule(const lac_case *c) { return lac_rg_rule_names[c->rg.rule]; }
 
-const char *cli_rg_field(const lac_case *c)
-{
-    static const char *const names[] = {
-        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
-    return names[c->rg.field];
-}
+const char *cli_rg_field(const lac_case *c) { return lac_rg_field_names[c->rg.field]; }
 
 static const char *with_error(double value, double error, char *text, size_t size)
 {

@@ -17,6 +17,14 @@ extern const char *const lac_share_names[];
                "of each cell: in proportion to its pressure, the same stress on all (equal), or " \
                "as elastic rock puts it on them when all slip alike (elastic; needs a material)")
 
+/// Rows of keys that several loads have, by the member of the same name.
+#define LAC_START_ROW(holder)                                                  \
+    LAC_REAL("start", "s", offsetof(holder, start), 0, -INFINITY, INFINITY, 0, \
+             "when it begins, since the start of the run")
+#define LAC_TIME_COLUMN_ROW(holder)             \
+    LAC_TEXT("time", offsetof(holder, time), 0, \
+             "name of the time column: dates, or seconds since the start of the run")
+
 /// LAC_ROWS of a pore pressure that a table shares with a force, whose share comes last: all cells
 /// feel it alike.
 #define LAC_PORE_ROWS(rows, holder)                                      \

@@ -117,8 +117,7 @@ static const char *const outsides[] = {"refuse", "dry", NULL};
 static const lac_param params[] = {
     LAC_PATH("file", offsetof(rain_params, file), 0,
              "CSV with a header, or netCDF; let it begin some drain times before the run"),
-    LAC_TEXT("time", offsetof(rain_params, time), 0,
-             "name of the time column: dates, or seconds since the start of the run"),
+    LAC_TIME_COLUMN_ROW(rain_params),
     LAC_TEXT("rain", offsetof(rain_params, rain), 0,
              "column of the rain that fell, and its unit, such as \"rain:mm\""),
     LAC_REAL("rise", "Pa/m", offsetof(rain_params, rise), NAN, 0, 1e12, 0,

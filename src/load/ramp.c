@@ -46,8 +46,7 @@ static const lac_param params[] = {
     LAC_REAL("rate", "Pa/s", offsetof(ramp_params, rate), NAN, -INFINITY, INFINITY, 0,
              "rate of the shear stress over the nominal area, or of the pore pressure; negative "
              "unloads or drains"),
-    LAC_REAL("start", "s", offsetof(ramp_params, start), 0, -INFINITY, INFINITY, 0,
-             "when it begins, since the start of the run"),
+    LAC_START_ROW(ramp_params),
     LAC_REAL("end", "s", offsetof(ramp_params, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
              "when it ends, since the start of the run, what it has come to being held from then "
              "on; never if absent"),

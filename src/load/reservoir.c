@@ -123,8 +123,7 @@ static const char *const outsides[] = {"refuse", "hold", NULL};
 static const lac_param params[] = {
     LAC_PATH("file", offsetof(reservoir_params, file), 0,
              "CSV with a header, or netCDF; let it begin long before the run, as water is slow"),
-    LAC_TEXT("time", offsetof(reservoir_params, time), 0,
-             "name of the time column: dates, or seconds since the start of the run"),
+    LAC_TIME_COLUMN_ROW(reservoir_params),
     LAC_TEXT("level", offsetof(reservoir_params, level), 0,
              "column of the water level and its unit, such as \"level:m\""),
     LAC_REAL("elevation", "m", offsetof(reservoir_params, elevation), NAN, -1e6, 1e6, 0,

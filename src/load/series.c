@@ -162,8 +162,7 @@ static const char *const outsides[] = {"refuse", "hold", "zero", NULL};
 
 static const lac_param params[] = {
     LAC_PATH("file", offsetof(series_params, file), 0, "CSV with a header, or netCDF"),
-    LAC_TEXT("time", offsetof(series_params, time), 0,
-             "name of the time column: dates, or seconds since the start of the run"),
+    LAC_TIME_COLUMN_ROW(series_params),
     LAC_TEXT("value", offsetof(series_params, value), 0,
              "column and its unit, such as \"pressure:kPa\" or, with per, \"acceleration:cm/s2\""),
     LAC_TEXT("per", offsetof(series_params, per), LAC_OPTIONAL,

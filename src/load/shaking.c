@@ -79,8 +79,7 @@ static const lac_param params[] = {
     LAC_REAL("mass", "kg/m2", offsetof(shaking_params, mass), NAN, 0, 1e15, LAC_ABOVE_MIN,
              "of the rock that rides on the interface, for each unit of nominal area: density "
              "times thickness"),
-    LAC_REAL("start", "s", offsetof(shaking_params, start), 0, -INFINITY, INFINITY, 0,
-             "when it begins, since the start of the run"),
+    LAC_START_ROW(shaking_params),
     LAC_REAL("duration", "s", offsetof(shaking_params, duration), NAN, 0, INFINITY, LAC_ABOVE_MIN,
              "how long it lasts"),
     LAC_REAL("taper", "s", offsetof(shaking_params, taper), 0, 0, INFINITY, 0,

@@ -93,13 +93,7 @@ static const lac_param joint_params[] = {
              "all are if absent"),
     LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
              "by which the lower face is moved along x, the direction of slip"),
-    LAC_CHOICE("sampling", FIELD(sampling), LAC_SAMPLING_LOW_PASS, lac_sampling_words, 0,
-               "of waves too short for the grid: left out (low-pass), folded back as taking every "
-               "m-th height of a finer grid does (point), or averaged over the cell (block-mean); "
-               "the last two need shortest"),
-    LAC_INTEGER("margin", FIELD(margin), 0, 0, 7, 0,
-                "sides by which the surface goes on beyond the interface before it repeats: 1 or "
-                "more makes opposite sides of free boundaries strangers"),
+    LAC_SAMPLING_ROWS(lac_joint),
 };
 
 const lac_surface_source lac_surface_joint = {

@@ -134,13 +134,7 @@ static const lac_param self_affine_params[] = {
              "of the longest correlation, from x (the direction of slip) towards y"),
     LAC_REAL("skewness", "1", FIELD(skewness), 0, -2, 2, 0,
              "of the heights expected of the full band; 0: Gaussian, otherwise shifted lognormal"),
-    LAC_CHOICE("sampling", FIELD(sampling), LAC_SAMPLING_LOW_PASS, lac_sampling_words, 0,
-               "of waves too short for the grid: left out (low-pass), folded back as taking every "
-               "m-th height of a finer grid does (point), or averaged over the cell (block-mean); "
-               "the last two need shortest"),
-    LAC_INTEGER("margin", FIELD(margin), 0, 0, 7, 0,
-                "sides by which the surface goes on beyond the interface before it repeats: 1 or "
-                "more makes opposite sides of free boundaries strangers"),
+    LAC_SAMPLING_ROWS(lac_self_affine),
 };
 
 const lac_surface_source lac_surface_self_affine = {
