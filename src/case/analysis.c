@@ -10,8 +10,6 @@
 enum { MOST_INDICATORS = 64 };
 
 static const char from_friction[] = "from-friction";
-static const char *const rg_own[] = {"beta", NULL};
-static const char *const none_own[] = {NULL};
 
 static bool is_rg(const lac_descriptor *about) { return strcmp(about->name, "rg") == 0; }
 
@@ -54,9 +52,8 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *s
         reader->no_memory = true;
         return;
     }
-    const lac_table table = {.params = about->params,
-                             .count = about->param_count,
-                             .own = is_rg(about) ? rg_own : none_own};
+    const lac_table table = {
+        .params = about->params, .count = about->param_count, .own = is_rg(about) ? "beta" : NULL};
     if (!nothing) {
         lac_read_table(reader, node, &table, slot->params);
     }
@@ -72,8 +69,7 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *s
 
 void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
+    if (node->bad || !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
         return;
     }
     c->analysis.item = calloc(node->count + 1, sizeof *c->analysis.item);

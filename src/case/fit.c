@@ -47,20 +47,12 @@ const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
     LAC_INTEGER("seed", FIELD(seed), 1, 0, 9007199254740991, 0, "of the starts and the sampler"),
 };
 
-const char *const lac_fit_own[] = {"parameters", "displacement", "velocity", "sigma", NULL};
-
 void lac_fit_clear(lac_fit_def *fit)
 {
     for (size_t i = 0; i < fit->count; i++) {
         free(fit->parameter[i].key);
     }
-    char *texts[] = {fit->time,     fit->time_format,   fit->displacement, fit->displacement_unit,
-                     fit->velocity, fit->velocity_unit, fit->sigma,        fit->sigma_unit};
-    for (size_t i = 0; i < COUNT(texts); i++) {
-        free(texts[i]);
-    }
     free(fit->parameter);
-    *fit = (lac_fit_def){0};
 }
 
 // A number of a mapping that must be there.
@@ -251,28 +243,14 @@ static bool rest_is_clean(const lac_reader *reader)
 
 void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    const struct {
-        const char *key, *si;
-        char **column, **unit;
-    } columns[] = {{"displacement", "m", &c->fit.displacement, &c->fit.displacement_unit},
-                   {"velocity", "m/s", &c->fit.velocity, &c->fit.velocity_unit},
-                   {"sigma", "m", &c->fit.sigma, &c->fit.sigma_unit}};
-    lac_table table = lac_section_table(LAC_SECTION_FIT);
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping such as {parameters: {...}, time: date, ...}")) {
-        return;
-    }
-    c->fit.named = true;
-    lac_read_table(reader, node, &table, c);
-    for (size_t i = 0; i < COUNT(columns); i++) {
-        const lac_node *column = lac_node_child(node, columns[i].key);
-        if (column != NULL) {
-            lac_read_column(reader, column, columns[i].si, columns[i].column, columns[i].unit);
-        }
-    }
-    const lac_node *parameters = lac_node_child(node, "parameters");
-    if (parameters != NULL && rest_is_clean(reader)) {
-        read_parameters(reader, parameters, c);
+    (void)reader;
+    c->fit.named = node != NULL;
+}
+
+void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (rest_is_clean(reader)) {
+        read_parameters(reader, node, c);
     }
 }
 

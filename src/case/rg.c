@@ -35,8 +35,6 @@ const lac_param lac_rg_rows[LAC_RG_ROWS] = {
         "the critical force of field elastic from that series, or on contacts solved for it"),
 };
 
-const char *const lac_rg_own[] = {"beta", NULL};
-
 bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
 {
     static const lac_param row = LAC_RG_BETA_ROW(0, 0, "");
@@ -61,8 +59,9 @@ static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
     }
 }
 
-static void read_betas(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
+void lac_read_betas(lac_reader *reader, const lac_node *node, lac_case *c)
 {
+    lac_rg_def *rg = &c->rg;
     rg->betas = 0;
     if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
         return;
@@ -80,18 +79,8 @@ static void read_betas(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
 
 void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    lac_table table = lac_section_table(LAC_SECTION_RG);
-    c->rg.betas = 1;
-    c->rg.beta[0] = 0.7;
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping such as {rule: fix, beta: [0.8, 0.7, 0.6]}")) {
-        return;
-    }
-    c->rg.named = true;
-    lac_read_table(reader, node, &table, c);
-    if (lac_node_child(node, "beta") != NULL) {
-        read_betas(reader, lac_node_child(node, "beta"), &c->rg);
-    }
+    (void)reader;
+    c->rg.named = node != NULL;
 }
 
 // Whether a slot's model has a seed.

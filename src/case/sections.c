@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
 
 #include <math.h>
+#include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define FIELD(name) offsetof(lac_case, name)
@@ -20,10 +22,6 @@ static const lac_param case_rows[] = {
     LAC_TEXT("references", FIELD(references), LAC_OPTIONAL, "what to cite"),
     LAC_TEXT("institution", FIELD(institution), LAC_OPTIONAL, "who runs it"),
 };
-
-static const char *const case_own[] = {
-    "lacuna", "interface", "material", "inertia", "load",     "friction", "initial", "transfer",
-    "time",   "solver",    "output",   "rg",      "analysis", "fit",      "compare", NULL};
 
 static const lac_param interface_rows[] = {
     LAC_REAL("size", "m", FIELD(interface.size), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
@@ -44,9 +42,7 @@ static const lac_param interface_rows[] = {
     LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
 };
 
-static const char *const interface_own[] = {"surface", "domain", "spread", NULL};
-
-const lac_param lac_material_rows[] = {
+const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
     LAC_REAL("shear_modulus", "Pa", FIELD(material.shear_modulus), NAN, 0, 1e15,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of the rock; needed by a surface, by elastic transfer and by radiation damping"),
@@ -66,8 +62,6 @@ static const lac_param load_rows[] = {
     LAC_OWN("history", "{steps: [...], ...}: a static history for `lacuna contact`"),
 };
 
-static const char *const load_own[] = {"normal", "shear", "pore_pressure", "history", NULL};
-
 static const lac_param history_rows[] = {
     LAC_CHOICE("method", FIELD(history.method), LAC_HISTORY_DIRECT, history_methods, 0,
                "direct: any history, exact; superposed: shear that only grows, in one direction, "
@@ -77,8 +71,6 @@ static const lac_param history_rows[] = {
                "steps whose tractions, slips and states are written cell by cell"),
     LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
 };
-
-static const char *const history_own[] = {"steps", NULL};
 
 #define STEP(name) offsetof(lac_history_step, name)
 
@@ -107,8 +99,6 @@ static const lac_param initial_rows[] = {
     LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
 };
 
-static const char *const initial_own[] = {"state", "spread", NULL};
-
 static const lac_param time_rows[] = {
     LAC_OWN("start", "of the run: a date (ISO 8601) or a time; 0 s if absent"),
     LAC_REAL("end", "s", FIELD(run.end), NAN, 1e-9, 1e15, 0, "of the run, since its start"),
@@ -116,8 +106,6 @@ static const lac_param time_rows[] = {
             "{mean_slip_rate: ..., mean_slip: ...}: what counts as failure, the first of them"),
     LAC_OWN("stop_when", "{mean_slip: ..., max_slip_rate: ...}: other limits"),
 };
-
-static const char *const time_own[] = {"start", "failure", "stop_when", NULL};
 
 static const lac_param failure_rows[] = {
     LAC_REAL("mean_slip_rate", "m/s", FIELD(run.failure_rate), 1, 0, 1e4, LAC_ABOVE_MIN,
@@ -151,8 +139,6 @@ static const lac_param output_rows[] = {
                "and holds nothing below 1e-38"),
 };
 
-static const char *const output_own[] = {"every", "fields", "fields_every", "checkpoint", NULL};
-
 static const lac_param cadence_rows[] = {
     LAC_REAL("time", "s", offsetof(lac_cadence, time), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "between two records"),
@@ -172,72 +158,133 @@ static const lac_param compare_rows[] = {
     LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
 };
 
-static const char *const compare_own[] = {"displacement", "velocity", NULL};
+static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
 
-static const struct {
-    lac_section about;
-    const char *const *own;
-} sections[] = {
-    [LAC_SECTION_CASE] = {{"case", "the case as a whole", case_rows, COUNT(case_rows)}, case_own},
-    [LAC_SECTION_INTERFACE] = {{"interface", "the interface and its cells", interface_rows,
-                                COUNT(interface_rows)},
-                               interface_own},
-    [LAC_SECTION_MATERIAL] = {{"material", "the rock on both sides; no elasticity if absent",
-                               lac_material_rows, COUNT(lac_material_rows)},
-                              NULL},
-    [LAC_SECTION_INERTIA] = {{"inertia", "mass of the block that slides; none if absent",
-                              lac_inertia_rows, LAC_INERTIA_ROWS},
-                             NULL},
-    [LAC_SECTION_LOAD] = {{"load", "what presses and shears the interface", load_rows,
-                           COUNT(load_rows)},
-                          load_own},
-    [LAC_SECTION_HISTORY] = {{"load.history",
-                              "a static history of normal and shear load, for `lacuna contact`",
-                              history_rows, COUNT(history_rows)},
-                             history_own},
-    [LAC_SECTION_INITIAL] = {{"initial",
-                              "slip rate and state at the start; steady under the load "
-                              "if absent",
-                              initial_rows, COUNT(initial_rows)},
-                             initial_own},
-    [LAC_SECTION_TIME] = {{"time", "start and end of the run", time_rows, COUNT(time_rows)},
-                          time_own},
-    [LAC_SECTION_FAILURE] = {{"time.failure", "what counts as failure, which ends the run",
-                              failure_rows, COUNT(failure_rows)},
-                             NULL},
-    [LAC_SECTION_STOP] = {{"time.stop_when", "other limits that end the run", stop_rows,
-                           COUNT(stop_rows)},
-                          NULL},
-    [LAC_SECTION_SOLVER] = {{"solver", "integration in time", lac_solver_rows, LAC_SOLVER_ROWS},
-                            NULL},
-    [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
-                            output_own},
-    [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)",
-                         lac_rg_rows, LAC_RG_ROWS},
-                        lac_rg_own},
-    [LAC_SECTION_FIT] = {{"fit", "what lacuna fit estimates, from which columns", lac_fit_rows,
-                          LAC_FIT_ROWS},
-                         lac_fit_own},
-    [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
-                              cadence_rows, COUNT(cadence_rows)},
-                             NULL},
-    [LAC_SECTION_COMPARE] = {{"compare", "a list of monitoring series to lay beside the run",
-                              compare_rows, COUNT(compare_rows)},
-                             compare_own},
-    [LAC_SECTION_STEP] = {{"load.history.steps",
-                           "a list; what a step does not name stays as it was", step_rows,
-                           COUNT(step_rows)},
-                          NULL},
+static bool has_history(const lac_case *c) { return c->history.count > 0; }
+
+// A static case names no time, and neither a law nor a start.
+static bool has_time(const lac_case *c) { return !isnan(c->run.end); }
+
+static bool has_initial(const lac_case *c)
+{
+    return c->friction.about != NULL || c->initial.state != LAC_STATE_STEADY ||
+           !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
+}
+
+static bool has_stop(const lac_case *c)
+{
+    return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate);
+}
+
+static bool has_checkpoint(const lac_case *c)
+{
+    const lac_cadence *save = &c->run.checkpoint;
+    return !isnan(save->time) || save->steps > 0 || !isnan(save->per_decade);
+}
+
+static bool has_fields(const lac_case *c) { return c->fields != 0; }
+
+static bool has_rg(const lac_case *c) { return c->rg.named; }
+
+static bool has_fit(const lac_case *c) { return c->fit.named; }
+
+#define RECORD(key, text, rows) .about = {key, text, rows, COUNT(rows)}
+#define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
+#define OWN(key) .about.name = (key), .kind = LAC_PART_OWN
+#define PART(what, key, member) .about.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
+#define COLUMN(key, member, si) \
+    PART(COLUMN, key, member), .unit_at = FIELD(member##_unit), .such = (si)
+
+static const lac_part parts[] = {
+    {RECORD("case", "the case as a whole", case_rows), .read = lac_read_version},
+    {RECORD("interface", "the interface and its cells", interface_rows), .fitted = true},
+    {PART(SLOT, "interface.surface", surface), .model = LAC_KIND_SURFACE},
+    {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
+    {PART(SPREADS, "interface.spread", interface_spread), .read = lac_read_interface_spread},
+    {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
+     .fitted = true},
+    {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
+     .given = has_inertia},
+    {RECORD("load", "what presses and shears the interface", load_rows), .read = lac_read_load},
+    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL},
+    {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
+    {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
+    {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",
+            history_rows),
+     .such = "{steps: [{ratio_x: 0.3}]}", .read = lac_read_history, .given = has_history},
+    {OWN("load.history.steps"), .read = lac_read_steps, .put = lac_put_steps},
+    {PART(SLOT, "friction", friction), .model = LAC_KIND_FRICTION, .such = "spread",
+     .read = lac_read_friction},
+    {PART(SPREADS, "friction.spread", friction_spread), .read = lac_read_friction_spread},
+    {RECORD("initial", "slip rate and state at the start; steady under the load if absent",
+            initial_rows),
+     .fitted = true, .after = "transfer", .read = lac_read_initial, .given = has_initial},
+    {OWN("initial.state"), .after = "transfer", .read = lac_read_state, .put = lac_put_state},
+    {PART(SPREADS, "initial.spread", initial_spread), .after = "transfer",
+     .read = lac_read_initial_spread},
+    {PART(SLOT, "transfer", transfer), .after = "solver", .model = LAC_KIND_TRANSFER},
+    {RECORD("time", "start and end of the run", time_rows), .read = lac_read_time,
+     .given = has_time, .put = lac_put_start},
+    {OWN("time.start"), .read = lac_read_start},
+    {RECORD("time.failure", "what counts as failure, which ends the run", failure_rows)},
+    {RECORD("time.stop_when", "other limits that end the run", stop_rows), .given = has_stop},
+    {RECORD("solver", "integration in time", lac_solver_rows)},
+    {RECORD("output", "what is written", output_rows)},
+    {PART(CADENCE, "output.every", run.record), .after = "output.checkpoint"},
+    {PART(CADENCE, "output.checkpoint", run.checkpoint), .given = has_checkpoint},
+    {OWN("output.fields"), .read = lac_read_fields, .given = has_fields, .put = lac_put_fields},
+    {PART(CADENCE, "output.fields_every", run.snapshot), .read = lac_read_fields_every,
+     .given = has_fields},
+    {RECORD("rg", "the cascade of slip and its renormalization (lacuna rg)", lac_rg_rows),
+     .such = "{rule: fix, beta: [0.8, 0.7, 0.6]}", .read = lac_read_rg, .given = has_rg},
+    {OWN("rg.beta"), .read = lac_read_betas, .put = lac_put_betas},
+    {OWN("analysis"), .read = lac_read_analysis, .put = lac_put_analysis},
+    {RECORD("fit", "what lacuna fit estimates, from which columns", lac_fit_rows),
+     .such = "{parameters: {...}, time: date, ...}", .read = lac_read_fit, .given = has_fit,
+     .put = lac_put_fitted},
+    {COLUMN("fit.displacement", fit.displacement, "m")},
+    {COLUMN("fit.velocity", fit.velocity, "m/s")},
+    {COLUMN("fit.sigma", fit.sigma, "m")},
+    {OWN("fit.parameters"), .read = lac_read_fitted},
+    {ITEMS("output.every", "how often something is kept; the tightest counts", cadence_rows)},
+    {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
+     .read = lac_read_compare, .put = lac_put_compare},
+    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
 };
+
+const lac_part *lac_part_at(size_t index) { return index < COUNT(parts) ? &parts[index] : NULL; }
 
 const lac_section *lac_section_at(size_t index)
 {
-    return index < COUNT(sections) ? &sections[index].about : NULL;
+    for (size_t i = 0; i < COUNT(parts); i++) {
+        if (parts[i].about.params != NULL && index-- == 0) {
+            return &parts[i].about;
+        }
+    }
+    return NULL;
 }
 
-lac_table lac_section_table(int section)
+const char *lac_section_key(size_t index)
 {
-    return (lac_table){.params = sections[section].about.params,
-                       .count = sections[section].about.param_count,
-                       .own = sections[section].own};
+    for (size_t i = 1; i < COUNT(parts); i++) {
+        if (strchr(parts[i].about.name, '.') == NULL && index-- == 0) {
+            return parts[i].about.name;
+        }
+    }
+    return NULL;
+}
+
+lac_table lac_section_table(const char *name)
+{
+    const lac_section *about = lac_section_at(0);
+    for (size_t i = 1; strcmp(about->name, name) != 0; i++) {
+        about = lac_section_at(i);
+    }
+    return lac_part_table(about);
+}
+
+lac_table lac_part_table(const lac_section *about)
+{
+    return (lac_table){
+        .params = about->params, .count = about->param_count, .sections = about == &parts[0].about};
 }
