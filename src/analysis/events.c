@@ -7,27 +7,16 @@
 
 #include "analysis/catalogue.h"
 #include "analysis/kinds.h"
+#include "base/rows.h"
 #include "base/units.h"
 
 #define FIELD(name) offsetof(lac_analysis_events, name)
 
 static const lac_param params[] = {
-    {.key = "slip_rate",
-     .unit = "m/s",
-     .fallback = 1e-3,
-     .min = 0,
-     .max = 1e4,
-     .flags = LAC_ABOVE_MIN,
-     .offset = FIELD(slip_rate),
-     .doc = "a cell begins to move when it comes to this slip rate, of either sign"},
-    {.key = "hold",
-     .unit = "1",
-     .fallback = 0.5,
-     .min = 0,
-     .max = 1,
-     .flags = LAC_ABOVE_MIN,
-     .offset = FIELD(hold),
-     .doc = "and moves until its slip rate falls below this part of slip_rate"},
+    LAC_REAL("slip_rate", "m/s", FIELD(slip_rate), 1e-3, 0, 1e4, LAC_ABOVE_MIN,
+             "a cell begins to move when it comes to this slip rate, of either sign"),
+    LAC_REAL("hold", "1", FIELD(hold), 0.5, 0, 1, LAC_ABOVE_MIN,
+             "and moves until its slip rate falls below this part of slip_rate"),
 };
 
 enum { RESULTS = 7, LINES = 1 };
@@ -130,9 +119,7 @@ const lac_indicator_kind lac_indicator_events = {
               .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
                          "their end, with moment, size and origin",
               .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(lac_analysis_events)},
+              LAC_ROWS(params, lac_analysis_events)},
     .create = create,
     .free = destroy,
     .step = step,

@@ -10,8 +10,6 @@
 enum { MOST_INDICATORS = 64 };
 
 static const char from_friction[] = "from-friction";
-static const char *const rg_own[] = {"beta", NULL};
-static const char *const none_own[] = {NULL};
 
 static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *node)
 {
@@ -30,16 +28,12 @@ static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *
 
 static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
 {
-    double beta = NAN;
     if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
         rg->beta_from_friction = true;
     } else if (node->kind != LAC_NODE_SCALAR) {
         lac_blame(reader, node, "must be a number or %s", from_friction);
-    } else if (lac_read_number(reader, node, "1", &beta)) {
-        rg->beta = beta;
-        if (!(beta >= 0.0 && beta <= 1.0)) {
-            lac_blame(reader, node, "must be >= 0 and <= 1");
-        }
+    } else {
+        (void)lac_read_beta(reader, node, &rg->beta);
     }
 }
 
@@ -57,9 +51,8 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *s
         return;
     }
     lac_analysis_rg *rg = lac_analysis_cascade(slot);
-    const lac_table table = {.params = about->params,
-                             .count = about->param_count,
-                             .own = rg != NULL ? rg_own : none_own};
+    const lac_table table = {
+        .params = about->params, .count = about->param_count, .own = rg != NULL ? "beta" : NULL};
     if (!nothing) {
         lac_read_table(reader, node, &table, slot->params);
     }
@@ -75,8 +68,7 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *s
 
 void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
+    if (node->bad || !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
         return;
     }
     c->analysis.item = calloc(node->count + 1, sizeof *c->analysis.item);

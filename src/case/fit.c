@@ -8,122 +8,51 @@
 #include "case/sections.h"
 
 #define FIELD(name) offsetof(lac_case, fit.name)
-#define TEXT .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 static const char *const offsets[] = {"none", "free", NULL};
 static const char *const errors_names[] = {"white", "ar1", NULL};
 
 const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
-    {.key = "parameters",
-     .doc = "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated",
-     TEXT},
-    {.key = "time", .doc = "column of times", .offset = FIELD(time), TEXT},
-    {.key = "time_format",
-     .doc = "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ...",
-     .offset = FIELD(time_format),
-     TEXT},
-    {.key = "displacement", .doc = "column of displacements, as \"column:unit\"", TEXT},
-    {.key = "velocity", .doc = "column of velocities, as \"column:unit\"", TEXT},
-    {.key = "sigma",
-     .doc = "column of the displacements' standard errors, as \"column:unit\"",
-     TEXT},
-    {.key = "displacement_error",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e6,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(displacement_error),
-     .doc = "standard error of a displacement; estimated if absent (with sigma: a factor on it)"},
-    {.key = "velocity_error",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 100,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(velocity_error),
-     .doc = "standard error of the logarithm of a velocity; estimated if absent"},
-    {.key = "errors",
-     .unit = "1",
-     .fallback = LAC_ERRORS_WHITE,
-     .type = LAC_CHOICE,
-     .choices = errors_names,
-     .offset = FIELD(errors),
-     .doc = "of displacements: white (independent), or ar1 (correlated over a time that is "
-            "estimated)"},
-    {.key = "offset",
-     .unit = "1",
-     .fallback = 1,
-     .type = LAC_CHOICE,
-     .choices = offsets,
-     .offset = FIELD(offset),
-     .doc = "zero of the displacements: free (unknown), or none (zero where the run starts)"},
-    {.key = "starts",
-     .unit = "1",
-     .fallback = 64,
-     .min = 1,
-     .max = 100000,
-     .type = LAC_INTEGER,
-     .offset = FIELD(starts),
-     .doc = "places tried before the least squares begin from the best three: the case itself and "
-            "draws from the prior"},
-    {.key = "walkers",
-     .unit = "1",
-     .fallback = 64,
-     .min = 4,
-     .max = 10000,
-     .type = LAC_INTEGER,
-     .offset = FIELD(walkers),
-     .doc = "of the ensemble sampler; even, at least twice what is estimated"},
-    {.key = "steps",
-     .unit = "1",
-     .fallback = 600,
-     .min = 0,
-     .max = 1e7,
-     .type = LAC_INTEGER,
-     .offset = FIELD(steps),
-     .doc = "kept of each walker; 0: least squares only"},
-    {.key = "burn",
-     .unit = "1",
-     .fallback = 300,
-     .min = 0,
-     .max = 1e7,
-     .type = LAC_INTEGER,
-     .offset = FIELD(burn),
-     .doc = "steps before those, dropped"},
-    {.key = "rounds",
-     .unit = "1",
-     .fallback = 3,
-     .min = 0,
-     .max = 20,
-     .type = LAC_INTEGER,
-     .offset = FIELD(rounds),
-     .doc = "times that a chain with R-hat above 1.05 is dropped and one of twice its steps made"},
-    {.key = "seed",
-     .unit = "1",
-     .fallback = 1,
-     .min = 0,
-     .max = 9007199254740991.0,
-     .type = LAC_INTEGER,
-     .offset = FIELD(seed),
-     .doc = "of the starts and the sampler"},
+    LAC_OWN("parameters",
+            "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated"),
+    LAC_TEXT("time", FIELD(time), LAC_OPTIONAL, "column of times"),
+    LAC_TEXT("time_format", FIELD(time_format), LAC_OPTIONAL,
+             "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
+    LAC_OWN("displacement", "column of displacements, as \"column:unit\""),
+    LAC_OWN("velocity", "column of velocities, as \"column:unit\""),
+    LAC_OWN("sigma", "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_REAL("displacement_error", "m", FIELD(displacement_error), NAN, 0, 1e6,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
+    LAC_REAL("velocity_error", "1", FIELD(velocity_error), NAN, 0, 100,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "standard error of the logarithm of a velocity; estimated if absent"),
+    LAC_CHOICE(
+        "errors", FIELD(errors), LAC_ERRORS_WHITE, errors_names, 0,
+        "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
+    LAC_CHOICE("offset", FIELD(offset), 1, offsets, 0,
+               "zero of the displacements: free (unknown), or none (zero where the run starts)"),
+    LAC_INTEGER("starts", FIELD(starts), 64, 1, 100000, 0,
+                "places tried before the least squares begin from the best three: the case itself "
+                "and draws from the prior"),
+    LAC_INTEGER("walkers", FIELD(walkers), 64, 4, 10000, 0,
+                "of the ensemble sampler; even, at least twice what is estimated"),
+    LAC_INTEGER("steps", FIELD(steps), 600, 0, 1e7, 0,
+                "kept of each walker; 0: least squares only"),
+    LAC_INTEGER("burn", FIELD(burn), 300, 0, 1e7, 0, "steps before those, dropped"),
+    LAC_INTEGER(
+        "rounds", FIELD(rounds), 3, 0, 20, 0,
+        "times that a chain with R-hat above 1.05 is dropped and one of twice its steps made"),
+    LAC_INTEGER("seed", FIELD(seed), 1, 0, 9007199254740991, 0, "of the starts and the sampler"),
 };
-
-const char *const lac_fit_own[] = {"parameters", "displacement", "velocity", "sigma", NULL};
 
 void lac_fit_clear(lac_fit_def *fit)
 {
     for (size_t i = 0; i < fit->count; i++) {
         free(fit->parameter[i].key);
     }
-    char *texts[] = {fit->time,     fit->time_format,   fit->displacement, fit->displacement_unit,
-                     fit->velocity, fit->velocity_unit, fit->sigma,        fit->sigma_unit};
-    for (size_t i = 0; i < COUNT(texts); i++) {
-        free(texts[i]);
-    }
     free(fit->parameter);
-    *fit = (lac_fit_def){0};
 }
 
 // A number of a mapping that must be there.
@@ -314,28 +243,14 @@ static bool rest_is_clean(const lac_reader *reader)
 
 void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    const struct {
-        const char *key, *si;
-        char **column, **unit;
-    } columns[] = {{"displacement", "m", &c->fit.displacement, &c->fit.displacement_unit},
-                   {"velocity", "m/s", &c->fit.velocity, &c->fit.velocity_unit},
-                   {"sigma", "m", &c->fit.sigma, &c->fit.sigma_unit}};
-    lac_table table = lac_section_table(LAC_SECTION_FIT);
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping such as {parameters: {...}, time: date, ...}")) {
-        return;
-    }
-    c->fit.named = true;
-    lac_read_table(reader, node, &table, c);
-    for (size_t i = 0; i < COUNT(columns); i++) {
-        const lac_node *column = lac_node_child(node, columns[i].key);
-        if (column != NULL) {
-            lac_read_column(reader, column, columns[i].si, columns[i].column, columns[i].unit);
-        }
-    }
-    const lac_node *parameters = lac_node_child(node, "parameters");
-    if (parameters != NULL && rest_is_clean(reader)) {
-        read_parameters(reader, parameters, c);
+    (void)reader;
+    c->fit.named = node != NULL;
+}
+
+void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (rest_is_clean(reader)) {
+        read_parameters(reader, node, c);
     }
 }
 

@@ -28,7 +28,7 @@ static void check_axis(lac_reader *reader, const lac_node *node, char axis)
 
 static void read_step(lac_reader *reader, const lac_node *node, lac_history_step *step)
 {
-    lac_table table = lac_section_table(LAC_SECTION_STEP);
+    lac_table table = lac_section_table("load.history.steps");
     size_t errors = reader->report->errors;
     lac_table_reset(&table, step);
     if (!lac_expect_map(reader, node, "a mapping such as {ratio_x: 0.3}")) {
@@ -47,8 +47,9 @@ static void read_step(lac_reader *reader, const lac_node *node, lac_history_step
     }
 }
 
-static void read_steps(lac_reader *reader, const lac_node *node, lac_history_def *history)
+void lac_read_steps(lac_reader *reader, const lac_node *node, lac_case *c)
 {
+    lac_history_def *history = &c->history;
     int64_t total = 0;
     if (node->kind != LAC_NODE_LIST || node->count == 0) {
         lac_blame(reader, node, "must be a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
@@ -70,30 +71,12 @@ static void read_steps(lac_reader *reader, const lac_node *node, lac_history_def
     }
 }
 
-// There were two methods once: cases that name the one that is left are read as before.
-static void read_old_method(lac_reader *reader, lac_node *method)
-{
-    if (method->kind != LAC_NODE_SCALAR || strcmp(method->text, "direct") != 0) {
-        lac_blame(reader, method,
-                  "is no method any more: leave the key out, and the history is solved directly");
-    }
-    method->ignored = true;
-}
-
 void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    lac_table table = lac_section_table(LAC_SECTION_HISTORY);
-    if (node->bad || !lac_expect_map(reader, node, "a mapping such as {steps: [{ratio_x: 0.3}]}")) {
-        return;
-    }
-    if (lac_node_child(node, "method") != NULL) {
-        read_old_method(reader, lac_node_child(node, "method"));
-    }
-    lac_read_table(reader, node, &table, c);
-    const lac_node *steps = lac_node_child(node, "steps");
-    if (steps != NULL) {
-        read_steps(reader, steps, &c->history);
-    } else if (!lac_key_misspelt(node, &table, "steps")) {
+    const lac_table table = lac_section_table("load.history");
+    (void)c;
+    if (node != NULL && lac_node_child(node, "steps") == NULL &&
+        !lac_key_misspelt(node, &table, "steps")) {
         lac_blame_missing(reader, node, "steps",
                           "is missing: a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
     }

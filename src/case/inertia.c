@@ -7,31 +7,15 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
-    {.key = "thickness",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(inertia.thickness),
-     .doc = "of the block that slides, of material.density"},
-    {.key = "mass_per_area",
-     .unit = "kg/m2",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e30,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(inertia.mass_per_area),
-     .doc = "of the block over the nominal area, instead of a thickness"},
-    {.key = "columns",
-     .unit = "1",
-     .fallback = 0.01,
-     .min = 1e-6,
-     .max = 1,
-     .offset = FIELD(inertia.columns),
-     .doc =
-         "part of the mass that stands on the cells as columns of their own; the rest moves with "
-         "the mean of their slip rates, a rigid block. 1: every cell is free to move by itself"},
+    LAC_REAL("thickness", "m", FIELD(inertia.thickness), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the block that slides, of material.density"),
+    LAC_REAL("mass_per_area", "kg/m2", FIELD(inertia.mass_per_area), NAN, 0, 1e30,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the block over the nominal area, instead of a thickness"),
+    LAC_REAL(
+        "columns", "1", FIELD(inertia.columns), 0.01, 1e-6, 1, 0,
+        "part of the mass that stands on the cells as columns of their own; the rest moves with "
+        "the mean of their slip rates, a rigid block. 1: every cell is free to move by itself"),
 };
 
 double lac_inertia_mass(const lac_case *c)

@@ -4,9 +4,6 @@
 
 #include "case/sections.h"
 
-// Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
-static const double most_cells = 16777216;
-
 // Beyond this the contact of some surfaces did not converge.
 static const double most_oblong = 1e4;
 
@@ -39,10 +36,10 @@ static void check_cells(lac_reader *reader, const lac_interface_def *def)
     } else if (along_x) {
         lac_grid grid = lac_interface_grid(def);
         double cells = (double)grid.nx * (double)grid.ny;
-        if (cells > most_cells) {
+        if (cells > LAC_MOST_CELLS) {
             lac_blame_key(reader, along_y ? "interface.cells_y" : "interface.cells_x",
                           "makes %.0f cells; at most %.0f (4096 x 4096) are possible", cells,
-                          most_cells);
+                          (double)LAC_MOST_CELLS);
         }
     }
 }

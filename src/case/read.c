@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A case from a file or from memory: made, read, checked, freed.
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,10 +22,15 @@ static lac_case *new_case(lac_reader *reader)
     }
     c->path = path;
     c->run = lac_run_default();
-    for (int i = 0; i < LAC_SECTION_CADENCE; i++) {
-        lac_table table = lac_section_table(i);
-        lac_table_reset(&table, c);
+    const lac_part *part;
+    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+        lac_table table = lac_part_table(&part->about);
+        if (part->kind == LAC_PART_RECORD) {
+            lac_table_reset(&table, c);
+        }
     }
+    c->rg.betas = 1;
+    c->rg.beta[0] = 0.7;
     c->initial.state = LAC_STATE_STEADY;
     c->initial.state_value = NAN;
     return c;
@@ -38,38 +44,47 @@ static void clear_slots(lac_slot_list *list)
     free(list->item);
 }
 
+static void clear_part(const lac_part *part, lac_case *c)
+{
+    void *at = (char *)c + part->at;
+    const lac_table table = lac_part_table(&part->about);
+    if (part->kind == LAC_PART_RECORD) {
+        lac_table_clear(&table, c);
+    } else if (part->kind == LAC_PART_SLOT) {
+        lac_slot_clear(at);
+    } else if (part->kind == LAC_PART_SLOTS) {
+        clear_slots(at);
+    } else if (part->kind == LAC_PART_SPREADS) {
+        lac_spreads_clear(at);
+    } else if (part->kind == LAC_PART_COLUMN) {
+        free(*(char **)at);
+        free(*(char **)(void *)((char *)c + part->unit_at));
+    }
+}
+
 void lac_case_free(lac_case *c)
 {
+    const lac_part *part;
     if (c == NULL) {
         return;
     }
-    lac_slot *slots[] = {&c->surface, &c->domain, &c->normal, &c->friction, &c->transfer};
-    for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
-        lac_slot_clear(slots[i]);
+    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+        clear_part(part, c);
     }
-    clear_slots(&c->shear);
-    clear_slots(&c->pore);
-    lac_spreads_clear(&c->interface_spread);
     clear_slots(&c->analysis);
-    lac_spreads_clear(&c->friction_spread);
-    lac_spreads_clear(&c->initial_spread);
+    const lac_table table = lac_section_table("compare");
     for (size_t i = 0; i < c->compare_count; i++) {
         lac_compare_def *def = &c->compare[i];
-        char *texts[] = {
-            def->path,     def->time,          def->displacement, def->displacement_unit,
-            def->velocity, def->velocity_unit, def->label};
-        for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
-            free(texts[k]);
-        }
+        lac_table_clear(&table, def);
+        free(def->displacement);
+        free(def->displacement_unit);
+        free(def->velocity);
+        free(def->velocity_unit);
     }
     free(c->compare);
     lac_fit_clear(&c->fit);
     free(c->history.step);
     free(c->path);
-    free(c->title);
-    free(c->references);
-    free(c->institution);
-    free(c->output_file);
     free(c);
 }
 

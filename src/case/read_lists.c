@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the start of a run, what is kept of it and what is laid beside it.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "case/sections.h"
 
-const lac_param lac_ratio_row = {
-    .key = "ratio_to_steady",
-    .unit = "1",
-    .fallback = NAN,
-    .min = 0,
-    .max = 1e6,
-    .flags = LAC_ABOVE_MIN,
-    .offset = offsetof(lac_initial_def, state_value),
-    .doc = "theta over theta_ss at the load that follows",
-};
+const lac_param lac_ratio_row =
+    LAC_REAL("ratio_to_steady", "1", offsetof(lac_initial_def, state_value), NAN, 0, 1e6,
+             LAC_ABOVE_MIN, "theta over theta_ss at the load that follows");
 
-const lac_param lac_state_row = {
-    .key = "state",
-    .unit = "s",
-    .fallback = NAN,
-    .min = 1e-12,
-    .max = 1e20,
-    .offset = offsetof(lac_initial_def, state_value),
-    .doc = "theta",
-};
+const lac_param lac_state_row =
+    LAC_REAL("state", "s", offsetof(lac_initial_def, state_value), NAN, 1e-12, 1e20, 0, "theta");
 
-static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def *initial)
+void lac_read_state(lac_reader *reader, const lac_node *node, lac_case *c)
 {
+    lac_initial_def *initial = &c->initial;
     const lac_table table = {.params = &lac_ratio_row, .count = 1};
     double seconds;
     if (node->kind == LAC_NODE_MAP) {
@@ -47,23 +35,21 @@ static void read_state(lac_reader *reader, const lac_node *node, lac_initial_def
 
 void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    static const lac_spreadable varied[] = {{"slip_rate", true}, {"state", true}};
-    const lac_node *state = lac_node_child(node, "state");
-    const lac_node *spread = lac_node_child(node, "spread");
-    if (state != NULL) {
-        read_state(reader, state, &c->initial);
-    } else if (lac_node_child(node, "slip_rate") != NULL) {
-        c->initial.state = LAC_STATE_FROM_LOAD;
-    }
-    if (spread != NULL) {
-        lac_read_spreads(reader, spread, varied, 2, &c->initial_spread);
+    (void)reader;
+    if (lac_node_child(node, "slip_rate") != NULL) {
+        c->initial.state = LAC_STATE_FROM_LOAD; // unless it is given
     }
 }
 
-// A time, or a mapping of one or more of time, steps and per_decade.
-static void read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence)
+void lac_read_initial_spread(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    lac_table table = lac_section_table(LAC_SECTION_CADENCE);
+    static const lac_spreadable varied[] = {{"slip_rate", true}, {"state", true}};
+    lac_read_spreads(reader, node, varied, 2, &c->initial_spread);
+}
+
+void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence)
+{
+    lac_table table = lac_section_table("output.every");
     size_t errors = reader->report->errors;
     lac_table_reset(&table, cadence);
     if (node->kind == LAC_NODE_SCALAR) {
@@ -80,7 +66,7 @@ static void read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *
     }
 }
 
-static void read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
+void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (node->kind != LAC_NODE_LIST) {
         lac_blame(reader, node, "must be a list of: slip, slip_rate, state, traction");
@@ -100,26 +86,11 @@ static void read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
     c->run.snapshots = c->fields != 0;
 }
 
-void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c)
+void lac_read_fields_every(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    const lac_node *every = lac_node_child(node, "every");
-    const lac_node *fields = lac_node_child(node, "fields");
-    const lac_node *fields_every = lac_node_child(node, "fields_every");
-    const lac_node *checkpoint = lac_node_child(node, "checkpoint");
-    if (checkpoint != NULL) {
-        read_cadence(reader, checkpoint, &c->run.checkpoint);
-    }
-    if (every != NULL) {
-        read_cadence(reader, every, &c->run.record);
-    }
-    if (fields != NULL) {
-        read_fields(reader, fields, c);
-    }
-    if (fields_every != NULL) {
-        read_cadence(reader, fields_every, &c->run.snapshot);
-        if (fields == NULL) {
-            lac_blame(reader, fields_every, "needs output.fields, which says what to keep");
-        }
+    (void)c;
+    if (!lac_present(reader, "output.fields")) {
+        lac_blame(reader, node, "needs output.fields, which says what to keep");
     }
 }
 
@@ -148,7 +119,7 @@ void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, c
 
 static void read_series(lac_reader *reader, const lac_node *node, lac_compare_def *def)
 {
-    lac_table table = lac_section_table(LAC_SECTION_COMPARE);
+    lac_table table = lac_section_table("compare");
     const lac_node *displacement = lac_node_child(node, "displacement");
     const lac_node *velocity = lac_node_child(node, "velocity");
     if (!lac_expect_map(reader, node, "a mapping with file, time, displacement and/or velocity")) {

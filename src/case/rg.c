@@ -3,107 +3,65 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/rg_rows.h"
 #include "case/sections.h"
 #include "lacuna/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 
-static const char *const rules[] = {"fix", "cons", "lump", NULL};
-static const char *const rg_fields[] = {"elastic", "equal", "uniform", NULL};
 static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
 
 const lac_param lac_rg_rows[LAC_RG_ROWS] = {
-    {.key = "rule",
-     .unit = "1",
-     .fallback = 0,
-     .type = LAC_CHOICE,
-     .choices = rules,
-     .offset = FIELD(rg.rule),
-     .doc = "what a block that slips sheds: fix, the drop of its strength (the paper); cons, all "
-            "above its residual strength; lump, as a point with its sums"},
-    {.key = "field",
-     .unit = "1",
-     .fallback = LAC_RG_ELASTIC,
-     .type = LAC_CHOICE,
-     .choices = rg_fields,
-     .offset = FIELD(rg.field),
-     .doc =
-         "how shear spreads over the cells: elastic contact, equal springs with caps, or the same "
-         "stress on all (uniform), as a ramp with share: equal puts it on"},
-    {.key = "beta",
-     .doc = "strength left after slip, as a number, a list, or from-friction; 0.7 if absent",
-     .unit = "1",
-     .type = LAC_TEXT,
-     .flags = LAC_OPTIONAL,
-     .fallback = NAN},
-    {.key = "friction",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1000,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(rg.friction),
-     .doc = "Coulomb's coefficient f; f0 of the friction law if absent"},
-    {.key = "shifts",
-     .unit = "1",
-     .fallback = 16,
-     .min = 1,
-     .max = 10000,
-     .type = LAC_INTEGER,
-     .offset = FIELD(rg.shifts),
-     .doc = "places of the grid of blocks, averaged"},
-    {.key = "seeds",
-     .unit = "1",
-     .fallback = 1,
-     .min = 1,
-     .max = 10000,
-     .type = LAC_INTEGER,
-     .offset = FIELD(rg.seeds),
-     .doc = "interfaces: the case's own seed and those that follow it"},
-    {.key = "loads",
-     .unit = "1",
-     .fallback = 60,
-     .min = 10,
-     .max = 10000,
-     .type = LAC_INTEGER,
-     .offset = FIELD(rg.loads),
-     .doc = "shear forces at which slipping blocks are counted"},
-    {.key = "contacts",
-     .unit = "1",
-     .fallback = LAC_RG_LOADS,
-     .min = 10,
-     .max = LAC_RG_MOST_LOADS,
-     .type = LAC_INTEGER,
-     .offset = FIELD(rg.contacts),
-     .doc = "contacts solved along the path of field elastic, to interpolate between"},
-    {.key = "path",
-     .unit = "1",
-     .fallback = LAC_RG_SERIES,
-     .type = LAC_CHOICE,
-     .choices = rg_paths,
-     .offset = FIELD(rg.path),
-     .doc = "the critical force of field elastic from that series, or on contacts solved for it"},
+    LAC_RG_RULE_ROW(
+        FIELD(rg.rule), 0, 0,
+        "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
+        "all above its residual strength; lump, as a point with its sums"),
+    LAC_RG_FIELD_ROW(
+        FIELD(rg.field), LAC_RG_ELASTIC, 0,
+        "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
+        "same stress on all (uniform), as a ramp with share: equal puts it on"),
+    LAC_OWN("beta",
+            "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
+    LAC_COULOMB_ROW(FIELD(rg.friction)),
+    LAC_RG_SHIFTS_ROW(FIELD(rg.shifts), 16, 0, "places of the grid of blocks, averaged"),
+    LAC_INTEGER("seeds", FIELD(rg.seeds), 1, 1, 10000, 0,
+                "interfaces: the case's own seed and those that follow it"),
+    LAC_RG_LOADS_ROW(FIELD(rg.loads), 60, 0, "shear forces at which slipping blocks are counted"),
+    LAC_INTEGER("contacts", FIELD(rg.contacts), LAC_RG_LOADS, 10, LAC_RG_MOST_LOADS, 0,
+                "contacts solved along the path of field elastic, to interpolate between"),
+    LAC_CHOICE(
+        "path", FIELD(rg.path), LAC_RG_SERIES, rg_paths, 0,
+        "the critical force of field elastic from that series, or on contacts solved for it"),
 };
 
-const char *const lac_rg_own[] = {"beta", NULL};
+bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
+{
+    static const lac_param row = LAC_RG_BETA_ROW(0, 0, "");
+    char why[80];
+    if (!lac_read_number(reader, node, row.unit, beta)) {
+        return false;
+    }
+    bool allowed = lac_param_allows(&row, *beta, why, sizeof why);
+    if (!allowed) {
+        lac_blame(reader, node, "must be >= %g and <= %g", row.min, row.max);
+    }
+    return allowed;
+}
 
 static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
 {
     double beta = NAN;
     if (rg->betas == LAC_MOST_BETAS) {
         lac_blame(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
-    } else if (lac_read_number(reader, node, "1", &beta)) {
-        if (beta >= 0.0 && beta <= 1.0) {
-            rg->beta[rg->betas++] = beta;
-        } else {
-            lac_blame(reader, node, "must be >= 0 and <= 1");
-        }
+    } else if (lac_read_beta(reader, node, &beta)) {
+        rg->beta[rg->betas++] = beta;
     }
 }
 
-static void read_betas(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
+void lac_read_betas(lac_reader *reader, const lac_node *node, lac_case *c)
 {
+    lac_rg_def *rg = &c->rg;
     rg->betas = 0;
     if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
         return;
@@ -121,18 +79,8 @@ static void read_betas(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
 
 void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    lac_table table = lac_section_table(LAC_SECTION_RG);
-    c->rg.betas = 1;
-    c->rg.beta[0] = 0.7;
-    if (node == NULL || node->bad ||
-        !lac_expect_map(reader, node, "a mapping such as {rule: fix, beta: [0.8, 0.7, 0.6]}")) {
-        return;
-    }
-    c->rg.named = true;
-    lac_read_table(reader, node, &table, c);
-    if (lac_node_child(node, "beta") != NULL) {
-        read_betas(reader, lac_node_child(node, "beta"), &c->rg);
-    }
+    (void)reader;
+    c->rg.named = node != NULL;
 }
 
 // Whether a slot's model has a seed.

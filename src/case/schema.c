@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case/schema.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/nearest.h"
+#include "case/sections.h"
 
 enum { MAX_KNOWN = 64 };
 
@@ -152,14 +151,38 @@ bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *p
     return text != NULL;
 }
 
-bool lac_table_owns(const lac_table *table, const char *key)
+static const lac_param *find(const lac_table *table, const char *key)
 {
-    for (const char *const *own = table->own; own != NULL && *own != NULL; own++) {
-        if (strcmp(*own, key) == 0) {
-            return true;
+    for (size_t i = 0; i < table->count; i++) {
+        if (strcmp(table->params[i].key, key) == 0) {
+            return &table->params[i];
         }
     }
-    return false;
+    return NULL;
+}
+
+bool lac_table_owns(const lac_table *table, const char *key)
+{
+    const lac_param *param = find(table, key);
+    bool owns = (param != NULL && (param->flags & LAC_OWN_FLAG) != 0) ||
+                (table->own != NULL && strcmp(table->own, key) == 0);
+    const char *section = "";
+    for (size_t i = 0; table->sections && !owns && section != NULL; i++) {
+        section = lac_section_key(i);
+        owns = section != NULL && strcmp(section, key) == 0;
+    }
+    return owns;
+}
+
+void lac_table_clear(const lac_table *table, void *params)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        const lac_param *param = &table->params[i];
+        bool text = param->type == LAC_TEXT || param->type == LAC_PATH;
+        if (text && (param->flags & LAC_OWN_FLAG) == 0) {
+            free(*(char **)(void *)((char *)params + param->offset));
+        }
+    }
 }
 
 void lac_table_reset(const lac_table *table, void *params)
@@ -171,16 +194,6 @@ void lac_table_reset(const lac_table *table, void *params)
     }
 }
 
-static const lac_param *find(const lac_table *table, const char *key)
-{
-    for (size_t i = 0; i < table->count; i++) {
-        if (strcmp(table->params[i].key, key) == 0) {
-            return &table->params[i];
-        }
-    }
-    return NULL;
-}
-
 static void blame_unknown_key(lac_reader *reader, const lac_node *node, const lac_table *table)
 {
     const char *known[MAX_KNOWN];
@@ -188,10 +201,8 @@ static void blame_unknown_key(lac_reader *reader, const lac_node *node, const la
     for (size_t i = 0; i < table->count && n < MAX_KNOWN; i++) {
         known[n++] = table->params[i].key;
     }
-    for (const char *const *own = table->own; own != NULL && *own != NULL && n < MAX_KNOWN; own++) {
-        if (find(table, *own) == NULL) {
-            known[n++] = *own;
-        }
+    for (size_t i = 0; table->sections && n < MAX_KNOWN && lac_section_key(i) != NULL; i++) {
+        known[n++] = lac_section_key(i);
     }
     lac_blame_unknown(reader, node, "key", known, n);
 }

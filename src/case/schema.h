@@ -2,14 +2,19 @@
 #ifndef LACUNA_CASE_SCHEMA_H
 #define LACUNA_CASE_SCHEMA_H
 
+#include "base/rows.h"
 #include "case/reader.h"
+
+/// A row that is only described: the reader has a function for its key.
+#define LAC_OWN(name, text) LAC_TEXT(name, 0, LAC_OPTIONAL | LAC_OWN_FLAG, text)
+enum { LAC_OWN_FLAG = 1 << 8 };
 
 /// The keys of a mapping.
 typedef struct lac_table {
     const lac_param *params; ///< [count]
     size_t count;
-    const char *const *own; ///< keys that the caller reads itself, in `params` or not; NULL at the
-                            ///< end; NULL: none
+    const char *own; ///< a key that the caller reads itself beside those of LAC_OWN; NULL: none
+    bool sections;   ///< those of lac_section_key are the caller's own too
 } lac_table;
 
 /// Reads the value of one parameter into its field.
@@ -22,6 +27,9 @@ bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit,
 /// Reads a text that is not empty; the caller frees it.
 /// @return NULL where it is wrong, which is then reported
 char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowed);
+
+/// Frees the texts of a table but the caller's own.
+void lac_table_clear(const lac_table *table, void *params);
 
 /// Sets every field of a table but the caller's own to its default.
 void lac_table_reset(const lac_table *table, void *params);
@@ -87,5 +95,8 @@ void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_spread
                       size_t count, lac_spread_list *list);
 
 void lac_spreads_clear(lac_spread_list *list);
+
+/// Reads a time, or a mapping of one or more of time, steps and per_decade.
+void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence);
 
 #endif

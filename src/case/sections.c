@@ -1,453 +1,289 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
 
 #include <math.h>
+#include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define FIELD(name) offsetof(lac_case, name)
 
-// Rows that are only described here: the reader has a function for them.
-#define OWN .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
-#define TEXT .type = LAC_TEXT, .flags = LAC_OPTIONAL, .fallback = NAN, .unit = "1"
-
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
+static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
 const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
 
 static const lac_param case_rows[] = {
-    {.key = "lacuna", .doc = "version of the format: 1", OWN},
-    {.key = "title", .doc = "what the case is, for the output", .offset = FIELD(title), TEXT},
-    {.key = "references", .doc = "what to cite", .offset = FIELD(references), TEXT},
-    {.key = "institution", .doc = "who runs it", .offset = FIELD(institution), TEXT},
+    LAC_OWN("lacuna", "version of the format: 1"),
+    LAC_TEXT("title", FIELD(title), LAC_OPTIONAL, "what the case is, for the output"),
+    LAC_TEXT("references", FIELD(references), LAC_OPTIONAL, "what to cite"),
+    LAC_TEXT("institution", FIELD(institution), LAC_OPTIONAL, "who runs it"),
 };
-
-static const char *const case_own[] = {
-    "lacuna", "interface", "material", "inertia", "load",     "friction", "initial", "transfer",
-    "time",   "solver",    "output",   "rg",      "analysis", "fit",      "compare", NULL};
 
 static const lac_param interface_rows[] = {
-    {.key = "size",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(interface.size),
-     .doc = "length along x, the direction of slip; may be absent (1 m) only for a single block"},
-    {.key = "width",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(interface.width),
-     .doc = "length along y; that of square cells if absent"},
-    {.key = "levels",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 12,
-     .type = LAC_INTEGER,
-     .flags = LAC_OPTIONAL,
-     .offset = FIELD(interface.levels),
-     .doc = "2^levels cells a side; a single block if 0, or if it and cells_x are absent"},
-    {.key = "cells_x",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 1,
-     .max = 16777216,
-     .type = LAC_INTEGER,
-     .flags = LAC_OPTIONAL,
-     .offset = FIELD(interface.cells_x),
-     .doc = "cells along x, instead of levels; products of 2, 3 and 5 are fast"},
-    {.key = "cells_y",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 1,
-     .max = 16777216,
-     .type = LAC_INTEGER,
-     .flags = LAC_OPTIONAL,
-     .offset = FIELD(interface.cells_y),
-     .doc = "cells along y, with cells_x; as many as along x if absent, one on a line"},
-    {.key = "shape",
-     .unit = "1",
-     .fallback = LAC_PLANE,
-     .type = LAC_CHOICE,
-     .choices = shapes,
-     .offset = FIELD(interface.shape),
-     .doc = "of the interface"},
-    {.key = "boundary",
-     .unit = "1",
-     .fallback = LAC_PERIODIC,
-     .type = LAC_CHOICE,
-     .choices = boundaries,
-     .offset = FIELD(interface.boundary),
-     .doc = "periodic, or free: the faces end at the border, the rock goes on"},
-    {.key = "surface", .doc = "{MODEL: {...}}: heights to press", OWN},
-    {.key = "domain", .doc = "{MODEL: {...}}: contact cells, instead of a surface", OWN},
-    {.key = "spread", .doc = "{pressure: {MODEL: {...}}}: over the cells of a domain", OWN},
+    LAC_REAL("size", "m", FIELD(interface.size), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "length along x, the direction of slip; may be absent (1 m) only for a single block"),
+    LAC_REAL("width", "m", FIELD(interface.width), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "length along y; that of square cells if absent"),
+    LAC_INTEGER("levels", FIELD(interface.levels), NAN, 0, 12, LAC_OPTIONAL,
+                "2^levels cells a side; a single block if 0, or if it and cells_x are absent"),
+    LAC_INTEGER("cells_x", FIELD(interface.cells_x), NAN, 1, LAC_MOST_CELLS, LAC_OPTIONAL,
+                "cells along x, instead of levels; products of 2, 3 and 5 are fast"),
+    LAC_INTEGER("cells_y", FIELD(interface.cells_y), NAN, 1, LAC_MOST_CELLS, LAC_OPTIONAL,
+                "cells along y, with cells_x; as many as along x if absent, one on a line"),
+    LAC_CHOICE("shape", FIELD(interface.shape), LAC_PLANE, shapes, 0, "of the interface"),
+    LAC_CHOICE("boundary", FIELD(interface.boundary), LAC_PERIODIC, boundaries, 0,
+               "periodic, or free: the faces end at the border, the rock goes on"),
+    LAC_OWN("surface", "{MODEL: {...}}: heights to press"),
+    LAC_OWN("domain", "{MODEL: {...}}: contact cells, instead of a surface"),
+    LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
 };
 
-static const char *const interface_own[] = {"surface", "domain", "spread", NULL};
-
-const lac_param lac_material_rows[] = {
-    {.key = "shear_modulus",
-     .unit = "Pa",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e15,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(material.shear_modulus),
-     .doc = "of the rock; needed by a surface, by elastic transfer and by radiation damping"},
-    {.key = "poisson",
-     .unit = "1",
-     .fallback = 0.25,
-     .min = 0,
-     .max = 0.4999,
-     .offset = FIELD(material.poisson),
-     .doc = "Poisson's ratio"},
-    {.key = "shear_speed",
-     .unit = "m/s",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e5,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(material.shear_speed),
-     .doc = "of shear waves, for radiation damping; if absent it follows from the density; no "
-            "damping without either"},
-    {.key = "density",
-     .unit = "kg/m3",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e6,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(material.density),
-     .doc = "of the rock; needed by the loads depth and slope"},
+const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
+    LAC_REAL("shear_modulus", "Pa", FIELD(material.shear_modulus), NAN, 0, 1e15,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the rock; needed by a surface, by elastic transfer and by radiation damping"),
+    LAC_REAL("poisson", "1", FIELD(material.poisson), 0.25, 0, 0.4999, 0, "Poisson's ratio"),
+    LAC_REAL("shear_speed", "m/s", FIELD(material.shear_speed), NAN, 0, 1e5,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of shear waves, for radiation damping; if absent it follows from the density; no "
+             "damping without either"),
+    LAC_REAL("density", "kg/m3", FIELD(material.density), NAN, 0, 1e6, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the rock; needed by the loads depth and slope"),
 };
 
 static const lac_param load_rows[] = {
-    {.key = "normal", .doc = "{MODEL: {...}}: total normal stress; must be given", OWN},
-    {.key = "shear", .doc = "[{MODEL: {...}}, ...]: shear loads, which add up", OWN},
-    {.key = "pore_pressure", .doc = "[{MODEL: {...}}, ...]: pore pressures, which add up", OWN},
-    {.key = "history", .doc = "{steps: [...], ...}: a static history for `lacuna contact`", OWN},
+    LAC_OWN("normal", "{MODEL: {...}}: total normal stress; must be given"),
+    LAC_OWN("shear", "[{MODEL: {...}}, ...]: shear loads, which add up"),
+    LAC_OWN("pore_pressure", "[{MODEL: {...}}, ...]: pore pressures, which add up"),
+    LAC_OWN("history", "{steps: [...], ...}: a static history for `lacuna contact`"),
 };
-
-static const char *const load_own[] = {"normal", "shear", "pore_pressure", "history", NULL};
 
 static const lac_param history_rows[] = {
-    {.key = "friction",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1000,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(history.friction),
-     .doc = "Coulomb's coefficient f; f0 of the friction law if absent"},
-    {.key = "fields",
-     .unit = "1",
-     .fallback = LAC_HISTORY_ALL,
-     .type = LAC_CHOICE,
-     .choices = history_fields,
-     .offset = FIELD(history.fields),
-     .doc = "steps whose tractions, slips and states are written cell by cell"},
-    {.key = "steps", .doc = "[{...}, ...]: each goes on from the one before; must be given", OWN},
+    LAC_CHOICE("method", FIELD(history.method), 0, history_methods, 0,
+               "direct: any history, exact; the only one"),
+    LAC_COULOMB_ROW(FIELD(history.friction)),
+    LAC_CHOICE("fields", FIELD(history.fields), LAC_HISTORY_ALL, history_fields, 0,
+               "steps whose tractions, slips and states are written cell by cell"),
+    LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
 };
 
-static const char *const history_own[] = {"steps", NULL};
-
 #define STEP(name) offsetof(lac_history_step, name)
-#define KEPT .fallback = NAN, .flags = LAC_OPTIONAL
 
 static const lac_param step_rows[] = {
-    {.key = "pressure",
-     .unit = "Pa",
-     .min = 0,
-     .max = 1e15,
-     .fallback = NAN,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = STEP(pressure),
-     .doc = "mean normal stress over the nominal area; as before if absent"},
-    {.key = "ratio_x",
-     .unit = "1",
-     .min = -1,
-     .max = 1,
-     .offset = STEP(ratio[0]),
-     .doc = "shear load along x as part of f P, what friction holds; of ratio, shear and shift "
-            "at most one along each axis",
-     KEPT},
-    {.key = "ratio_y",
-     .unit = "1",
-     .min = -1,
-     .max = 1,
-     .offset = STEP(ratio[1]),
-     .doc = "the same along y",
-     KEPT},
-    {.key = "shear_x",
-     .unit = "Pa",
-     .min = -1e15,
-     .max = 1e15,
-     .offset = STEP(shear[0]),
-     .doc = "mean shear traction along x over the nominal area",
-     KEPT},
-    {.key = "shear_y",
-     .unit = "Pa",
-     .min = -1e15,
-     .max = 1e15,
-     .offset = STEP(shear[1]),
-     .doc = "the same along y",
-     KEPT},
-    {.key = "shift_x",
-     .unit = "m",
-     .min = -1e9,
-     .max = 1e9,
-     .offset = STEP(shift[0]),
-     .doc = "shift of one body against the other along x since the start",
-     KEPT},
-    {.key = "shift_y",
-     .unit = "m",
-     .min = -1e9,
-     .max = 1e9,
-     .offset = STEP(shift[1]),
-     .doc = "the same along y",
-     KEPT},
-    {.key = "count",
-     .unit = "1",
-     .fallback = 1,
-     .min = 1,
-     .max = 10000,
-     .type = LAC_INTEGER,
-     .offset = STEP(count),
-     .doc = "equal increments from the state before, each a step of the output"},
+    LAC_REAL("pressure", "Pa", STEP(pressure), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "mean normal stress over the nominal area; as before if absent"),
+    LAC_REAL("ratio_x", "1", STEP(ratio[0]), NAN, -1, 1, LAC_OPTIONAL,
+             "shear load along x as part of f P, what friction holds; of ratio, shear and shift at "
+             "most one along each axis"),
+    LAC_REAL("ratio_y", "1", STEP(ratio[1]), NAN, -1, 1, LAC_OPTIONAL, "the same along y"),
+    LAC_REAL("shear_x", "Pa", STEP(shear[0]), NAN, -1e15, 1e15, LAC_OPTIONAL,
+             "mean shear traction along x over the nominal area"),
+    LAC_REAL("shear_y", "Pa", STEP(shear[1]), NAN, -1e15, 1e15, LAC_OPTIONAL, "the same along y"),
+    LAC_REAL("shift_x", "m", STEP(shift[0]), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "shift of one body against the other along x since the start"),
+    LAC_REAL("shift_y", "m", STEP(shift[1]), NAN, -1e9, 1e9, LAC_OPTIONAL, "the same along y"),
+    LAC_INTEGER("count", STEP(count), 1, 1, 10000, 0,
+                "equal increments from the state before, each a step of the output"),
 };
 
 static const lac_param initial_rows[] = {
-    {.key = "slip_rate",
-     .unit = "m/s",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e3,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(initial.slip_rate),
-     .doc = "at the start; follows from load and state if absent"},
-    {.key = "state",
-     .doc = "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if absent, "
-            "steady where neither is given",
-     OWN},
-    {.key = "spread", .doc = "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell", OWN},
+    LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 0, 1e3,
+             LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
+    LAC_OWN("state", "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if "
+                     "absent, steady where neither is given"),
+    LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
 };
-
-static const char *const initial_own[] = {"state", "spread", NULL};
 
 static const lac_param time_rows[] = {
-    {.key = "start", .doc = "of the run: a date (ISO 8601) or a time; 0 s if absent", OWN},
-    {.key = "end",
-     .unit = "s",
-     .fallback = NAN,
-     .min = 1e-9,
-     .max = 1e15,
-     .offset = FIELD(run.end),
-     .doc = "of the run, since its start"},
-    {.key = "failure",
-     .doc = "{mean_slip_rate: ..., mean_slip: ...}: what counts as failure, the first of them",
-     OWN},
-    {.key = "stop_when", .doc = "{mean_slip: ..., max_slip_rate: ...}: other limits", OWN},
+    LAC_OWN("start", "of the run: a date (ISO 8601) or a time; 0 s if absent"),
+    LAC_REAL("end", "s", FIELD(run.end), NAN, 1e-9, 1e15, 0, "of the run, since its start"),
+    LAC_OWN("failure",
+            "{mean_slip_rate: ..., mean_slip: ...}: what counts as failure, the first of them"),
+    LAC_OWN("stop_when", "{mean_slip: ..., max_slip_rate: ...}: other limits"),
 };
 
-static const char *const time_own[] = {"start", "failure", "stop_when", NULL};
-
 static const lac_param failure_rows[] = {
-    {.key = "mean_slip_rate",
-     .unit = "m/s",
-     .fallback = 1.0,
-     .min = 0,
-     .max = 1e4,
-     .flags = LAC_ABOVE_MIN,
-     .offset = FIELD(run.failure_rate),
-     .doc = "mean over the contact cells whose first upward crossing is failure; where damping "
-            "holds the joint below it, a p/eta counts instead, judged by all cells as one; "
-            "from 1 km/s on none does"},
-    {.key = "mean_slip",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(run.failure_slip),
-     .doc = "mean slip that is failure; if absent the interface's size, of one block 10 m"},
+    LAC_REAL("mean_slip_rate", "m/s", FIELD(run.failure_rate), 1, 0, 1e4, LAC_ABOVE_MIN,
+             "mean over the contact cells whose first upward crossing is failure; where damping "
+             "holds the joint below it, a p/eta counts instead, judged by all cells as one; from 1 "
+             "km/s on none does"),
+    LAC_REAL("mean_slip", "m", FIELD(run.failure_slip), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "mean slip that is failure; if absent the interface's size, of one block 10 m"),
 };
 
 static const lac_param stop_rows[] = {
-    {.key = "mean_slip",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(run.stop_slip),
-     .doc = "mean slip at which the run ends"},
-    {.key = "max_slip_rate",
-     .unit = "m/s",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e4,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = FIELD(run.stop_rate),
-     .doc = "slip rate of any cell at which the run ends"},
+    LAC_REAL("mean_slip", "m", FIELD(run.stop_slip), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "mean slip at which the run ends"),
+    LAC_REAL("max_slip_rate", "m/s", FIELD(run.stop_rate), NAN, 0, 1e4,
+             LAC_OPTIONAL | LAC_ABOVE_MIN, "slip rate of any cell at which the run ends"),
 };
 
 static const lac_param output_rows[] = {
-    {.key = "file",
-     .doc = "to write, from the folder one works in; named after the case if absent",
-     .offset = FIELD(output_file),
-     TEXT},
-    {.key = "every",
-     .doc = "how often a line of the time series is kept: a time, {steps: N}, {per_decade: N} of "
-            "the mean slip rate; each step if absent",
-     OWN},
-    {.key = "fields", .doc = "of every cell to keep: [slip, slip_rate, state, traction]", OWN},
-    {.key = "fields_every",
-     .doc = "how often the fields are kept, as `every`; once per decade of the mean slip rate if "
-            "absent",
-     OWN},
-    {.key = "checkpoint",
-     .doc = "how often the run saves what --resume goes on from, as `every`; only when a signal "
-            "ends it if absent",
-     OWN},
-    {.key = "compression",
-     .unit = "1",
-     .fallback = 1,
-     .min = 0,
-     .max = 9,
-     .type = LAC_INTEGER,
-     .offset = FIELD(compression),
-     .doc = "deflate level of the fields"},
-    {.key = "precision",
-     .unit = "1",
-     .fallback = 0,
-     .type = LAC_CHOICE,
-     .choices = precisions,
-     .offset = FIELD(single),
-     .doc = "of records and fields but times; a float has seven digits, takes half the space and "
-            "holds nothing below 1e-38"},
+    LAC_TEXT("file", FIELD(output_file), LAC_OPTIONAL,
+             "to write, from the folder one works in; named after the case if absent"),
+    LAC_OWN("every", "how often a line of the time series is kept: a time, {steps: N}, "
+                     "{per_decade: N} of the mean slip rate; each step if absent"),
+    LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction]"),
+    LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
+                            "mean slip rate if absent"),
+    LAC_OWN("checkpoint", "how often the run saves what --resume goes on from, as `every`; only "
+                          "when a signal ends it if absent"),
+    LAC_INTEGER("compression", FIELD(compression), 1, 0, 9, 0, "deflate level of the fields"),
+    LAC_CHOICE("precision", FIELD(single), 0, precisions, 0,
+               "of records and fields but times; a float has seven digits, takes half the space "
+               "and holds nothing below 1e-38"),
 };
 
-static const char *const output_own[] = {"every", "fields", "fields_every", "checkpoint", NULL};
-
 static const lac_param cadence_rows[] = {
-    {.key = "time",
-     .unit = "s",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e15,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = offsetof(lac_cadence, time),
-     .doc = "between two records"},
-    {.key = "steps",
-     .unit = "1",
-     .fallback = 0,
-     .min = 0,
-     .max = 1e12,
-     .type = LAC_INTEGER,
-     .offset = offsetof(lac_cadence, steps),
-     .doc = "of the integrator between two records, sweeps of four updates a cell with fidelity "
-            "events; 0: not by steps"},
-    {.key = "per_decade",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e6,
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .offset = offsetof(lac_cadence, per_decade),
-     .doc = "records per decade of the mean slip rate"},
+    LAC_REAL("time", "s", offsetof(lac_cadence, time), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "between two records"),
+    LAC_INTEGER("steps", offsetof(lac_cadence, steps), 0, 0, 1e12, 0,
+                "of the integrator between two records, sweeps of four updates a cell with "
+                "fidelity events; 0: not by steps"),
+    LAC_REAL("per_decade", "1", offsetof(lac_cadence, per_decade), NAN, 0, 1e6,
+             LAC_OPTIONAL | LAC_ABOVE_MIN, "records per decade of the mean slip rate"),
 };
 
 static const lac_param compare_rows[] = {
-    {.key = "file",
-     .unit = "1",
-     .fallback = NAN,
-     .type = LAC_PATH,
-     .offset = offsetof(lac_compare_def, path),
-     .doc = "monitoring series (CSV), from the case's folder"},
-    {.key = "time",
-     .unit = "1",
-     .fallback = NAN,
-     .type = LAC_TEXT,
-     .offset = offsetof(lac_compare_def, time),
-     .doc = "its column of times"},
-    {.key = "displacement", .doc = "its column of displacements, as \"column:unit\"", OWN},
-    {.key = "velocity", .doc = "its column of velocities, as \"column:unit\"", OWN},
-    {.key = "label", .doc = "what to call it", .offset = offsetof(lac_compare_def, label), TEXT},
+    LAC_PATH("file", offsetof(lac_compare_def, path), 0,
+             "monitoring series (CSV), from the case's folder"),
+    LAC_TEXT("time", offsetof(lac_compare_def, time), 0, "its column of times"),
+    LAC_OWN("displacement", "its column of displacements, as \"column:unit\""),
+    LAC_OWN("velocity", "its column of velocities, as \"column:unit\""),
+    LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
 };
 
-static const char *const compare_own[] = {"displacement", "velocity", NULL};
+static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
 
-static const struct {
-    lac_section about;
-    const char *const *own;
-} sections[] = {
-    [LAC_SECTION_CASE] = {{"case", "the case as a whole", case_rows, COUNT(case_rows)}, case_own},
-    [LAC_SECTION_INTERFACE] = {{"interface", "the interface and its cells", interface_rows,
-                                COUNT(interface_rows)},
-                               interface_own},
-    [LAC_SECTION_MATERIAL] = {{"material", "the rock on both sides; no elasticity if absent",
-                               lac_material_rows, COUNT(lac_material_rows)},
-                              NULL},
-    [LAC_SECTION_INERTIA] = {{"inertia", "mass of the block that slides; none if absent",
-                              lac_inertia_rows, LAC_INERTIA_ROWS},
-                             NULL},
-    [LAC_SECTION_LOAD] = {{"load", "what presses and shears the interface", load_rows,
-                           COUNT(load_rows)},
-                          load_own},
-    [LAC_SECTION_HISTORY] = {{"load.history",
-                              "a static history of normal and shear load, for `lacuna contact`",
-                              history_rows, COUNT(history_rows)},
-                             history_own},
-    [LAC_SECTION_INITIAL] = {{"initial",
-                              "slip rate and state at the start; steady under the load "
-                              "if absent",
-                              initial_rows, COUNT(initial_rows)},
-                             initial_own},
-    [LAC_SECTION_TIME] = {{"time", "start and end of the run", time_rows, COUNT(time_rows)},
-                          time_own},
-    [LAC_SECTION_FAILURE] = {{"time.failure", "what counts as failure, which ends the run",
-                              failure_rows, COUNT(failure_rows)},
-                             NULL},
-    [LAC_SECTION_STOP] = {{"time.stop_when", "other limits that end the run", stop_rows,
-                           COUNT(stop_rows)},
-                          NULL},
-    [LAC_SECTION_SOLVER] = {{"solver", "integration in time", lac_solver_rows, LAC_SOLVER_ROWS},
-                            NULL},
-    [LAC_SECTION_OUTPUT] = {{"output", "what is written", output_rows, COUNT(output_rows)},
-                            output_own},
-    [LAC_SECTION_RG] = {{"rg", "the cascade of slip and its renormalization (lacuna rg)",
-                         lac_rg_rows, LAC_RG_ROWS},
-                        lac_rg_own},
-    [LAC_SECTION_FIT] = {{"fit", "what lacuna fit estimates, from which columns", lac_fit_rows,
-                          LAC_FIT_ROWS},
-                         lac_fit_own},
-    [LAC_SECTION_CADENCE] = {{"output.every", "how often something is kept; the tightest counts",
-                              cadence_rows, COUNT(cadence_rows)},
-                             NULL},
-    [LAC_SECTION_COMPARE] = {{"compare", "a list of monitoring series to lay beside the run",
-                              compare_rows, COUNT(compare_rows)},
-                             compare_own},
-    [LAC_SECTION_STEP] = {{"load.history.steps",
-                           "a list; what a step does not name stays as it was", step_rows,
-                           COUNT(step_rows)},
-                          NULL},
+static bool has_history(const lac_case *c) { return c->history.count > 0; }
+
+// A static case names no time, and neither a law nor a start.
+static bool has_time(const lac_case *c) { return !isnan(c->run.end); }
+
+static bool has_initial(const lac_case *c)
+{
+    return c->friction.about != NULL || c->initial.state != LAC_STATE_STEADY ||
+           !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
+}
+
+static bool has_stop(const lac_case *c)
+{
+    return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate);
+}
+
+static bool has_checkpoint(const lac_case *c)
+{
+    const lac_cadence *save = &c->run.checkpoint;
+    return !isnan(save->time) || save->steps > 0 || !isnan(save->per_decade);
+}
+
+static bool has_fields(const lac_case *c) { return c->fields != 0; }
+
+static bool has_rg(const lac_case *c) { return c->rg.named; }
+
+static bool has_fit(const lac_case *c) { return c->fit.named; }
+
+#define RECORD(key, text, rows) .about = {key, text, rows, COUNT(rows)}
+#define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
+#define OWN(key) .about.name = (key), .kind = LAC_PART_OWN
+#define PART(what, key, member) .about.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
+#define COLUMN(key, member, si) \
+    PART(COLUMN, key, member), .unit_at = FIELD(member##_unit), .such = (si)
+
+static const lac_part parts[] = {
+    {RECORD("case", "the case as a whole", case_rows), .read = lac_read_version},
+    {RECORD("interface", "the interface and its cells", interface_rows), .fitted = true},
+    {PART(SLOT, "interface.surface", surface), .model = LAC_KIND_SURFACE},
+    {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
+    {PART(SPREADS, "interface.spread", interface_spread), .read = lac_read_interface_spread},
+    {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
+     .fitted = true},
+    {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
+     .given = has_inertia},
+    {RECORD("load", "what presses and shears the interface", load_rows), .read = lac_read_load},
+    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL},
+    {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
+    {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
+    {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",
+            history_rows),
+     .such = "{steps: [{ratio_x: 0.3}]}", .read = lac_read_history, .given = has_history},
+    {OWN("load.history.steps"), .read = lac_read_steps, .put = lac_put_steps},
+    {PART(SLOT, "friction", friction), .model = LAC_KIND_FRICTION, .such = "spread",
+     .read = lac_read_friction},
+    {PART(SPREADS, "friction.spread", friction_spread), .read = lac_read_friction_spread},
+    {RECORD("initial", "slip rate and state at the start; steady under the load if absent",
+            initial_rows),
+     .fitted = true, .after = "transfer", .read = lac_read_initial, .given = has_initial},
+    {OWN("initial.state"), .after = "transfer", .read = lac_read_state, .put = lac_put_state},
+    {PART(SPREADS, "initial.spread", initial_spread), .after = "transfer",
+     .read = lac_read_initial_spread},
+    {PART(SLOT, "transfer", transfer), .after = "solver", .model = LAC_KIND_TRANSFER},
+    {RECORD("time", "start and end of the run", time_rows), .read = lac_read_time,
+     .given = has_time, .put = lac_put_start},
+    {OWN("time.start"), .read = lac_read_start},
+    {RECORD("time.failure", "what counts as failure, which ends the run", failure_rows)},
+    {RECORD("time.stop_when", "other limits that end the run", stop_rows), .given = has_stop},
+    {RECORD("solver", "integration in time", lac_solver_rows)},
+    {RECORD("output", "what is written", output_rows)},
+    {PART(CADENCE, "output.every", run.record), .after = "output.checkpoint"},
+    {PART(CADENCE, "output.checkpoint", run.checkpoint), .given = has_checkpoint},
+    {OWN("output.fields"), .read = lac_read_fields, .given = has_fields, .put = lac_put_fields},
+    {PART(CADENCE, "output.fields_every", run.snapshot), .read = lac_read_fields_every,
+     .given = has_fields},
+    {RECORD("rg", "the cascade of slip and its renormalization (lacuna rg)", lac_rg_rows),
+     .such = "{rule: fix, beta: [0.8, 0.7, 0.6]}", .read = lac_read_rg, .given = has_rg},
+    {OWN("rg.beta"), .read = lac_read_betas, .put = lac_put_betas},
+    {OWN("analysis"), .read = lac_read_analysis, .put = lac_put_analysis},
+    {RECORD("fit", "what lacuna fit estimates, from which columns", lac_fit_rows),
+     .such = "{parameters: {...}, time: date, ...}", .read = lac_read_fit, .given = has_fit,
+     .put = lac_put_fitted},
+    {COLUMN("fit.displacement", fit.displacement, "m")},
+    {COLUMN("fit.velocity", fit.velocity, "m/s")},
+    {COLUMN("fit.sigma", fit.sigma, "m")},
+    {OWN("fit.parameters"), .read = lac_read_fitted},
+    {ITEMS("output.every", "how often something is kept; the tightest counts", cadence_rows)},
+    {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
+     .read = lac_read_compare, .put = lac_put_compare},
+    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
 };
+
+const lac_part *lac_part_at(size_t index) { return index < COUNT(parts) ? &parts[index] : NULL; }
 
 const lac_section *lac_section_at(size_t index)
 {
-    return index < COUNT(sections) ? &sections[index].about : NULL;
+    for (size_t i = 0; i < COUNT(parts); i++) {
+        if (parts[i].about.params != NULL && index-- == 0) {
+            return &parts[i].about;
+        }
+    }
+    return NULL;
 }
 
-lac_table lac_section_table(int section)
+const char *lac_section_key(size_t index)
 {
-    return (lac_table){.params = sections[section].about.params,
-                       .count = sections[section].about.param_count,
-                       .own = sections[section].own};
+    for (size_t i = 1; i < COUNT(parts); i++) {
+        if (strchr(parts[i].about.name, '.') == NULL && index-- == 0) {
+            return parts[i].about.name;
+        }
+    }
+    return NULL;
+}
+
+lac_table lac_section_table(const char *name)
+{
+    const lac_section *about = lac_section_at(0);
+    for (size_t i = 1; strcmp(about->name, name) != 0; i++) {
+        about = lac_section_at(i);
+    }
+    return lac_part_table(about);
+}
+
+lac_table lac_part_table(const lac_section *about)
+{
+    return (lac_table){
+        .params = about->params, .count = about->param_count, .sections = about == &parts[0].about};
 }

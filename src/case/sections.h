@@ -4,36 +4,65 @@
 
 #include "case/schema.h"
 
-enum {
-    LAC_SECTION_CASE = 0, ///< indices of lac_section_at
-    LAC_SECTION_INTERFACE,
-    LAC_SECTION_MATERIAL,
-    LAC_SECTION_INERTIA,
-    LAC_SECTION_LOAD,
-    LAC_SECTION_HISTORY,
-    LAC_SECTION_INITIAL,
-    LAC_SECTION_TIME,
-    LAC_SECTION_FAILURE,
-    LAC_SECTION_STOP,
-    LAC_SECTION_SOLVER,
-    LAC_SECTION_OUTPUT,
-    LAC_SECTION_RG,
-    LAC_SECTION_FIT,
-    LAC_SECTION_CADENCE,
-    LAC_SECTION_COMPARE,
-    LAC_SECTION_STEP,
-};
+struct lac_writer;
 
-/// The keys of a section. Offsets are in lac_case; of LAC_SECTION_CADENCE in lac_cadence, of
-/// LAC_SECTION_COMPARE in lac_compare_def, of LAC_SECTION_STEP in lac_history_step.
-lac_table lac_section_table(int section);
+typedef enum lac_part_kind {
+    LAC_PART_RECORD = 0, ///< rows, whose offsets are in lac_case
+    LAC_PART_SLOT,       ///< {MODEL: {...}}
+    LAC_PART_SLOTS,      ///< a list of these
+    LAC_PART_SPREADS,    ///< models of parameters that vary; `read` reads them
+    LAC_PART_CADENCE,    ///< a lac_cadence
+    LAC_PART_COLUMN,     ///< "column:unit", each a char *
+    LAC_PART_OWN,        ///< what `read` and `put` make of it
+    LAC_PART_ITEMS,      ///< the same; the rows are those of an item, with offsets in its struct
+} lac_part_kind;
+
+/// A part of a case that is more than a value: how it is read, kept and written back as text.
+/// What walks the table of parts: reading, defaults, text, freeing, lac_case_find,
+/// lac_case_fault, lac_case_rebase, `describe` and completion.
+typedef struct lac_part {
+    lac_section about; ///< its dotted key, "case" the whole; rows and summary where there are any
+    lac_part_kind kind;
+    size_t at;         ///< offset in lac_case: of a slot, list, cadence or column
+    size_t unit_at;    ///< the same of a column's unit
+    int model;         ///< LAC_KIND_* of slots
+    bool fitted;       ///< lac_case_find knows its rows
+    const char *after; ///< read after this one: so the errors of a line are ordered; NULL: in place
+    const char *such; ///< of a record: an example, for messages; of a slot: a key beside the model;
+                      ///< of a column: its SI unit
+    /// Called once the rest is read, of a record or slot also where the key is absent (node NULL).
+    void (*read)(lac_reader *reader, const lac_node *node, lac_case *c);
+    bool (*given)(const lac_case *c); ///< whether it and what is below it are written; NULL: yes
+    /// Writes what no row or kind tells; of a record before its rows.
+    void (*put)(struct lac_writer *w, const lac_case *c);
+} lac_part;
+
+/// The index-th part in the order of a resolved case, NULL past the end.
+const lac_part *lac_part_at(size_t index);
+
+/// The index-th key of a case that holds a section, NULL past the end.
+const char *lac_section_key(size_t index);
+
+/// The keys of a section that lac_section_at has, by its name or by itself.
+lac_table lac_section_table(const char *name);
+lac_table lac_part_table(const lac_section *about);
+
+typedef void lac_part_read(lac_reader *reader, const lac_node *node, lac_case *c);
+typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
+
+lac_part_read lac_read_version, lac_read_interface_spread, lac_read_load, lac_read_history,
+    lac_read_steps, lac_read_friction, lac_read_friction_spread, lac_read_initial, lac_read_state,
+    lac_read_initial_spread, lac_read_time, lac_read_start, lac_read_fields, lac_read_fields_every,
+    lac_read_rg, lac_read_betas, lac_read_analysis, lac_read_fit, lac_read_fitted, lac_read_compare;
+lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
+    lac_put_analysis, lac_put_fitted, lac_put_compare;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
 /// The keys of `material`, of which shear_speed and density stand side by side.
-extern const lac_param lac_material_rows[];
-enum { LAC_MATERIAL_SHEAR_SPEED = 2 }; ///< its index
+enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4 }; ///< its index
+extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS];
 
 /// What `describe` says of options that are chosen by the value of a key; NULL past the end.
 const lac_descriptor *lac_momentum_at(size_t index);
@@ -47,15 +76,6 @@ void lac_read_sections(lac_reader *reader, lac_case *c);
 
 /// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
 extern const lac_param lac_state_row, lac_ratio_row;
-
-/// Reads `initial`.
-void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c);
-
-/// Reads `output`.
-void lac_read_output(lac_reader *reader, const lac_node *node, lac_case *c);
-
-/// Reads `compare`.
-void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// The keys of `solver`.
 enum { LAC_SOLVER_ROWS = 12 };
@@ -72,13 +92,18 @@ extern const lac_param lac_inertia_rows[LAC_INERTIA_ROWS];
 /// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
 void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
 
+/// A key of those whose friction is Coulomb's: lac_find_coulomb.
+#define LAC_COULOMB_ROW(where)                                                   \
+    LAC_REAL("friction", "1", where, NAN, 0, 1000, LAC_OPTIONAL | LAC_ABOVE_MIN, \
+             "Coulomb's coefficient f; f0 of the friction law if absent")
+
 /// The keys of `rg`.
 enum { LAC_RG_ROWS = 9 };
 extern const lac_param lac_rg_rows[LAC_RG_ROWS];
-extern const char *const lac_rg_own[];
 
-/// Reads `rg`; NULL: the defaults.
-void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c);
+/// Reads a strength left after slip.
+/// @return false where it is wrong, which is then reported
+bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta);
 
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
@@ -86,10 +111,6 @@ void lac_check_rg(lac_reader *reader, lac_case *c);
 /// The keys of `fit`.
 enum { LAC_FIT_ROWS = 16 };
 extern const lac_param lac_fit_rows[LAC_FIT_ROWS];
-extern const char *const lac_fit_own[];
-
-/// Reads `fit`; NULL: none. The rest of the case has been read.
-void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// What is wrong with it.
 void lac_check_fit(lac_reader *reader, lac_case *c);
@@ -97,21 +118,15 @@ void lac_check_fit(lac_reader *reader, lac_case *c);
 /// Frees what the section owns.
 void lac_fit_clear(lac_fit_def *fit);
 
-/// The parameters of `fit` as YAML, indented; the caller frees. NULL where memory is short.
-char *lac_fit_text(const lac_fit_def *fit);
+/// The rest of a dotted key behind that of a part; NULL where it is not below it.
+const char *lac_key_behind(const char *key, const char *part);
 
 /// Splits "column:unit" at its last colon.
 void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
                      char **unit);
 
-/// Reads `analysis`; NULL: none.
-void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c);
-
 /// What is wrong with the indicators; fills in what they take from elsewhere in the case.
 void lac_check_analysis(lac_reader *reader, lac_case *c);
-
-/// Reads `load.history`.
-void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c);
 
 /// What is wrong with a history as a whole; fills in its friction coefficient.
 /// @param pressure  that it starts from [Pa]; NaN where the case is wrong about it
@@ -132,6 +147,9 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
 
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
+
+/// Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
+#define LAC_MOST_CELLS 16777216
 
 /// What is wrong with the interface as a whole; fills in what is absent.
 void lac_check_interface(lac_reader *reader, lac_interface_def *def);

@@ -15,21 +15,12 @@
 static const char *const uses[] = {"value", "factor", NULL};
 static const char *const sizes[] = {"patch", "block", NULL};
 
-// clang-format off
-#define RANDOM_ROWS                                                                               \
-    {.key = "seed", .unit = "1", .fallback = 1, .min = 0, .max = 0x1p53,                          \
-     .offset = RANDOM(seed), .type = LAC_INTEGER, .doc = "of the random numbers"},                \
-    {.key = "lowest", .unit = "1", .fallback = NAN, .min = 0, .max = 1e12,                        \
-     .offset = RANDOM(lowest), .flags = LAC_OPTIONAL,                                             \
-     .doc = "factors below are drawn again; no limit if absent"},                                 \
-    {.key = "highest", .unit = "1", .fallback = NAN, .min = 0, .max = 1e12,                       \
-     .offset = RANDOM(highest), .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,                            \
-     .doc = "factors above are drawn again; no limit if absent"}
-
-#define WIDTH_ROW(name, least, most, text)                                                        \
-    {.key = (name), .unit = "1", .fallback = NAN, .min = (least), .max = (most),                        \
-     .offset = RANDOM(width), .doc = (text)}
-// clang-format on
+#define RANDOM_ROWS                                                                           \
+    LAC_INTEGER("seed", RANDOM(seed), 1, 0, 0x1p53, 0, "of the random numbers"),              \
+        LAC_REAL("lowest", "1", RANDOM(lowest), NAN, 0, 1e12, LAC_OPTIONAL,                   \
+                 "factors below are drawn again; no limit if absent"),                        \
+        LAC_REAL("highest", "1", RANDOM(highest), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN, \
+                 "factors above are drawn again; no limit if absent")
 
 static double standard_normal(const lac_spread_random *p, uint64_t place, uint64_t stream)
 {
@@ -86,88 +77,60 @@ static const char *random_fault(const void *params)
 }
 
 static const lac_param lognormal_rows[] = {
-    WIDTH_ROW("sigma", 0, 20, "standard deviation of the logarithm"),
+    LAC_REAL("sigma", "1", RANDOM(width), NAN, 0, 20, 0, "standard deviation of the logarithm"),
     RANDOM_ROWS,
 };
 
 static const lac_param normal_rows[] = {
-    WIDTH_ROW("sigma", 0, 1, "standard deviation relative to the nominal value"),
+    LAC_REAL("sigma", "1", RANDOM(width), NAN, 0, 1, 0,
+             "standard deviation relative to the nominal value"),
     RANDOM_ROWS,
 };
 
 static const lac_param uniform_rows[] = {
-    WIDTH_ROW("half_width", 0, 1, "largest deviation relative to the nominal value"),
+    LAC_REAL("half_width", "1", RANDOM(width), NAN, 0, 1, 0,
+             "largest deviation relative to the nominal value"),
     RANDOM_ROWS,
 };
 
 static const lac_param weibull_rows[] = {
-    WIDTH_ROW("shape", 0.05, 1e3, "Weibull's modulus k: the larger, the narrower"),
+    LAC_REAL("shape", "1", RANDOM(width), NAN, 0.05, 1e3, 0,
+             "Weibull's modulus k: the larger, the narrower"),
     RANDOM_ROWS,
 };
 
 static const lac_param exponential_rows[] = {RANDOM_ROWS};
 
 static const lac_param pareto_rows[] = {
-    WIDTH_ROW("exponent", 0.05, 1e3, "P(factor > x) = x^-exponent, x >= 1"),
+    LAC_REAL("exponent", "1", RANDOM(width), NAN, 0.05, 1e3, 0,
+             "P(factor > x) = x^-exponent, x >= 1"),
     RANDOM_ROWS,
 };
 
 static const lac_param map_rows[] = {
-    {.key = "file",
-     .unit = "1",
-     .fallback = NAN,
-     .type = LAC_PATH,
-     .offset = MAP(path),
-     .doc = "netCDF, from the case's folder: a field over the grid (y, x), or over the contact "
-            "cells in the order of the output"},
-    {.key = "variable",
-     .unit = "1",
-     .fallback = NAN,
-     .type = LAC_TEXT,
-     .flags = LAC_OPTIONAL,
-     .offset = MAP(variable),
-     .doc = "its name; the only one that fits if absent"},
-    {.key = "as",
-     .unit = "1",
-     .fallback = LAC_MAP_VALUE,
-     .type = LAC_CHOICE,
-     .choices = uses,
-     .offset = MAP(as),
-     .doc = "value: in a unit of the parameter's dimension, in the place of the nominal value; "
-            "factor: multiplies it"},
+    LAC_PATH("file", MAP(path), 0,
+             "netCDF, from the case's folder: a field over the grid (y, x), or over the contact "
+             "cells in the order of the output"),
+    LAC_TEXT("variable", MAP(variable), LAC_OPTIONAL, "its name; the only one that fits if absent"),
+    LAC_CHOICE("as", MAP(as), LAC_MAP_VALUE, uses, 0,
+               "value: in a unit of the parameter's dimension, in the place of the nominal value; "
+               "factor: multiplies it"),
 };
 
 static const lac_param size_rows[] = {
-    {.key = "reference",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .flags = LAC_ABOVE_MIN,
-     .offset = SIZE(reference),
-     .doc = "size at which the parameter has its nominal value"},
-    {.key = "exponent",
-     .unit = "1",
-     .fallback = 1,
-     .min = -10,
-     .max = 10,
-     .offset = SIZE(exponent),
-     .doc = "value = nominal (size/reference)^exponent"},
-    {.key = "of",
-     .unit = "1",
-     .fallback = LAC_SIZE_PATCH,
-     .type = LAC_CHOICE,
-     .choices = sizes,
-     .offset = SIZE(of),
-     .doc = "whose size: the contact patch's of the cell, square root of its area; or the side of "
-            "the largest block around the cell that touches everywhere"},
+    LAC_REAL("reference", "m", SIZE(reference), NAN, 0, 1e9, LAC_ABOVE_MIN,
+             "size at which the parameter has its nominal value"),
+    LAC_REAL("exponent", "1", SIZE(exponent), 1, -10, 10, 0,
+             "value = nominal (size/reference)^exponent"),
+    LAC_CHOICE("of", SIZE(of), LAC_SIZE_PATCH, sizes, 0,
+               "whose size: the contact patch's of the cell, square root of its area; or the side "
+               "of the largest block around the cell that touches everywhere"),
 };
 
-#define ABOUT(title, text, source, rows, type)                                       \
-    {                                                                                \
-        .name = (title), .summary = (text), .reference = (source), .params = (rows), \
-        .param_count = COUNT(rows), .params_size = sizeof(type),                     \
-        .fault = sizeof(type) == sizeof(lac_spread_random) ? random_fault : NULL     \
+#define ABOUT(title, text, source, rows, type)                                           \
+    {                                                                                    \
+        .name = (title), .summary = (text), .reference = (source), LAC_ROWS(rows, type), \
+        .fault = sizeof(type) == sizeof(lac_spread_random) ? random_fault : NULL         \
     }
 
 static const lac_spread_kind lognormal = {

@@ -7,8 +7,7 @@
 
 #include "case/sections.h"
 
-// The rest of a key behind a first part and its dot; NULL where the key begins otherwise.
-static const char *behind(const char *key, const char *part)
+const char *lac_key_behind(const char *key, const char *part)
 {
     size_t n = strlen(part);
     return strncmp(key, part, n) == 0 && key[n] == '.' ? key + n + 1 : NULL;
@@ -30,7 +29,8 @@ static bool find_in(const lac_param *params, size_t count, const char *key, void
 
 static bool find_in_slot(const lac_slot *slot, const char *key, lac_case_value *out)
 {
-    const char *rest = slot->about != NULL && key != NULL ? behind(key, slot->about->name) : NULL;
+    const char *rest =
+        slot->about != NULL && key != NULL ? lac_key_behind(key, slot->about->name) : NULL;
     return rest != NULL &&
            find_in(slot->about->params, slot->about->param_count, rest, slot->params, out);
 }
@@ -45,12 +45,6 @@ static bool find_in_slots(const lac_slot_list *list, const char *key, lac_case_v
     return *end == '.' && index < list->count && find_in_slot(&list->item[index], end + 1, out);
 }
 
-static bool find_in_section(int section, const char *key, lac_case *c, lac_case_value *out)
-{
-    lac_table table = lac_section_table(section);
-    return key != NULL && find_in(table.params, table.count, key, c, out);
-}
-
 static bool find_state(lac_case *c, const char *key, lac_case_value *out)
 {
     bool time = c->initial.state == LAC_STATE_TIME && strcmp(key, "initial.state") == 0;
@@ -61,38 +55,67 @@ static bool find_state(lac_case *c, const char *key, lac_case_value *out)
     return time || ratio;
 }
 
-bool lac_case_find(lac_case *c, const char *key, lac_case_value *out)
+// `rest`: the key behind that of the part.
+static bool find_in_part(const lac_part *part, const char *rest, lac_case *c, lac_case_value *out)
 {
-    return find_in_slot(&c->friction, behind(key, "friction"), out) || find_state(c, key, out) ||
-           find_in_section(LAC_SECTION_INITIAL, behind(key, "initial"), c, out) ||
-           find_in_slot(&c->normal, behind(key, "load.normal"), out) ||
-           find_in_slots(&c->shear, behind(key, "load.shear"), out) ||
-           find_in_slots(&c->pore, behind(key, "load.pore_pressure"), out) ||
-           find_in_slot(&c->transfer, behind(key, "transfer"), out) ||
-           find_in_slot(&c->surface, behind(key, "interface.surface"), out) ||
-           find_in_slot(&c->domain, behind(key, "interface.domain"), out) ||
-           find_in_section(LAC_SECTION_MATERIAL, behind(key, "material"), c, out) ||
-           find_in_section(LAC_SECTION_INTERFACE, behind(key, "interface"), c, out);
+    const void *at = (const char *)c + part->at;
+    switch (part->kind) {
+    case LAC_PART_RECORD:
+        return part->fitted && find_in(part->about.params, part->about.param_count, rest, c, out);
+    case LAC_PART_SLOT:
+        return find_in_slot(at, rest, out);
+    case LAC_PART_SLOTS:
+        return find_in_slots(at, rest, out);
+    default:
+        return false;
+    }
 }
 
-static const char *fault_of(const lac_slot *slot)
+bool lac_case_find(lac_case *c, const char *key, lac_case_value *out)
 {
-    return slot->about != NULL && slot->about->fault != NULL ? slot->about->fault(slot->params)
-                                                             : NULL;
+    const lac_part *part;
+    bool found = find_state(c, key, out);
+    for (size_t i = 0; !found && (part = lac_part_at(i)) != NULL; i++) {
+        const char *rest = lac_key_behind(key, part->about.name);
+        found = rest != NULL && find_in_part(part, rest, c, out);
+    }
+    return found;
+}
+
+// The index-th model that a case names, on request with those of spreads; NULL past the end.
+static const lac_slot *slot_at(const lac_case *c, bool spreads, size_t index)
+{
+    const lac_part *part;
+    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+        const void *at = (const char *)c + part->at;
+        const lac_slot_list *list = at;
+        const lac_spread_list *spread = at;
+        if (part->kind == LAC_PART_SLOT && index-- == 0) {
+            return at;
+        }
+        if (part->kind == LAC_PART_SLOTS) {
+            if (index < list->count) {
+                return &list->item[index];
+            }
+            index -= list->count;
+        }
+        if (spreads && part->kind == LAC_PART_SPREADS) {
+            if (index < spread->count) {
+                return &spread->item[index].slot;
+            }
+            index -= spread->count;
+        }
+    }
+    return NULL;
 }
 
 const char *lac_case_fault(const lac_case *c)
 {
-    const lac_slot *single[] = {&c->friction, &c->normal, &c->transfer, &c->surface, &c->domain};
-    const lac_slot_list *lists[] = {&c->shear, &c->pore};
+    const lac_slot *slot;
     const char *fault = NULL;
-    for (size_t i = 0; fault == NULL && i < sizeof single / sizeof single[0]; i++) {
-        fault = fault_of(single[i]);
-    }
-    for (size_t k = 0; k < 2; k++) {
-        for (size_t i = 0; fault == NULL && i < lists[k]->count; i++) {
-            fault = fault_of(&lists[k]->item[i]);
-        }
+    for (size_t i = 0; fault == NULL && (slot = slot_at(c, false, i)) != NULL; i++) {
+        bool judged = slot->about != NULL && slot->about->fault != NULL;
+        fault = judged ? slot->about->fault(slot->params) : NULL;
     }
     return fault;
 }
@@ -125,32 +148,12 @@ static lac_status rebase_slot(const lac_slot *slot, const char *folder, lac_erro
     return status;
 }
 
-static lac_status rebase_spreads(const lac_spread_list *list, const char *folder, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t i = 0; status == LAC_OK && i < list->count; i++) {
-        status = rebase_slot(&list->item[i].slot, folder, err);
-    }
-    return status;
-}
-
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err)
 {
-    const lac_slot *single[] = {&c->friction, &c->normal, &c->transfer, &c->surface, &c->domain};
-    const lac_slot_list *lists[] = {&c->shear, &c->pore};
-    const lac_spread_list *spreads[] = {&c->friction_spread, &c->initial_spread,
-                                        &c->interface_spread};
+    const lac_slot *slot;
     lac_status status = LAC_OK;
-    for (size_t i = 0; i < sizeof single / sizeof single[0]; i++) {
-        LAC_TRY(rebase_slot(single[i], folder, err));
-    }
-    for (size_t k = 0; k < 2; k++) {
-        for (size_t i = 0; i < lists[k]->count; i++) {
-            LAC_TRY(rebase_slot(&lists[k]->item[i], folder, err));
-        }
-    }
-    for (size_t i = 0; i < sizeof spreads / sizeof spreads[0]; i++) {
-        LAC_TRY(rebase_spreads(spreads[i], folder, err));
+    for (size_t i = 0; (slot = slot_at(c, true, i)) != NULL; i++) {
+        LAC_TRY(rebase_slot(slot, folder, err));
     }
     for (size_t i = 0; i < c->compare_count; i++) {
         LAC_TRY(rebase(&c->compare[i].path, folder, err));

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/rg_rows.h"
 #include "cli/rg.h"
 #include "cli/words.h"
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/rows.h"
 #include "lacuna/contact.h"
 
 static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *occupied,
@@ -105,22 +106,10 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
 }
 
 static const lac_param cascade_params[] = {
-    {.key = "dimension",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 2,
-     .offset = offsetof(lac_cascade, dimension),
-     .flags = LAC_ABOVE_MIN,
-     .doc = "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"},
-    {.key = "seed",
-     .unit = "1",
-     .fallback = 1,
-     .min = 0,
-     .max = 0x1p53,
-     .offset = offsetof(lac_cascade, seed),
-     .type = LAC_INTEGER,
-     .doc = "of the random numbers; the same seed gives the same coarse blocks at every level"},
+    LAC_REAL("dimension", "1", offsetof(lac_cascade, dimension), NAN, 0, 2, LAC_ABOVE_MIN,
+             "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"),
+    LAC_INTEGER("seed", offsetof(lac_cascade, seed), 1, 0, 0x1p53, 0,
+                "of the random numbers; the same seed gives the same coarse blocks at every level"),
 };
 
 static const lac_domain_source random_cascade = {
@@ -130,39 +119,27 @@ static const lac_domain_source random_cascade = {
               .reference =
                   "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
                   "docs/theory/transfer.md, \"Random cascades\"",
-              .params = cascade_params,
-              .param_count = sizeof cascade_params / sizeof *cascade_params,
-              .params_size = sizeof(lac_cascade)},
+              LAC_ROWS(cascade_params, lac_cascade)},
     .fill = fill_cascade,
 };
 
 static const char *const pressure_words[] = {"kept", "scaled", "equal", NULL};
 
 static const lac_param file_params[] = {
-    {.key = "path",
-     .unit = "1",
-     .fallback = NAN,
-     .offset = offsetof(lac_domain_file, path),
-     .type = LAC_PATH,
-     .doc = "the file of a contact or a run (.nc), its last step; or a grid of pressures in Pa, 0 "
-            "where nothing touches, or of 0 and 1: .npy, .asc, .xyz"},
-    {.key = "pressures",
-     .unit = "1",
-     .fallback = LAC_PRESSURES_KEPT,
-     .offset = offsetof(lac_domain_file, pressures),
-     .type = LAC_CHOICE,
-     .choices = pressure_words,
-     .doc = "as the file has them, which must carry load.normal to 1e-6 (kept); in proportion, to "
-            "carry it (scaled); or the load in equal parts on the cells that touch (equal)"},
+    LAC_PATH("path", offsetof(lac_domain_file, path), 0,
+             "the file of a contact or a run (.nc), its last step; or a grid of pressures in Pa, 0 "
+             "where nothing touches, or of 0 and 1: .npy, .asc, .xyz"),
+    LAC_CHOICE("pressures", offsetof(lac_domain_file, pressures), LAC_PRESSURES_KEPT,
+               pressure_words, 0,
+               "as the file has them, which must carry load.normal to 1e-6 (kept); in proportion, "
+               "to carry it (scaled); or the load in equal parts on the cells that touch (equal)"),
 };
 
 const lac_domain_source lac_domain_from_file = {
     .about = {.name = "file",
               .summary = "contact cells with their pressures, as a file has them",
               .reference = "docs/format.md",
-              .params = file_params,
-              .param_count = sizeof file_params / sizeof *file_params,
-              .params_size = sizeof(lac_domain_file)},
+              LAC_ROWS(file_params, lac_domain_file)},
 };
 
 static const lac_domain_source *const registry[] = {

@@ -65,14 +65,9 @@ static double steady_state(const lac_friction *friction, size_t cell, double u)
 
 static const lac_param params[] = {
     LAC_FRICTION_COMMON_ROWS,
-    {.key = "vc",
-     .unit = "m/s",
-     .fallback = 1e-8,
-     .min = 0,
-     .max = INFINITY,
-     .offset = offsetof(composite_params, vc),
-     .flags = LAC_CELLWISE | LAC_ABOVE_MIN,
-     .doc = "slip rate above which contacts no longer heal with time"},
+    LAC_REAL("vc", "m/s", offsetof(composite_params, vc), 1e-8, 0, INFINITY,
+             LAC_CELLWISE | LAC_ABOVE_MIN,
+             "slip rate above which contacts no longer heal with time"),
 };
 
 const lac_friction_law lac_friction_composite = {
@@ -84,9 +79,7 @@ const lac_friction_law lac_friction_composite = {
                   "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi "
                   "10.1029/2000GL012060; regularised: Rice & Ben-Zion (1996) Proc. Natl. Acad. "
                   "Sci. 93, 3811, doi 10.1073/pnas.93.9.3811",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(composite_params),
+              LAC_ROWS(params, composite_params),
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = steady_state,

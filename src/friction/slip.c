@@ -51,9 +51,7 @@ const lac_friction_law lac_friction_slip = {
                   "regularised: Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
                   "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
                   "10.1029/2000JB900250",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(lac_friction_params),
+              LAC_ROWS(params, lac_friction_params),
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,

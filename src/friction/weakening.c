@@ -26,9 +26,7 @@ const lac_friction_law lac_friction_weakening = {
               .summary = "as slip where v theta > dc, and no change where not: strength that slip "
                          "takes never comes back",
               .reference = "docs/theory/bridge.md",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(lac_friction_params),
+              LAC_ROWS(params, lac_friction_params),
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,

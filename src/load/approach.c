@@ -16,23 +16,16 @@ static double pressure(const void *p, double density)
 static double approach(const void *p) { return ((const approach_params *)p)->value; }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "m",
-     .fallback = NAN,
-     .min = -1e6,
-     .max = 1e6,
-     .offset = offsetof(approach_params, value),
-     .doc = "height of the far (mean) plane of one face over the mean of the heights; > 0 between "
-            "periodic faces"},
+    LAC_REAL("value", "m", offsetof(approach_params, value), NAN, -1e6, 1e6, 0,
+             "height of the far (mean) plane of one face over the mean of the heights; > 0 between "
+             "periodic faces"),
 };
 
 const lac_normal_load lac_normal_approach = {
     .about = {.name = "approach",
               .summary = "faces brought so near, statics only: the load follows",
               .reference = "docs/theory/contact.md, \"Given approach\"",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(approach_params)},
+              LAC_ROWS(params, approach_params)},
     .pressure = pressure,
     .approach = approach,
 };

@@ -14,13 +14,8 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
 }
 
 static const lac_param params[] = {
-    {.key = "rate",
-     .unit = "m/s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(back_slip_params, rate),
-     .doc = "slip rate of what surrounds the interface, the plate rate; 0 holds it"},
+    LAC_REAL("rate", "m/s", offsetof(back_slip_params, rate), NAN, -INFINITY, INFINITY, 0,
+             "slip rate of what surrounds the interface, the plate rate; 0 holds it"),
 };
 
 const lac_load_kind lac_shear_back_slip = {
@@ -29,9 +24,7 @@ const lac_load_kind lac_shear_back_slip = {
                   "the rock around the interface slips at a constant rate: the transfer acts "
                   "on the slip that lags behind",
               .reference = "Savage (1983) J. Geophys. Res. 88, 4984, doi 10.1029/JB088iB06p04984",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(back_slip_params)},
+              LAC_ROWS(params, back_slip_params)},
     .needs_anchor = true,
     .add = add,
 };

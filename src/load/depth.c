@@ -12,23 +12,15 @@ static double pressure(const void *p, double density)
 }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = INFINITY,
-     .offset = offsetof(depth_params, value),
-     .flags = LAC_ABOVE_MIN,
-     .doc = "depth of a level interface under its overburden"},
+    LAC_REAL("value", "m", offsetof(depth_params, value), NAN, 0, INFINITY, LAC_ABOVE_MIN,
+             "depth of a level interface under its overburden"),
 };
 
 const lac_normal_load lac_normal_depth = {
     .about = {.name = "depth",
               .summary = "weight of the rock above a level interface: rho g z",
               .reference = "docs/theory/loads.md, \"Normal loads\"",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(depth_params)},
+              LAC_ROWS(params, depth_params)},
     .needs_density = true,
     .pressure = pressure,
 };

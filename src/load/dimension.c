@@ -16,16 +16,9 @@ static double pressure(const void *p, double density)
 static double dimension(const void *p) { return ((const dimension_params *)p)->value; }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1.9999,
-     .flags = LAC_ABOVE_MIN,
-     .offset = offsetof(dimension_params, value),
-     .doc =
-         "dimension that the blocks of all levels of the grid are to count, 1 to the whole; on a "
-         "line below 1"},
+    LAC_REAL("value", "1", offsetof(dimension_params, value), NAN, 0, 1.9999, LAC_ABOVE_MIN,
+             "dimension that the blocks of all levels of the grid are to count, 1 to the whole; on "
+             "a line below 1"),
 };
 
 const lac_normal_load lac_normal_dimension = {
@@ -33,9 +26,7 @@ const lac_normal_load lac_normal_dimension = {
               .summary = "as much as gives the contact domain this dimension, statics only: the "
                          "load follows",
               .reference = "docs/theory/fractal.md, \"Given dimension\"",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(dimension_params)},
+              LAC_ROWS(params, dimension_params)},
     .pressure = pressure,
     .dimension = dimension,
 };

@@ -15,30 +15,17 @@ static double pressure(const void *p, double density)
 }
 
 static const lac_param params[] = {
-    {.key = "thickness",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = INFINITY,
-     .offset = offsetof(slope_params, thickness),
-     .flags = LAC_ABOVE_MIN,
-     .doc = "thickness of the sliding mass, measured vertically"},
-    {.key = "angle",
-     .unit = "rad",
-     .fallback = NAN,
-     .min = 0,
-     .max = LAC_STEEPEST,
-     .offset = offsetof(slope_params, angle),
-     .doc = "dip of the interface"},
+    LAC_REAL("thickness", "m", offsetof(slope_params, thickness), NAN, 0, INFINITY, LAC_ABOVE_MIN,
+             "thickness of the sliding mass, measured vertically"),
+    LAC_REAL("angle", "rad", offsetof(slope_params, angle), NAN, 0, LAC_STEEPEST, 0,
+             "dip of the interface"),
 };
 
 const lac_normal_load lac_normal_slope = {
     .about = {.name = "slope",
               .summary = "weight of an infinite slope on its base: rho g H cos^2(angle)",
               .reference = "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(slope_params)},
+              LAC_ROWS(params, slope_params)},
     .needs_density = true,
     .pressure = pressure,
 };

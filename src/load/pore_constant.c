@@ -12,13 +12,8 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
 }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "Pa",
-     .fallback = NAN,
-     .min = 0,
-     .max = INFINITY,
-     .offset = offsetof(constant_params, value),
-     .doc = "pore pressure in the interface"},
+    LAC_REAL("value", "Pa", offsetof(constant_params, value), NAN, 0, INFINITY, 0,
+             "pore pressure in the interface"),
 };
 
 const lac_load_kind lac_pore_constant = {
@@ -26,9 +21,7 @@ const lac_load_kind lac_pore_constant = {
               .summary = "pore pressure that does not change",
               .reference = "Hubbert & Rubey (1959) Geol. Soc. Am. Bull. 70, 115, doi "
                            "10.1130/0016-7606(1959)70[115:ROFPIM]2.0.CO;2 (effective stress)",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(constant_params)},
+              LAC_ROWS(params, constant_params)},
     .linear = true,
     .constant = true,
     .add = add,

@@ -43,30 +43,13 @@ static const char *fault(const void *p)
 }
 
 static const lac_param params[] = {
-    {.key = "rate",
-     .unit = "Pa/s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, rate),
-     .doc = "rate of the shear stress over the nominal area, or of the pore pressure; negative "
-            "unloads or drains"},
-    {.key = "start",
-     .unit = "s",
-     .fallback = 0,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, start),
-     .doc = "when it begins, since the start of the run"},
-    {.key = "end",
-     .unit = "s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(ramp_params, end),
-     .flags = LAC_OPTIONAL,
-     .doc = "when it ends, since the start of the run, what it has come to being held "
-            "from then on; never if absent"},
+    LAC_REAL("rate", "Pa/s", offsetof(ramp_params, rate), NAN, -INFINITY, INFINITY, 0,
+             "rate of the shear stress over the nominal area, or of the pore pressure; negative "
+             "unloads or drains"),
+    LAC_START_ROW(ramp_params),
+    LAC_REAL("end", "s", offsetof(ramp_params, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
+             "when it ends, since the start of the run, what it has come to being held from then "
+             "on; never if absent"),
     LAC_SHARE_ROW(ramp_params, share),
 };
 
@@ -75,9 +58,7 @@ const lac_load_kind lac_shear_ramp = {
               .summary = "shear stress that changes at a constant rate between two times",
               .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
                            "10.1029/93JB02581 (constant stressing rate)",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(ramp_params),
+              LAC_ROWS(params, ramp_params),
               .fault = fault},
     .linear = true,
     .add = add_shear,
@@ -88,10 +69,7 @@ const lac_load_kind lac_pore_ramp = {
     .about = {.name = "ramp",
               .summary = "pore pressure that changes at a constant rate between two times",
               .reference = "docs/theory/loads.md, \"Pore pressure\"",
-              .params = params,
-              .param_count =
-                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
-              .params_size = sizeof(ramp_params),
+              LAC_PORE_ROWS(params, ramp_params),
               .fault = fault},
     .linear = true,
     .add = add_pore,

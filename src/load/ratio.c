@@ -14,13 +14,8 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
 }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e6,
-     .offset = offsetof(ratio_params, value),
-     .doc = "shear force over total normal force, Q/P"},
+    LAC_REAL("value", "1", offsetof(ratio_params, value), NAN, 0, 1e6, 0,
+             "shear force over total normal force, Q/P"),
     LAC_SHARE_ROW(ratio_params, share),
 };
 
@@ -29,9 +24,7 @@ const lac_load_kind lac_shear_ratio = {
               .summary = "constant shear force, as a fraction of the total normal force",
               .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
                            "37, 117; docs/theory/loads.md, \"Shear loads\"",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(ratio_params)},
+              LAC_ROWS(params, ratio_params)},
     .fixes_shear = true,
     .linear = true,
     .constant = true,

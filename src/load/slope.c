@@ -15,13 +15,8 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
 }
 
 static const lac_param params[] = {
-    {.key = "angle",
-     .unit = "rad",
-     .fallback = NAN,
-     .min = 0,
-     .max = LAC_STEEPEST,
-     .offset = offsetof(slope_params, angle),
-     .doc = "dip of the interface"},
+    LAC_REAL("angle", "rad", offsetof(slope_params, angle), NAN, 0, LAC_STEEPEST, 0,
+             "dip of the interface"),
     LAC_SHARE_ROW(slope_params, share),
 };
 
@@ -29,9 +24,7 @@ const lac_load_kind lac_shear_slope = {
     .about = {.name = "slope",
               .summary = "pull of gravity along an infinite slope: Q/P = tan(angle)",
               .reference = "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(slope_params)},
+              LAC_ROWS(params, slope_params)},
     .fixes_shear = true,
     .linear = true,
     .constant = true,

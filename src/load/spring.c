@@ -19,30 +19,17 @@ static void add(const lac_load *load, double t, lac_load_state *sum)
 static double stiffness(const void *given) { return ((const spring_params *)given)->stiffness; }
 
 static const lac_param params[] = {
-    {.key = "stiffness",
-     .unit = "Pa/m",
-     .fallback = NAN,
-     .min = 0,
-     .max = INFINITY,
-     .offset = offsetof(spring_params, stiffness),
-     .flags = LAC_ABOVE_MIN,
-     .doc = "shear stress over the nominal area for each metre of stretch"},
-    {.key = "speed",
-     .unit = "m/s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(spring_params, speed),
-     .doc = "speed of the spring's far end; 0 holds it"},
+    LAC_REAL("stiffness", "Pa/m", offsetof(spring_params, stiffness), NAN, 0, INFINITY,
+             LAC_ABOVE_MIN, "shear stress over the nominal area for each metre of stretch"),
+    LAC_REAL("speed", "m/s", offsetof(spring_params, speed), NAN, -INFINITY, INFINITY, 0,
+             "speed of the spring's far end; 0 holds it"),
 };
 
 const lac_load_kind lac_shear_spring = {
     .about = {.name = "spring",
               .summary = "a spring on the mean slip, its far end pulled at a constant speed",
               .reference = "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(spring_params)},
+              LAC_ROWS(params, spring_params)},
     .linear = true,
     .stiffness = stiffness,
     .add = add,

@@ -40,29 +40,13 @@ static const char *fault(const void *p)
 }
 
 static const lac_param params[] = {
-    {.key = "value",
-     .unit = "Pa",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(step_params, value),
-     .doc =
-         "stress that is added, shear over the nominal area or pore pressure; negative takes away"},
-    {.key = "at",
-     .unit = "s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(step_params, at),
-     .doc = "when it comes, since the start of the run"},
-    {.key = "until",
-     .unit = "s",
-     .fallback = NAN,
-     .min = -INFINITY,
-     .max = INFINITY,
-     .offset = offsetof(step_params, until),
-     .flags = LAC_OPTIONAL,
-     .doc = "when it goes again, since the start of the run; stays if absent"},
+    LAC_REAL(
+        "value", "Pa", offsetof(step_params, value), NAN, -INFINITY, INFINITY, 0,
+        "stress that is added, shear over the nominal area or pore pressure; negative takes away"),
+    LAC_REAL("at", "s", offsetof(step_params, at), NAN, -INFINITY, INFINITY, 0,
+             "when it comes, since the start of the run"),
+    LAC_REAL("until", "s", offsetof(step_params, until), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
+             "when it goes again, since the start of the run; stays if absent"),
     LAC_SHARE_ROW(step_params, share),
 };
 
@@ -71,9 +55,7 @@ const lac_load_kind lac_shear_step = {
               .summary = "shear stress that comes at a stated time, for good or for a while",
               .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
                            "10.1029/93JB02581 (stress step)",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(step_params),
+              LAC_ROWS(params, step_params),
               .fault = fault},
     .linear = true,
     .add = add_shear,
@@ -84,10 +66,7 @@ const lac_load_kind lac_pore_step = {
     .about = {.name = "step",
               .summary = "pore pressure that comes at a stated time, for good or for a while",
               .reference = "docs/theory/loads.md, \"Triggering\"",
-              .params = params,
-              .param_count =
-                  sizeof params / sizeof params[0] - 1, // no share: all cells feel it alike
-              .params_size = sizeof(step_params),
+              LAC_PORE_ROWS(params, step_params),
               .fault = fault},
     .linear = true,
     .add = add_pore,

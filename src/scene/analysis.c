@@ -3,15 +3,13 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/rg_rows.h"
 #include "lacuna/scene_analysis.h"
 
 static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
 {
-    static const char *const rules[] = {"fix", "cons", "lump"};
-    static const char *const fields[] = {
-        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
     (void)snprintf(text, size, "rule %s, field %s, beta %.4g%s, %zu places of the blocks",
-                   rules[rg->rule], fields[rg->field], beta,
+                   lac_rg_rule_names[rg->rule], lac_rg_field_names[rg->field], beta,
                    rg->beta_from_friction ? " (from the friction law, mean)" : "", places);
 }
 

@@ -2,6 +2,7 @@
 // What a cascade came to, as tables: the variables of its file and the members of its JSON.
 #include <math.h>
 
+#include "base/rg_rows.h"
 #include "data/describe.h"
 #include "lacuna/scene_rg.h"
 
@@ -12,18 +13,9 @@
 #define FIRST const lac_rg_result *r = ((const lac_rg_outcome *)of)->rg->result[0]
 #define BETA(name, expression) LAC_GETTER(double, name, R, expression)
 
-const char *lac_scene_rg_rule(const lac_case *c)
-{
-    static const char *const names[] = {"fix", "cons", "lump"};
-    return names[c->rg.rule];
-}
+const char *lac_scene_rg_rule(const lac_case *c) { return lac_rg_rule_names[c->rg.rule]; }
 
-const char *lac_scene_rg_field(const lac_case *c)
-{
-    static const char *const names[] = {
-        [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
-    return names[c->rg.field];
-}
+const char *lac_scene_rg_field(const lac_case *c) { return lac_rg_field_names[c->rg.field]; }
 
 LAC_TEXT_GETTER(rule, O, lac_scene_rg_rule(o->source))
 LAC_TEXT_GETTER(field, O, lac_scene_rg_field(o->source))

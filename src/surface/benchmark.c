@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/fft.h"
+#include "base/rows.h"
 #include "surface/registry.h"
 
 #define TWO_PI 6.283185307179586476925286766559
@@ -145,32 +146,24 @@ static lac_wave_range waves(const void *params, const lac_grid *grid)
 static const char *const names[] = {"A08", "J07", NULL};
 
 static const lac_param benchmark_params[] = {
-    {"name", "1", LAC_BENCHMARK_A08, 0.0, 0.0, FIELD(name),
-     "A08: Hurst 0.8, flat to a quarter of the side, shortest wave of 8 cells; J07: Hurst 0.7, no "
-     "flat part, 511 waves a side, of which a grid takes the heights at its nodes",
-     .type = LAC_CHOICE, .choices = names},
-    {"rms_slope", "1", NAN, 0.0, 1e3, FIELD(rms_slope),
-     "spectral rms slope of all waves; 0.1 for A08 if neither scale is given",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"height_ratio", "1", NAN, 0.0, 1e3, FIELD(height_ratio),
-     "rms height of all waves over the side of the interface; 0.01 for J07 if neither scale is "
-     "given",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"seed", "1", NAN, 0.0, 9007199254740992.0, FIELD(seed),
-     "of the phases; 1 for A08 and 2 for J07 if absent", .type = LAC_INTEGER,
-     .flags = LAC_OPTIONAL},
+    LAC_CHOICE(
+        "name", FIELD(name), LAC_BENCHMARK_A08, names, 0,
+        "A08: Hurst 0.8, flat to a quarter of the side, shortest wave of 8 cells; J07: Hurst 0.7, "
+        "no flat part, 511 waves a side, of which a grid takes the heights at its nodes"),
+    LAC_REAL("rms_slope", "1", FIELD(rms_slope), NAN, 0, 1e3, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "spectral rms slope of all waves; 0.1 for A08 if neither scale is given"),
+    LAC_REAL("height_ratio", "1", FIELD(height_ratio), NAN, 0, 1e3, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "rms height of all waves over the side of the interface; 0.01 for J07 if neither "
+             "scale is given"),
+    LAC_INTEGER("seed", FIELD(seed), NAN, 0, 0x1p53, LAC_OPTIONAL,
+                "of the phases; 1 for A08 and 2 for J07 if absent"),
 };
 
 const lac_surface_source lac_surface_benchmark = {
-    .about =
-        {
-            .name = "benchmark",
-            .summary = "surfaces that anyone can make again, to compare contact solvers",
-            .reference = "docs/theory/surface.md, eq. 3-5",
-            .params = benchmark_params,
-            .param_count = sizeof benchmark_params / sizeof benchmark_params[0],
-            .params_size = sizeof(lac_benchmark),
-        },
+    .about = {.name = "benchmark",
+              .summary = "surfaces that anyone can make again, to compare contact solvers",
+              .reference = "docs/theory/surface.md, eq. 3-5",
+              LAC_ROWS(benchmark_params, lac_benchmark)},
     .generate = generate,
     .waves = waves,
 };

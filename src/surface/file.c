@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/rows.h"
 #include "surface/face.h"
 #include "surface/fit.h"
 #include "surface/registry.h"
@@ -264,66 +265,52 @@ static const char *const detrend_words[] = {"none", "mean", "plane", NULL};
 static const char *const view_words[] = {"same-frame", "mirror-x", "mirror-y", NULL};
 
 static const lac_param file_params[] = {
-    {"path", "1", NAN, 0.0, 0.0, FIELD(path),
-     ".npy, ESRI ASCII grid .asc, gridded .xyz, Gwyddion .gsf, ISO 25178-71 .sdf or netCDF; told "
-     "by its content: the composite heights, or with `lower` the upper face",
-     .type = LAC_PATH},
-    {"unit", "1", NAN, 0.0, 0.0, FIELD(unit),
-     "of the heights where the file says none; m if absent", .type = LAC_TEXT,
-     .flags = LAC_OPTIONAL},
-    {"lateral_unit", "1", NAN, 0.0, 0.0, FIELD(lateral_unit),
-     "of the file's spacing where the file says none; that of the heights if absent",
-     .type = LAC_TEXT, .flags = LAC_OPTIONAL},
-    {"spacing", "m", NAN, 0.0, 1e9, FIELD(spacing),
-     "of the samples where the file says none; if absent they are cells of the interface, or with "
-     "`fit: resample` cover it",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"nodata", "1", LAC_NODATA_REFUSE, 0.0, 3.0, FIELD(nodata),
-     "samples without a height: refuse them, take the nearest height or the mean of all, or mask "
-     "their cells, which then touch last",
-     .type = LAC_CHOICE, .choices = nodata_words},
-    {"fit", "1", LAC_FIT_CROP, 0.0, 2.0, FIELD(fit),
-     "the middle of the file on the cells as they are (crop), its edges going on where it is "
-     "smaller (pad), or interpolated bilinearly at the centres of the cells (resample)",
-     .type = LAC_CHOICE, .choices = fit_words},
-    {"detrend", "1", LAC_DETREND_MEAN, 0.0, 2.0, FIELD(detrend),
-     "taken off the heights of the interface: nothing, their mean, or the plane of least squares",
-     .type = LAC_CHOICE, .choices = detrend_words},
-    {"taper", "1", 0.0, 0.0, 0.5, FIELD(taper),
-     "part of each side over which the heights fade to zero at either end, after detrending",
-     .type = LAC_REAL},
-    {"lower", "1", NAN, 0.0, 0.0, FIELD(lower),
-     "the lower face, in any of the formats; `path` is then the upper one", .type = LAC_PATH,
-     .flags = LAC_OPTIONAL},
-    {"lower_view", "1", LAC_LOWER_SAME_FRAME, 0.0, 2.0, FIELD(lower_view),
-     "how `lower` was measured: in the frame of the upper face, heights upwards in both "
-     "(same-frame: composite = lower - upper), or each face looked at, peaks up, the joint opened "
-     "like a book so that x or y runs backwards in `lower` (composite = upper + lower)",
-     .type = LAC_CHOICE, .choices = view_words},
-    {"offset", "m", 0.0, -1e9, 1e9, FIELD(offset),
-     "by which the lower face is moved along x, the direction of slip", .type = LAC_REAL},
-    {"lower_unit", "1", NAN, 0.0, 0.0, FIELD(lower_unit),
-     "of the heights of `lower` where it says none; `unit` if absent", .type = LAC_TEXT,
-     .flags = LAC_OPTIONAL},
-    {"lower_lateral_unit", "1", NAN, 0.0, 0.0, FIELD(lower_lateral_unit),
-     "of the spacing of `lower` where it says none; `lateral_unit` if absent", .type = LAC_TEXT,
-     .flags = LAC_OPTIONAL},
-    {"lower_spacing", "m", NAN, 0.0, 1e9, FIELD(lower_spacing),
-     "of the samples of `lower` where it says none; `spacing` if absent",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
+    LAC_PATH("path", FIELD(path), 0,
+             ".npy, ESRI ASCII grid .asc, gridded .xyz, Gwyddion .gsf, ISO 25178-71 .sdf or "
+             "netCDF; told by its content: the composite heights, or with `lower` the upper face"),
+    LAC_TEXT("unit", FIELD(unit), LAC_OPTIONAL,
+             "of the heights where the file says none; m if absent"),
+    LAC_TEXT("lateral_unit", FIELD(lateral_unit), LAC_OPTIONAL,
+             "of the file's spacing where the file says none; that of the heights if absent"),
+    LAC_REAL("spacing", "m", FIELD(spacing), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the samples where the file says none; if absent they are cells of the interface, "
+             "or with `fit: resample` cover it"),
+    LAC_CHOICE("nodata", FIELD(nodata), LAC_NODATA_REFUSE, nodata_words, 0,
+               "samples without a height: refuse them, take the nearest height or the mean of all, "
+               "or mask their cells, which then touch last"),
+    LAC_CHOICE(
+        "fit", FIELD(fit), LAC_FIT_CROP, fit_words, 0,
+        "the middle of the file on the cells as they are (crop), its edges going on where it is "
+        "smaller (pad), or interpolated bilinearly at the centres of the cells (resample)"),
+    LAC_CHOICE("detrend", FIELD(detrend), LAC_DETREND_MEAN, detrend_words, 0,
+               "taken off the heights of the interface: nothing, their mean, or the plane of least "
+               "squares"),
+    LAC_REAL(
+        "taper", "1", FIELD(taper), 0, 0, 0.5, 0,
+        "part of each side over which the heights fade to zero at either end, after detrending"),
+    LAC_PATH("lower", FIELD(lower), LAC_OPTIONAL,
+             "the lower face, in any of the formats; `path` is then the upper one"),
+    LAC_CHOICE(
+        "lower_view", FIELD(lower_view), LAC_LOWER_SAME_FRAME, view_words, 0,
+        "how `lower` was measured: in the frame of the upper face, heights upwards in both "
+        "(same-frame: composite = lower - upper), or each face looked at, peaks up, the joint "
+        "opened like a book so that x or y runs backwards in `lower` (composite = upper + lower)"),
+    LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
+             "by which the lower face is moved along x, the direction of slip"),
+    LAC_TEXT("lower_unit", FIELD(lower_unit), LAC_OPTIONAL,
+             "of the heights of `lower` where it says none; `unit` if absent"),
+    LAC_TEXT("lower_lateral_unit", FIELD(lower_lateral_unit), LAC_OPTIONAL,
+             "of the spacing of `lower` where it says none; `lateral_unit` if absent"),
+    LAC_REAL("lower_spacing", "m", FIELD(lower_spacing), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the samples of `lower` where it says none; `spacing` if absent"),
 };
 
 const lac_surface_source lac_surface_from_file = {
-    .about =
-        {
-            .name = "file",
-            .summary = "measured heights, read from a file, or from two, one a face",
-            .reference = "docs/surfaces-from-files.md",
-            .params = file_params,
-            .param_count = sizeof file_params / sizeof file_params[0],
-            .params_size = sizeof(lac_surface_file),
-            .fault = fault,
-        },
+    .about = {.name = "file",
+              .summary = "measured heights, read from a file, or from two, one a face",
+              .reference = "docs/surfaces-from-files.md",
+              LAC_ROWS(file_params, lac_surface_file),
+              .fault = fault},
     .generate = generate,
     .generate_measured = generate_measured,
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
+#include "base/rows.h"
 #include "surface/registry.h"
 #include "surface/synthesis.h"
 
@@ -77,47 +78,29 @@ static lac_wave_range waves(const void *params, const lac_grid *grid)
 #define FIELD(name) offsetof(lac_joint, name)
 
 static const lac_param joint_params[] = {
-    {"hurst", "1", 0.8, 0.0, 1.0, FIELD(hurst), "Hurst exponent of each face",
-     .flags = LAC_ABOVE_MIN},
-    {"rms_height", "m", NAN, 0.0, 1e6, FIELD(rms_height),
-     "rms height of each face expected of its full band, rolloff to shortest",
-     .flags = LAC_ABOVE_MIN},
-    {"rolloff", "m", NAN, 0.0, 1e9, FIELD(rolloff),
-     "wavelength above which the spectrum of a face is flat; the longest side if absent",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"shortest", "m", NAN, 0.0, 1e9, FIELD(shortest),
-     "shortest wavelength of a face; if absent two cells of the grid, to which rms_height then "
-     "refers",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"seed", "1", 1.0, 0.0, 9007199254740992.0, FIELD(seed),
-     "of the random numbers: the same faces at every resolution", .type = LAC_INTEGER},
-    {"mating", "m", NAN, 0.0, 1e9, FIELD(mating),
-     "wavelength from which on the faces are the same; shorter waves are independent, and all "
-     "are if absent",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"offset", "m", 0.0, -1e9, 1e9, FIELD(offset),
-     "by which the lower face is moved along x, the direction of slip", .type = LAC_REAL},
-    {"sampling", "1", LAC_SAMPLING_LOW_PASS, 0.0, 2.0, FIELD(sampling),
-     "of waves too short for the grid: left out (low-pass), folded back as taking every m-th "
-     "height of a finer grid does (point), or averaged over the cell (block-mean); the last two "
-     "need shortest",
-     .type = LAC_CHOICE, .choices = lac_sampling_words},
-    {"margin", "1", 0.0, 0.0, 7.0, FIELD(margin),
-     "sides by which the surface goes on beyond the interface before it repeats: 1 or more makes "
-     "opposite sides of free boundaries strangers",
-     .type = LAC_INTEGER},
+    LAC_REAL("hurst", "1", FIELD(hurst), 0.8, 0, 1, LAC_ABOVE_MIN, "Hurst exponent of each face"),
+    LAC_REAL("rms_height", "m", FIELD(rms_height), NAN, 0, 1e6, LAC_ABOVE_MIN,
+             "rms height of each face expected of its full band, rolloff to shortest"),
+    LAC_REAL("rolloff", "m", FIELD(rolloff), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "wavelength above which the spectrum of a face is flat; the longest side if absent"),
+    LAC_REAL("shortest", "m", FIELD(shortest), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "shortest wavelength of a face; if absent two cells of the grid, to which rms_height "
+             "then refers"),
+    LAC_INTEGER("seed", FIELD(seed), 1, 0, 0x1p53, 0,
+                "of the random numbers: the same faces at every resolution"),
+    LAC_REAL("mating", "m", FIELD(mating), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "wavelength from which on the faces are the same; shorter waves are independent, and "
+             "all are if absent"),
+    LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
+             "by which the lower face is moved along x, the direction of slip"),
+    LAC_SAMPLING_ROWS(lac_joint),
 };
 
 const lac_surface_source lac_surface_joint = {
-    .about =
-        {
-            .name = "joint",
-            .summary = "two self-affine faces, mated in their long waves: upper minus lower",
-            .reference = "Brown (1995), J. Geophys. Res. 100:5941, doi 10.1029/94JB02262",
-            .params = joint_params,
-            .param_count = sizeof joint_params / sizeof joint_params[0],
-            .params_size = sizeof(lac_joint),
-        },
+    .about = {.name = "joint",
+              .summary = "two self-affine faces, mated in their long waves: upper minus lower",
+              .reference = "Brown (1995), J. Geophys. Res. 100:5941, doi 10.1029/94JB02262",
+              LAC_ROWS(joint_params, lac_joint)},
     .generate = generate,
     .waves = waves,
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
 
+#include "base/rows.h"
 #include "surface/registry.h"
 #include "surface/synthesis.h"
 
@@ -113,55 +114,37 @@ static lac_wave_range waves(const void *params, const lac_grid *grid)
 #define FIELD(name) offsetof(lac_self_affine, name)
 
 static const lac_param self_affine_params[] = {
-    {"hurst", "1", 0.8, 0.0, 1.0, FIELD(hurst), "Hurst exponent", .flags = LAC_ABOVE_MIN},
-    {"rms_height", "m", NAN, 0.0, 1e6, FIELD(rms_height),
-     "rms height expected of the full band, rolloff to shortest, also where a coarse grid leaves "
-     "part of it out",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"rms_slope", "1", NAN, 0.0, 1e3, FIELD(rms_slope),
-     "rms slope (of the gradient) expected of the full band, instead of rms_height",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"rolloff", "m", NAN, 0.0, 1e9, FIELD(rolloff),
-     "wavelength above which the spectrum is flat; the longest side if absent",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"shortest", "m", NAN, 0.0, 1e9, FIELD(shortest),
-     "shortest wavelength of the interface; if absent two cells of the grid, to which rms_height "
-     "then refers",
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN},
-    {"seed", "1", 1.0, 0.0, 9007199254740992.0, FIELD(seed),
-     "of the random numbers: the same interface at every resolution", .type = LAC_INTEGER},
-    {"anisotropy", "1", 1.0, 1.0, 100.0, FIELD(anisotropy),
-     "correlation length along direction over that across, where rolloff and shortest hold",
-     .type = LAC_REAL},
-    {"direction", "rad", 0.0, -6.3, 6.3, FIELD(direction),
-     "of the longest correlation, from x (the direction of slip) towards y", .type = LAC_REAL},
-    {"skewness", "1", 0.0, -2.0, 2.0, FIELD(skewness),
-     "of the heights expected of the full band; 0: Gaussian, otherwise shifted lognormal",
-     .type = LAC_REAL},
-    {"sampling", "1", LAC_SAMPLING_LOW_PASS, 0.0, 2.0, FIELD(sampling),
-     "of waves too short for the grid: left out (low-pass), folded back as taking every m-th "
-     "height of a finer grid does (point), or averaged over the cell (block-mean); the last two "
-     "need shortest",
-     .type = LAC_CHOICE, .choices = lac_sampling_words},
-    {"margin", "1", 0.0, 0.0, 7.0, FIELD(margin),
-     "sides by which the surface goes on beyond the interface before it repeats: 1 or more makes "
-     "opposite sides of free boundaries strangers",
-     .type = LAC_INTEGER},
+    LAC_REAL("hurst", "1", FIELD(hurst), 0.8, 0, 1, LAC_ABOVE_MIN, "Hurst exponent"),
+    LAC_REAL("rms_height", "m", FIELD(rms_height), NAN, 0, 1e6, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "rms height expected of the full band, rolloff to shortest, also where a coarse grid "
+             "leaves part of it out"),
+    LAC_REAL("rms_slope", "1", FIELD(rms_slope), NAN, 0, 1e3, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "rms slope (of the gradient) expected of the full band, instead of rms_height"),
+    LAC_REAL("rolloff", "m", FIELD(rolloff), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "wavelength above which the spectrum is flat; the longest side if absent"),
+    LAC_REAL("shortest", "m", FIELD(shortest), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "shortest wavelength of the interface; if absent two cells of the grid, to which "
+             "rms_height then refers"),
+    LAC_INTEGER("seed", FIELD(seed), 1, 0, 0x1p53, 0,
+                "of the random numbers: the same interface at every resolution"),
+    LAC_REAL(
+        "anisotropy", "1", FIELD(anisotropy), 1, 1, 100, 0,
+        "correlation length along direction over that across, where rolloff and shortest hold"),
+    LAC_REAL("direction", "rad", FIELD(direction), 0, -6.3, 6.3, 0,
+             "of the longest correlation, from x (the direction of slip) towards y"),
+    LAC_REAL("skewness", "1", FIELD(skewness), 0, -2, 2, 0,
+             "of the heights expected of the full band; 0: Gaussian, otherwise shifted lognormal"),
+    LAC_SAMPLING_ROWS(lac_self_affine),
 };
 
 const lac_surface_source lac_surface_self_affine = {
-    .about =
-        {
-            .name = "self-affine",
-            .summary = "random self-affine heights, periodic, by spectral synthesis",
-            .reference =
-                "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, "
-                "doi 10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
-                "doi 10.1093/biomet/36.1-2.149",
-            .params = self_affine_params,
-            .param_count = sizeof self_affine_params / sizeof self_affine_params[0],
-            .params_size = sizeof(lac_self_affine),
-        },
+    .about = {.name = "self-affine",
+              .summary = "random self-affine heights, periodic, by spectral synthesis",
+              .reference =
+                  "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, "
+                  "doi 10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
+                  "doi 10.1093/biomet/36.1-2.149",
+              LAC_ROWS(self_affine_params, lac_self_affine)},
     .generate = generate,
     .waves = waves,
 };

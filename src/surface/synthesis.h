@@ -2,6 +2,7 @@
 #ifndef LACUNA_SURFACE_SYNTHESIS_H
 #define LACUNA_SURFACE_SYNTHESIS_H
 
+#include "base/rows.h"
 #include "surface/band.h"
 
 /// What a cell holds of a surface of which the grid may not resolve all waves.
@@ -9,6 +10,18 @@ enum { LAC_SAMPLING_LOW_PASS, LAC_SAMPLING_POINT, LAC_SAMPLING_BLOCK_MEAN };
 
 /// The words of these, for parameter tables; NULL at their end.
 extern const char *const lac_sampling_words[];
+
+/// Rows of what a synthesis is told beside its band.
+#define LAC_SAMPLING_ROWS(holder)                                                              \
+    LAC_CHOICE(                                                                                \
+        "sampling", offsetof(holder, sampling), LAC_SAMPLING_LOW_PASS, lac_sampling_words, 0,  \
+        "of waves too short for the grid: left out (low-pass), folded back as taking every "   \
+        "m-th height of a finer grid does (point), or averaged over the cell (block-mean); "   \
+        "the last two need shortest"),                                                         \
+        LAC_INTEGER(                                                                           \
+            "margin", offsetof(holder, margin), 0, 0, 7, 0,                                    \
+            "sides by which the surface goes on beyond the interface before it repeats: 1 or " \
+            "more makes opposite sides of free boundaries strangers")
 
 /// How heights are taken from a band.
 typedef struct lac_synthesis {

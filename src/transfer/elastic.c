@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rows.h"
 #include "lacuna/hierarchy.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
@@ -15,46 +16,20 @@ static const char *const modes[] = {"in-plane", "antiplane", NULL};
 static const char *const surroundings[] = {"unloaded", "creeping", NULL};
 
 static const lac_param params[] = {
-    {.key = "mode",
-     .unit = "1",
-     .fallback = IN_PLANE,
-     .offset = offsetof(lac_transfer_elastic, mode),
-     .type = LAC_CHOICE,
-     .choices = modes,
-     .doc = "in-plane: slip along x in rock with Poisson's ratio; antiplane: the scalar problem, "
-            "no Poisson's ratio; on a line, slip across it"},
-    {.key = "outside",
-     .unit = "1",
-     .fallback = UNLOADED,
-     .offset = offsetof(lac_transfer_elastic, outside),
-     .type = LAC_CHOICE,
-     .choices = surroundings,
-     .doc =
-         "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the rate of "
-         "load.shear.back-slip (none: held), on full contact only"},
-    {.key = "thickness",
-     .unit = "m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e9,
-     .offset = offsetof(lac_transfer_elastic, thickness),
-     .flags = LAC_OPTIONAL | LAC_ABOVE_MIN,
-     .doc = "of the rock on either side, its far face rigid: gives the mean slip the stiffness "
-            "G/(2 thickness); half-spaces if absent; periodic interfaces only"},
-    {.key = "tolerance",
-     .unit = "1",
-     .fallback = 1e-9,
-     .min = 1e-14,
-     .max = 1e-2,
-     .offset = offsetof(lac_transfer_elastic, tolerance),
-     .doc = "relative, of the stress where gaps make it an iteration; tighter than solver.rtol"},
-    {.key = "newton_tolerance",
-     .unit = "1",
-     .fallback = 1e-3,
-     .min = 1e-14,
-     .max = 0.1,
-     .offset = offsetof(lac_transfer_elastic, newton_tolerance),
-     .doc = "relative, of the linear solve in each Newton iteration of bdf"},
+    LAC_CHOICE("mode", offsetof(lac_transfer_elastic, mode), IN_PLANE, modes, 0,
+               "in-plane: slip along x in rock with Poisson's ratio; antiplane: the scalar "
+               "problem, no Poisson's ratio; on a line, slip across it"),
+    LAC_CHOICE("outside", offsetof(lac_transfer_elastic, outside), UNLOADED, surroundings, 0,
+               "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the "
+               "rate of load.shear.back-slip (none: held), on full contact only"),
+    LAC_REAL("thickness", "m", offsetof(lac_transfer_elastic, thickness), NAN, 0, 1e9,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the rock on either side, its far face rigid: gives the mean slip the stiffness "
+             "G/(2 thickness); half-spaces if absent; periodic interfaces only"),
+    LAC_REAL("tolerance", "1", offsetof(lac_transfer_elastic, tolerance), 1e-9, 1e-14, 1e-2, 0,
+             "relative, of the stress where gaps make it an iteration; tighter than solver.rtol"),
+    LAC_REAL("newton_tolerance", "1", offsetof(lac_transfer_elastic, newton_tolerance), 1e-3, 1e-14,
+             0.1, 0, "relative, of the linear solve in each Newton iteration of bdf"),
 };
 
 static const char *fault(const void *given)
@@ -332,9 +307,7 @@ const lac_transfer_kind lac_elastic_kind = {
               .summary = "two elastic half-spaces or slabs, gaps slipping freely",
               .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
                            "docs/theory/transfer.md",
-              .params = params,
-              .param_count = sizeof params / sizeof *params,
-              .params_size = sizeof(lac_transfer_elastic),
+              LAC_ROWS(params, lac_transfer_elastic),
               .fault = fault},
     .create = create,
     .free = destroy,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lacuna/hierarchy.h"
+#include "base/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,39 +17,16 @@ typedef struct hierarchy {
 static const char *const stiffness_choices[] = {"elastic", NULL};
 
 static const lac_param params[] = {
-    {.key = "stiffness",
-     .unit = "1",
-     .fallback = NAN,
-     .offset = offsetof(lac_transfer_hierarchy, stiffness),
-     .type = LAC_CHOICE,
-     .flags = LAC_OPTIONAL,
-     .choices = stiffness_choices,
-     .doc = "elastic: of every level, from the elastic half-space on this contact domain"},
-    {.key = "k0",
-     .unit = "Pa/m",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e30,
-     .offset = offsetof(lac_transfer_hierarchy, k0),
-     .flags = LAC_OPTIONAL,
-     .doc = "stiffness of the finest level, where it is given instead of elastic"},
-    {.key = "ratio",
-     .unit = "1",
-     .fallback = NAN,
-     .min = 0,
-     .max = 1e3,
-     .offset = offsetof(lac_transfer_hierarchy, ratio),
-     .flags = LAC_OPTIONAL,
-     .doc = "with k0: stiffness of a level over that of the next finer one (0.5 if absent, the "
-            "elastic scaling; 0: only the finest level)"},
-    {.key = "seed",
-     .unit = "1",
-     .fallback = 1,
-     .min = 0,
-     .max = 0x1p53,
-     .offset = offsetof(lac_transfer_hierarchy, seed),
-     .type = LAC_INTEGER,
-     .doc = "of the random probes that calibrate the elastic stiffness"},
+    LAC_CHOICE("stiffness", offsetof(lac_transfer_hierarchy, stiffness), NAN, stiffness_choices,
+               LAC_OPTIONAL,
+               "elastic: of every level, from the elastic half-space on this contact domain"),
+    LAC_REAL("k0", "Pa/m", offsetof(lac_transfer_hierarchy, k0), NAN, 0, 1e30, LAC_OPTIONAL,
+             "stiffness of the finest level, where it is given instead of elastic"),
+    LAC_REAL("ratio", "1", offsetof(lac_transfer_hierarchy, ratio), NAN, 0, 1e3, LAC_OPTIONAL,
+             "with k0: stiffness of a level over that of the next finer one (0.5 if absent, the "
+             "elastic scaling; 0: only the finest level)"),
+    LAC_INTEGER("seed", offsetof(lac_transfer_hierarchy, seed), 1, 0, 0x1p53, 0,
+                "of the random probes that calibrate the elastic stiffness"),
 };
 
 static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
@@ -174,9 +152,7 @@ const lac_transfer_kind lac_hierarchy_kind = {
               .summary = "at every scale a block's slip relative to its parent's is resisted",
               .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, "
                            "Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
-              .params = params,
-              .param_count = sizeof params / sizeof *params,
-              .params_size = sizeof(lac_transfer_hierarchy)},
+              LAC_ROWS(params, lac_transfer_hierarchy)},
     .create = create,
     .free = free,
     .work = work,

@@ -70,18 +70,15 @@ static double steady_state(const lac_friction *friction, size_t cell, double u)
 
 static const lac_param params[] = {
     LAC_FRICTION_COMMON_ROWS,
-    {.key = "theta_max", .unit = "s", .fallback = NAN, .min = 1, .max = 1e12,
-     .offset = offsetof(saturating_params, theta_max), .flags = LAC_CELLWISE,
-     .doc = "state at which contacts no longer heal"},
+    LAC_REAL("theta_max", "s", offsetof(saturating_params, theta_max), NAN, 1, 1e12, LAC_CELLWISE,
+             "state at which contacts no longer heal"),
 };
 
 const lac_friction_law lac_friction_saturating = {
     .about = {.name = "saturating",
               .summary = "heals up to theta_max: dtheta/dt = 1 - theta/theta_max - v theta/dc",
               .reference = "a law of this test",
-              .params = params,
-              .param_count = sizeof params / sizeof params[0],
-              .params_size = sizeof(saturating_params),
+              LAC_ROWS(params, saturating_params),
               .fault = lac_law_fault},
     .evolve = evolve,
     .steady_state = steady_state,

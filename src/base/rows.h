@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_ROWS_H
+#define LACUNA_BASE_ROWS_H
+
+// Rows of parameter tables in a line or two: the key stands first, what it says of itself last.
+// Each is named after the type that it makes. `where` is the offset in the struct, `bits` are
+// LAC_OPTIONAL | ...; a fallback of NAN: it must be given, unless LAC_OPTIONAL.
+
+#include <math.h>
+#include <stddef.h>
+
+#include "lacuna/param.h"
+
+// clang-format off
+#define LAC_REAL(name, si, where, absent, low, high, bits, text)                                  \
+    {.key = (name), .unit = (si), .fallback = (absent), .min = (low), .max = (high),              \
+     .offset = (where), .flags = (bits), .doc = (text)}
+
+#define LAC_INTEGER(name, where, absent, low, high, bits, text)                                   \
+    {.key = (name), .unit = "1", .fallback = (absent), .min = (low), .max = (high),               \
+     .offset = (where), .flags = (bits), .doc = (text), .type = LAC_INTEGER}
+
+#define LAC_CHOICE(name, where, absent, words, bits, text)                                        \
+    {.key = (name), .unit = "1", .fallback = (absent), .choices = (words), .offset = (where),     \
+     .flags = (bits), .doc = (text), .type = LAC_CHOICE}
+
+#define LAC_TEXT(name, where, bits, text)                                                         \
+    {.key = (name), .unit = "1", .fallback = NAN, .offset = (where), .flags = (bits),             \
+     .doc = (text), .type = LAC_TEXT}
+
+#define LAC_PATH(name, where, bits, text)                                                         \
+    {.key = (name), .unit = "1", .fallback = NAN, .offset = (where), .flags = (bits),             \
+     .doc = (text), .type = LAC_PATH}
+
+/// What a descriptor says of its table of rows, whose offsets are in `holder`.
+#define LAC_ROWS(rows, holder)                                                                    \
+    .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0], .params_size = sizeof(holder)
+// clang-format on
+
+#endif
