@@ -3,7 +3,7 @@
 #define LACUNA_TRADE_H
 
 #include "lacuna/linkage.h"
-#include "lacuna/scene_analysis.h"
+#include "lacuna/scene.h"
 
 LAC_BEGIN_C
 

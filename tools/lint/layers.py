@@ -34,9 +34,10 @@ USES = {
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
+    "simulation": ["scene"],
     "trade": ["scene"],
     "report": ["store"],
-    "cli": ["fit", "trade", "report"],
+    "cli": ["simulation", "fit", "trade", "report"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -53,7 +54,6 @@ HEADERS = {
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
-    "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
     "store_file": "store",
@@ -61,8 +61,6 @@ HEADERS = {
     "store_checkpoint": "store",
     "store_rg": "store",
     "recording": "store",
-    "scene_record": "trade",
-    "accuracy": "trade",
     "store_trade": "store",
     "sampler": "fit",
     "foresee": "fit",

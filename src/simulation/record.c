@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A case from its file to a run in memory.
+// A simulation kept in memory; a case from its file to that.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/accuracy.h"
-#include "lacuna/scene_analysis.h"
-#include "lacuna/scene_record.h"
+#include "lacuna/simulation.h"
 
 // "key.path=value" cut at its first "=". The keys are the caller's to free.
 static lac_status cut(const char *set, lac_override *out, lac_error *err)
@@ -65,33 +63,6 @@ out:
     return status;
 }
 
-// solver.accuracy: as the command does before it runs.
-static lac_status pick(lac_scene *scene, lac_case *c, const lac_interruption *stop, lac_error *err)
-{
-    lac_accuracy_pick picked;
-    lac_run_def how = lac_run_default();
-    if (stop != NULL) {
-        how.interrupted = stop->interrupted;
-        how.context = stop->context;
-    }
-    return isnan(c->accuracy) ? LAC_OK : lac_accuracy_choose(scene, c, &how, &picked, err);
-}
-
-static lac_status create(const lac_scene *scene, const lac_analysis *analysis, lac_recording **out,
-                         lac_error *err)
-{
-    lac_recording_def def = {.domain = scene->contact.domain,
-                             .hierarchy = scene->hierarchy,
-                             .transfer = &scene->transfer,
-                             .fields = scene->source->fields,
-                             .events = lac_analysis_has_events(analysis)};
-    const double *once;
-    if (analysis != NULL) {
-        def.extras = lac_analysis_extras(analysis, &def.extra, &once);
-    }
-    return lac_recording_create(&def, out, err);
-}
-
 static lac_status add_outcome(lac_recording *recording, const lac_case *c,
                               const lac_run_result *result, lac_error *err)
 {
@@ -115,75 +86,67 @@ out:
     return status;
 }
 
-static lac_status run(const lac_scene *scene, lac_analysis *analysis, const lac_interruption *stop,
-                      lac_recording *recording, lac_error *err)
+static lac_recording_def made_from(const lac_outcome *of)
 {
-    lac_sink sink = lac_recording_sink(recording);
-    lac_run_def def = scene->source->run;
-    lac_run_result result;
-    def.beyond = 0;
-    if (analysis != NULL) {
-        sink = lac_analysis_sink(analysis, &sink);
-    }
-    if (stop != NULL) {
-        def.interrupted = stop->interrupted;
-        def.context = stop->context;
-    }
-    lac_status ended = lac_run(scene->problem, &def, &sink, &result, err);
-    if (ended != LAC_OK && ended != LAC_EINTERRUPT) {
-        return ended;
-    }
-    lac_status status = LAC_OK;
-    if (analysis != NULL) {
-        const lac_extra *extra;
-        const double *once;
-        LAC_TRY(lac_analysis_finish(analysis, &result, err));
-        (void)lac_analysis_extras(analysis, &extra, &once);
-        LAC_TRY(lac_recording_once(recording, once, err));
-    }
-    LAC_TRY(add_outcome(recording, scene->source, &result, err));
-out:
-    return status == LAC_OK ? ended : status;
+    return (lac_recording_def){.domain = of->scene->contact.domain,
+                               .hierarchy = of->scene->hierarchy,
+                               .transfer = &of->scene->transfer,
+                               .fields = of->source->fields,
+                               .extras = of->extras,
+                               .extra = of->extra,
+                               .events = lac_analysis_has_events(of->analysis)};
 }
 
-static lac_status record(const lac_case_origin *from, size_t count, const char *const *sets,
-                         const lac_interruption *stop, lac_recording **out, lac_error *err)
+lac_status lac_simulation_record(lac_simulation *simulation, lac_recording **out, lac_error *err)
 {
-    lac_case *source = NULL;
-    lac_scene *scene = NULL;
-    lac_analysis *analysis = NULL;
+    const lac_outcome *outcome = lac_simulation_result(simulation);
+    const lac_recording_def def = made_from(outcome);
     lac_recording *recording = NULL;
     lac_status status;
     *out = NULL;
-    LAC_TRY(read_case(from, count, sets, &source, err));
-    LAC_TRY(lac_scene_create(source, &scene, err));
-    LAC_TRY(pick(scene, source, stop, err));
-    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
-    LAC_TRY(create(scene, analysis, &recording, err));
-    status = run(scene, analysis, stop, recording, err);
-    if (status == LAC_OK || status == LAC_EINTERRUPT) {
+    LAC_TRY(lac_recording_create(&def, &recording, err));
+    const lac_sink sink = lac_recording_sink(recording);
+    const lac_status ended = lac_simulation_run(simulation, &sink, err);
+    status = ended;
+    if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
+        LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
+        status = ended;
         *out = recording;
         recording = NULL;
     }
 out:
     lac_recording_free(recording);
-    lac_analysis_free(analysis);
-    lac_scene_free(scene);
+    return status;
+}
+
+static lac_status record(const lac_case_origin *from, size_t count, const char *const *sets,
+                         const lac_simulation_options *options, lac_recording **out, lac_error *err)
+{
+    lac_case *source = NULL;
+    lac_simulation *simulation = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(read_case(from, count, sets, &source, err));
+    LAC_TRY(lac_simulation_create(source, options, &simulation, err));
+    status = lac_simulation_record(simulation, out, err);
+out:
+    lac_simulation_free(simulation);
     lac_case_free(source);
     return status;
 }
 
 lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
-                           const lac_interruption *stop, lac_recording **out, lac_error *err)
+                           const lac_simulation_options *options, lac_recording **out,
+                           lac_error *err)
 {
     const lac_case_origin file = {.name = path};
-    return record(&file, count, sets, stop, out, err);
+    return record(&file, count, sets, options, out, err);
 }
 
 lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
-                                const char *const *sets, const lac_interruption *stop,
+                                const char *const *sets, const lac_simulation_options *options,
                                 lac_recording **out, lac_error *err)
 {
     const lac_case_origin memory = {.name = name, .text = text, .size = size};
-    return record(&memory, count, sets, stop, out, err);
+    return record(&memory, count, sets, options, out, err);
 }
