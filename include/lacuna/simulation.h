@@ -110,7 +110,7 @@ lac_status lac_record_case(const char *path, size_t count, const char *const *se
 /// As lac_record_case, of a case that is in memory.
 /// @param name  stands for the path in messages; what the case names relatively is looked for
 ///              beside it
-/// @param text  [size] YAML, as in a case file
+/// @param text  [size] YAML, as in a case file; NULL: it is in the file of that name
 /// @return as lac_record_case
 lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
                                 const char *const *sets, const lac_simulation_options *options,

@@ -18,24 +18,9 @@ static lac_status cut(const char *set, lac_override *out, lac_error *err)
     return out->key != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-static const lac_case_issue *first_error(const lac_case_report *report)
-{
-    for (size_t i = 0; i < report->count; i++) {
-        if (!report->issue[i].warning) {
-            return &report->issue[i];
-        }
-    }
-    return NULL;
-}
-
-// Where a case comes from: the file `name`, or text that goes by this name.
-typedef struct lac_case_origin {
-    const char *name, *text; // text NULL: the file
-    size_t size;
-} lac_case_origin;
-
-static lac_status read_case(const lac_case_origin *from, size_t count, const char *const *sets,
-                            lac_case **out, lac_error *err)
+// @param text  NULL: the case is in the file of this name
+static lac_status read_case(const char *name, const char *text, size_t size, size_t count,
+                            const char *const *sets, lac_case **out, lac_error *err)
 {
     lac_case_report report = {0};
     lac_status status = LAC_OK;
@@ -46,14 +31,9 @@ static lac_status read_case(const lac_case_origin *from, size_t count, const cha
     for (size_t i = 0; i < count; i++) {
         LAC_TRY(cut(sets[i], &overrides[i], err));
     }
-    lac_case_request request = {.purpose = LAC_FOR_RUN, .overrides = overrides, .count = count};
-    status = from->text == NULL ? lac_case_read(from->name, &request, out, &report, err)
-                                : lac_case_read_text(from->name, from->text, from->size, &request,
-                                                     out, &report, err);
-    const lac_case_issue *issue = first_error(&report);
-    if (status == LAC_EINPUT && issue != NULL && err != NULL) {
-        (void)lac_case_issue_format(issue, err->message, sizeof err->message);
-    }
+    const lac_case_request how = {LAC_FOR_RUN, overrides, count};
+    status = text == NULL ? lac_case_read(name, &how, out, &report, err)
+                          : lac_case_read_text(name, text, size, &how, out, &report, err);
 out:
     lac_case_report_clear(&report);
     for (size_t i = 0; i < count; i++) {
@@ -119,14 +99,15 @@ out:
     return status;
 }
 
-static lac_status record(const lac_case_origin *from, size_t count, const char *const *sets,
-                         const lac_simulation_options *options, lac_recording **out, lac_error *err)
+lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
+                                const char *const *sets, const lac_simulation_options *options,
+                                lac_recording **out, lac_error *err)
 {
     lac_case *source = NULL;
     lac_simulation *simulation = NULL;
     lac_status status;
     *out = NULL;
-    LAC_TRY(read_case(from, count, sets, &source, err));
+    LAC_TRY(read_case(name, text, size, count, sets, &source, err));
     LAC_TRY(lac_simulation_create(source, options, &simulation, err));
     status = lac_simulation_record(simulation, out, err);
 out:
@@ -139,14 +120,5 @@ lac_status lac_record_case(const char *path, size_t count, const char *const *se
                            const lac_simulation_options *options, lac_recording **out,
                            lac_error *err)
 {
-    const lac_case_origin file = {.name = path};
-    return record(&file, count, sets, options, out, err);
-}
-
-lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
-                                const char *const *sets, const lac_simulation_options *options,
-                                lac_recording **out, lac_error *err)
-{
-    const lac_case_origin memory = {.name = name, .text = text, .size = size};
-    return record(&memory, count, sets, options, out, err);
+    return lac_record_case_text(path, NULL, 0, count, sets, options, out, err);
 }
