@@ -21,22 +21,19 @@ int main(int argc, char **argv)
     lac_error err = {0};
     lac_case_report report = {0};
     lac_case *c = NULL;
-    lac_scene *scene = NULL;
-    lac_run_result result;
+    lac_simulation *simulation = NULL;
     double next = 0;
     lac_sink sink = {.context = &next, .record = print_decade};
     lac_status status = lac_case_read(argc > 1 ? argv[1] : "case.yaml", NULL, &c, &report, &err);
-    if (status == LAC_OK) {
-        c->run.beyond &= ~(unsigned)LAC_BEYOND_OUTPUT; // the sink takes the place of a file
-        status = lac_scene_create(c, &scene, &err);
-    }
-    status = status == LAC_OK ? lac_run(scene->problem, &c->run, &sink, &result, &err) : status;
+    status = status == LAC_OK ? lac_simulation_create(c, NULL, &simulation, &err) : status;
+    status = status == LAC_OK ? lac_simulation_run(simulation, &sink, &err) : status;
     if (status != LAC_OK) {
         fprintf(stderr, "creep: %s\n", err.message);
-    } else if (result.failed) {
-        printf("fails after %.4f day\n", (result.failure_origin + result.failure_local) / 86400);
+    } else if (lac_simulation_result(simulation)->run.failed) {
+        const lac_run_result *run = &lac_simulation_result(simulation)->run;
+        printf("fails after %.4f day\n", (run->failure_origin + run->failure_local) / 86400);
     }
-    lac_scene_free(scene);
+    lac_simulation_free(simulation);
     lac_case_free(c);
     lac_case_report_clear(&report);
     return status;

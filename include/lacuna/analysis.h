@@ -118,8 +118,8 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, co
 void lac_analysis_free(lac_analysis *analysis);
 
 /// A sink that has the indicators look at each record and passes it on with their values; it asks
-/// for steps only where an indicator does.
-/// @param next  where records, snapshots and events go then
+/// for steps only where an indicator or `next` does.
+/// @param next  where records, snapshots, steps and events go then
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next);
 
 /// Whether an indicator keeps a catalogue of events; not where `analysis` is NULL.

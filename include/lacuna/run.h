@@ -118,6 +118,9 @@ typedef struct lac_sink {
     void (*keep)(void *context, lac_tape *tape);
     /// Stores a checkpoint; NULL: none is made. All that was put out before must last as long.
     lac_status (*checkpoint)(void *context, const lac_checkpoint *checkpoint, lac_error *err);
+    /// Values of the extra quantities over nothing, in their order, NaN: not known (yet): from a
+    /// simulation, before the first record and again when the run is over.
+    lac_status (*once)(void *context, const double *values, lac_error *err);
 } lac_sink;
 
 /// How far a run has come.
@@ -128,9 +131,10 @@ typedef struct lac_progress {
     int64_t steps;
 } lac_progress;
 
-/// What a case can ask of its run that lac_run does not do: bits of lac_run_def.beyond.
+/// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
+/// lac_run_def.beyond.
 enum {
-    LAC_BEYOND_ACCURACY = 1, ///< solver.accuracy: lac_accuracy_choose does it, and clears the bit
+    LAC_BEYOND_ACCURACY = 1, ///< solver.accuracy: the settings that pilot runs pick
     LAC_BEYOND_ANALYSIS = 2, ///< analysis: a sink by lac_analysis_sink
     LAC_BEYOND_OUTPUT = 4,   ///< keys of output but `every`: what a sink does with what it gets
 };
@@ -159,7 +163,7 @@ typedef struct lac_run_def {
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;
     unsigned beyond; ///< LAC_BEYOND_*, set where a case is read; lac_run refuses what is set, so a
-                     ///< caller that does it clears the bit
+                     ///< caller that does it clears the bit; simulation.h does all
 } lac_run_def;
 
 /// Why a run ended.

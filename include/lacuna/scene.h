@@ -100,6 +100,11 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
                                  const lac_history_sink *sink, lac_history_result *result,
                                  lac_error *err);
 
+/// What a file says of the case it was made from; the command line, the libraries and the time are
+/// the caller's.
+/// @param case_text  the resolved case; borrowed
+lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
+
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {
     const lac_case *source;

@@ -58,11 +58,6 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
 /// The sink that writes into the store; valid until the store is finished or freed.
 lac_sink lac_store_sink(lac_store *store);
 
-/// Writes the extra quantities that run over nothing, before the run or after it.
-/// @param once  values in their order; NaN: missing
-/// @return LAC_OK; LAC_EIO
-lac_status lac_store_once(lac_store *store, const double *once, lac_error *err);
-
 /// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
 /// the wall time, and closes the file. A complete one needs its checkpoint no more, which is
 /// removed. The store still has to be freed.

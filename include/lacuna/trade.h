@@ -4,7 +4,7 @@
 
 #include "lacuna/dataset.h"
 #include "lacuna/linkage.h"
-#include "lacuna/scene_analysis.h"
+#include "lacuna/scene.h"
 
 LAC_BEGIN_C
 

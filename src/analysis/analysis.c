@@ -125,6 +125,9 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
             LAC_TRY(indicator->kind->step(indicator, step, &a->next, err));
         }
     }
+    if (a->next.step != NULL) {
+        LAC_TRY(a->next.step(a->next.context, step, err));
+    }
 out:
     return status;
 }
@@ -153,11 +156,12 @@ static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint,
 
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
+    const bool steps = lac_analysis_has_events(analysis) || next->step != NULL;
     analysis->next = *next;
     return (lac_sink){.context = analysis,
                       .record = on_record,
                       .snapshot = on_snapshot,
-                      .step = lac_analysis_has_events(analysis) ? on_step : NULL,
+                      .step = steps ? on_step : NULL,
                       .keep = on_keep,
                       .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
 }

@@ -100,6 +100,15 @@ static bool is_sound(const lac_catalogue *c)
     return sound;
 }
 
+// A run that cannot go on from what came is summed up all the same: nothing of it is under way.
+static void forget(lac_catalogue *c)
+{
+    c->actives = 0;
+    for (size_t i = 0; i < c->places; i++) {
+        c->open[i].open = false;
+    }
+}
+
 void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape)
 {
     const size_t n = c->domain->n;
@@ -116,7 +125,8 @@ void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape)
     PASS(tape, c->largest_slip);
     PASS(tape, c->largest_size);
     PASS(tape, c->slip_sum);
-    if (tape->loading && lac_tape_good(tape) && !is_sound(c)) {
-        tape->short_of = true;
+    if (tape->loading && !(lac_tape_good(tape) && is_sound(c))) {
+        tape->short_of |= lac_tape_good(tape);
+        forget(c);
     }
 }

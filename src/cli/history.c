@@ -109,6 +109,12 @@ static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint,
     return status;
 }
 
+static lac_status on_once(void *context, const double *values, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.once != NULL ? h->next.once(h->next.context, values, err) : LAC_OK;
+}
+
 lac_sink cli_history_sink(cli_history *history)
 {
     return (lac_sink){.context = history,
@@ -116,7 +122,8 @@ lac_sink cli_history_sink(cli_history *history)
                       .snapshot = on_snapshot,
                       .event = on_event,
                       .keep = on_keep,
-                      .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL};
+                      .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL,
+                      .once = on_once};
 }
 
 lac_history cli_history_view(const cli_history *history)

@@ -10,6 +10,7 @@
 
 #include "cli/inputs.h"
 #include "cli/signals.h"
+#include "lacuna/scene.h"
 
 // Folder/name.ext -> name + ending
 static char *name_after(const char *case_path, const char *ending)
@@ -91,32 +92,17 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
     return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
 }
 
-// The seed of the surface or domain, wherever its table keeps it.
-static int64_t find_seed(const lac_slot *slot)
+void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance)
 {
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
-        if (param->type == LAC_INTEGER && strcmp(param->key, "seed") == 0) {
-            int64_t seed;
-            memcpy(&seed, (const char *)slot->params + param->offset, sizeof seed);
-            return seed;
-        }
-    }
-    return INT64_MIN;
+    provenance->command_line = request->command_line;
+    provenance->libraries = libraries;
+    provenance->now = (double)time(NULL);
 }
 
 lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
                               const char *libraries)
 {
-    const lac_slot *source = c->surface.about != NULL ? &c->surface : &c->domain;
-    return (lac_provenance){
-        .title = c->title != NULL ? c->title : c->path,
-        .institution = c->institution,
-        .references = c->references,
-        .case_text = case_text,
-        .command_line = request->command_line,
-        .libraries = libraries,
-        .seed = find_seed(source),
-        .now = (double)time(NULL),
-    };
+    lac_provenance provenance = lac_case_provenance(c, case_text);
+    cli_sign(request, libraries, &provenance);
+    return provenance;
 }

@@ -21,7 +21,11 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
 lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
                             lac_error *err);
 
-/// What a file says of who made it.
+/// Says who makes a file, when, with what.
+/// @param libraries  borrowed
+void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance);
+
+/// What a file says of its case and who made it.
 /// @param case_text, libraries  borrowed
 lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
                               const char *libraries);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -117,6 +118,29 @@ out:
     return status;
 }
 
+// Adds what a case asks of its run that a fit, and a forecast by it, does without.
+static lac_status ask_fit(const lac_case *c, lac_case_report *report, lac_error *err)
+{
+    const struct {
+        bool named;
+        const char *key, *message;
+    } left_out[] = {
+        {!isnan(c->run.stop_slip) || !isnan(c->run.stop_rate), "time.stop_when",
+         "ends a run; a fit goes on to failure"},
+        {c->run.fidelity == LAC_FIDELITY_EVENTS, "solver.fidelity",
+         "is of a run; a fit takes all cells at every step"},
+        {c->analysis.count > 0, "analysis", "is of a run; a fit follows no indicators"},
+    };
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++) {
+        if (left_out[i].named) {
+            LAC_TRY(cli_report_add(report, c, left_out[i].key, left_out[i].message, true, err));
+        }
+    }
+out:
+    return status;
+}
+
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_report *report, lac_error *err)
 {
@@ -126,6 +150,7 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     lac_status status = lac_case_read(request->argument[0], &how, c, all, err);
     const bool runs = purpose == LAC_FOR_RUN || purpose == LAC_FOR_FIT || purpose == LAC_FOR_CHECK;
     status = status == LAC_OK && runs ? ask_loads(*c, all, err) : status;
+    status = status == LAC_OK && purpose == LAC_FOR_FIT ? ask_fit(*c, all, err) : status;
     cli_report_print(all, request);
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line

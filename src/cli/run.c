@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna run: a simulation with its file, its page and its progress.
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,30 +12,24 @@
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/resume.h"
-#include "cli/run_accuracy.h"
 #include "cli/run_outcome.h"
 #include "cli/signals.h"
 #include "cli/view.h"
 #include "cli/words.h"
-#include "lacuna/scene_analysis.h"
-
-enum { RECORDS_BETWEEN_SYNCS = 64 };
 
 // Everything that a run holds.
 typedef struct run_job {
     const cli_request *request;
     lac_case *source;
     cli_compare compare;
-    lac_scene *scene;
-    lac_analysis *analysis; // NULL where the case names no indicator
-    lac_store *store;
+    lac_simulation *simulation;
+    lac_store *store; // NULL: not begun to write
     cli_history history;
     cli_progress progress;
     cli_view *view; // with --view
-    char *path, *case_text, *inputs;
+    char *path, *inputs;
     char libraries[256];
     lac_kept_checkpoint resume; // with --resume
-    lac_accuracy_pick accuracy; // with solver.accuracy; else it has no pilots
     double started;
 } run_job;
 
@@ -42,13 +37,11 @@ static void job_clear(run_job *job)
 {
     cli_view_close(job->view);
     lac_store_free(job->store);
-    lac_analysis_free(job->analysis);
-    lac_scene_free(job->scene);
+    lac_simulation_free(job->simulation);
     cli_history_clear(&job->history);
     cli_compare_clear(&job->compare);
     lac_kept_checkpoint_clear(&job->resume);
     free(job->path);
-    free(job->case_text);
     free(job->inputs);
     lac_case_free(job->source);
 }
@@ -79,12 +72,17 @@ static lac_status shorten(const char *text, lac_case *c, lac_error *err)
     return LAC_OK;
 }
 
-// Reads what --resume goes on from.
-static lac_status read_checkpoint(run_job *job, lac_error *err)
+static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
+
+// Reads what --resume goes on from, of the case as it is run.
+static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
 {
     char time[64];
-    lac_status status =
-        cli_resume_read(job->path, job->case_text, job->inputs, job->libraries, &job->resume, err);
+    char *text = lac_case_text(c);
+    lac_status status = text == NULL ? lac_fail_memory(err)
+                                     : cli_resume_read(job->path, text, job->inputs, job->libraries,
+                                                       &job->resume, err);
+    free(text);
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,
                         "--resume: the checkpoint of %s is at %s, not before the end of the run",
@@ -93,23 +91,11 @@ static lac_status read_checkpoint(run_job *job, lac_error *err)
     return status;
 }
 
-// The case as it is run, and what a run before this one has kept of it.
-static lac_status settle(run_job *job, lac_error *err)
-{
-    job->case_text = lac_case_text(job->source);
-    job->inputs = cli_inputs_sums(job->source);
-    if (job->case_text == NULL || job->inputs == NULL) {
-        return lac_fail_memory(err);
-    }
-    (void)cli_libraries(job->libraries, sizeof job->libraries);
-    return cli_given(job->request, CLI_OPT_RESUME) ? read_checkpoint(job, err) : LAC_OK;
-}
-
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
     lac_status status;
-    if (cli_given(job->request, CLI_OPT_RESUME) && cli_given(job->request, CLI_OPT_FORCE)) {
+    if (goes_on(job) && cli_given(job->request, CLI_OPT_FORCE)) {
         return lac_fail(err, LAC_EINPUT, "--resume keeps the file, --force replaces it: not both");
     }
     LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
@@ -121,49 +107,14 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
     LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
-    if (isnan(job->source->accuracy)) {
-        LAC_TRY(settle(job, err));
+    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    job->inputs = cli_inputs_sums(job->source);
+    LAC_TRY(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
+    if (goes_on(job) && isnan(job->source->accuracy)) {
+        LAC_TRY(read_checkpoint(job, job->source, err));
     }
 out:
     return status;
-}
-
-static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
-
-static lac_status open_store(run_job *job, lac_error *err)
-{
-    const lac_case *c = job->source;
-    lac_store_def def = {
-        .path = job->path,
-        .force = cli_given(job->request, CLI_OPT_FORCE),
-        .provenance = cli_provenance(job->request, c, job->case_text, job->libraries),
-        .dated = c->dated,
-        .start_date = c->start_date,
-        .domain = job->scene->contact.domain,
-        .hierarchy = job->scene->hierarchy,
-        .transfer = &job->scene->transfer,
-        .fields = c->fields,
-        .compression = c->compression,
-        .single = c->single != 0,
-        .sync_every = RECORDS_BETWEEN_SYNCS,
-        .events = lac_analysis_has_events(job->analysis),
-        .inputs = job->inputs,
-        .resume = goes_on(job) ? &job->resume : NULL,
-    };
-    char accuracy[CLI_ACCURACY_TEXT];
-    if (job->accuracy.pilots > 0) {
-        def.provenance.accuracy = cli_accuracy_text(&job->accuracy, accuracy, sizeof accuracy);
-        def.provenance.accuracy_asked = job->accuracy.asked;
-        def.provenance.accuracy_estimated = job->accuracy.estimated;
-    }
-    def.provenance.fidelity = lac_fidelity_name(c->run.fidelity);
-    const double *once = NULL;
-    if (job->analysis != NULL) {
-        def.extras = lac_analysis_extras(job->analysis, &def.extra, &once);
-    }
-    cli_view_begin(job->view, &def, once);
-    lac_status status = lac_store_create(&def, &job->store, err);
-    return status == LAC_OK && once != NULL ? lac_store_once(job->store, once, err) : status;
 }
 
 static bool on_interrupted(void *context)
@@ -172,14 +123,70 @@ static bool on_interrupted(void *context)
     return cli_signals_stop();
 }
 
+// Of pilot runs too, which are not on the page.
 static void on_progress(void *context, const lac_progress *now)
 {
     run_job *job = context;
     cli_progress_show(&job->progress, now);
-    cli_view_progress(job->view, now);
+    if (job->store != NULL) {
+        cli_view_progress(job->view, now);
+    }
 }
 
-static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err)
+static void on_prepared(void *context, lac_stage stage, const lac_outcome *so_far)
+{
+    run_job *job = context;
+    const cli_request *request = job->request;
+    if (stage == LAC_STAGE_SCENE) {
+        cli_say(request, "%zu contact cells after %.2f s", so_far->scene->contact.domain->n,
+                cli_clock() - job->started);
+        if (!isnan(job->source->accuracy)) {
+            cli_say(request, "pilot runs for an error of %g", job->source->accuracy);
+            cli_progress_start(&job->progress, request);
+        }
+        return;
+    }
+    cli_progress_clear(&job->progress);
+    if (so_far->accuracy != NULL && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("accuracy: %s", so_far->accuracy->text);
+    }
+    if (so_far->source->analysis.count > 0) {
+        cli_say(request, "preparing the indicators");
+    }
+}
+
+static lac_status create(run_job *job, lac_error *err)
+{
+    lac_simulation_options options = lac_simulation_options_default();
+    options.interrupted = on_interrupted;
+    options.progress = on_progress;
+    options.prepared = on_prepared;
+    options.context = job;
+    const lac_status status = lac_simulation_create(job->source, &options, &job->simulation, err);
+    cli_progress_clear(&job->progress);
+    return cli_blame(job->source, status, err);
+}
+
+static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error *err)
+{
+    lac_store_def def;
+    lac_status status = lac_simulation_file(job->simulation, &def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    cli_sign(job->request, job->libraries, &def.provenance);
+    def.path = job->path;
+    def.force = cli_given(job->request, CLI_OPT_FORCE);
+    def.inputs = job->inputs;
+    if (goes_on(job)) {
+        def.resume = &job->resume;
+        lac_simulation_resume(job->simulation, &job->resume.from);
+    }
+    cli_view_begin(job->view, &def, so_far->once);
+    return lac_store_create(&def, &job->store, err);
+}
+
+static lac_status integrate(run_job *job, lac_error *err)
 {
     const lac_sink stored = lac_store_sink(job->store);
     job->history = (cli_history){
@@ -187,47 +194,20 @@ static lac_status integrate(run_job *job, lac_run_result *result, lac_error *err
         .keep = job->compare.count > 0,
         .clock = job->source->dated ? job->source->start_date : 0,
     };
-    lac_sink sink = cli_history_sink(&job->history);
-    if (job->analysis != NULL) {
-        sink = lac_analysis_sink(job->analysis, &sink);
-    }
-    lac_run_def def = job->source->run;
-    def.interrupted = on_interrupted;
-    def.progress = on_progress;
-    def.context = job;
-    def.resume = goes_on(job) ? &job->resume.from : NULL;
+    const lac_sink sink = cli_history_sink(&job->history);
     cli_progress_start(&job->progress, job->request);
-    lac_status status = lac_run(job->scene->problem, &def, &sink, result, err);
+    lac_status status = lac_simulation_run(job->simulation, &sink, err);
     cli_progress_clear(&job->progress);
     return status;
-}
-
-static const char *status_word(lac_status status)
-{
-    return status == LAC_OK ? "complete" : status == LAC_EINTERRUPT ? "interrupted" : "failed";
-}
-
-// What the indicators know only now.
-static lac_status sum_up(run_job *job, const lac_run_result *result, lac_error *err)
-{
-    const lac_extra *extra;
-    const double *once;
-    if (job->analysis == NULL) {
-        return LAC_OK;
-    }
-    lac_status status = lac_analysis_finish(job->analysis, result, err);
-    (void)lac_analysis_extras(job->analysis, &extra, &once);
-    return status == LAC_OK ? lac_store_once(job->store, once, err) : status;
 }
 
 static lac_status close_store(run_job *job, lac_status status, const cli_outcome *outcome,
                               lac_error *err)
 {
     lac_error late = {0};
-    lac_status summed = sum_up(job, &outcome->result, &late);
-    lac_status finished = lac_store_finish(job->store, outcome->status, &outcome->result,
-                                           outcome->wall_time, summed == LAC_OK ? &late : NULL);
-    finished = summed == LAC_OK ? finished : summed;
+    const lac_run_result *run = &outcome->of->run;
+    lac_status finished =
+        lac_store_finish(job->store, outcome->status, run, outcome->wall_time, &late);
     if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
         *err = late;
         return finished;
@@ -236,7 +216,7 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
         char time[64];
         bool saved = job->history.saved || goes_on(job);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
-                        lac_units_format(outcome->result.time, "s", time, sizeof time), job->path,
+                        lac_units_format(run->time, "s", time, sizeof time), job->path,
                         saved ? ", and --resume goes on" : "");
     }
     return status;
@@ -245,7 +225,7 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
 // What mends a balance that is off.
 static const char *remedy(const run_job *job, const cli_outcome *outcome, bool integrated)
 {
-    if (outcome->accuracy != NULL) {
+    if (outcome->of->accuracy != NULL) {
         return "the accuracy asked for is kept, but single cells are further off: ask for a "
                "smaller one";
     }
@@ -261,11 +241,11 @@ static const char *remedy(const run_job *job, const cli_outcome *outcome, bool i
 // five times the drift, which grows as the steps do that a load's swings ask for.
 static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
 {
-    double residual = outcome->result.balance_residual;
-    double drift = outcome->result.rate_drift;
-    double most = fmin(0.01, fmax(1e-4, 300.0 * job->source->run.rtol));
+    double residual = outcome->of->run.balance_residual;
+    double drift = outcome->of->run.rate_drift;
+    double most = fmin(0.01, fmax(1e-4, 300.0 * outcome->of->source->run.rtol));
     bool all_at_once = job->source->run.fidelity == LAC_FIDELITY_ODE;
-    bool integrated = lac_problem_formulation(outcome->scene->problem) != LAC_FORMULATION_SLIP;
+    bool integrated = lac_problem_formulation(outcome->of->scene->problem) != LAC_FORMULATION_SLIP;
     const char *mend = remedy(job, outcome, integrated);
     if (!(residual <= 0.01)) {
         cli_note("warning: the traction balance %s by %.2g of the strength; %s",
@@ -282,7 +262,7 @@ static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, 
 {
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
         warn_of_balance(job, outcome);
-        cli_failure_warn(&outcome->result.failure);
+        cli_failure_warn(&outcome->of->run.failure);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         const lac_status shown = cli_outcome_json(outcome, status == LAC_OK ? err : NULL);
@@ -295,29 +275,21 @@ static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, 
 
 static lac_status compute(run_job *job, lac_error *err)
 {
-    // Refused here, a file that --force would replace is still there.
-    lac_status status = lac_run_check(job->scene->problem, &job->source->run, err);
-    if (status != LAC_OK) {
-        return cli_blame(job->source, status, err);
-    }
+    cli_outcome outcome = {
+        .of = lac_simulation_result(job->simulation),
+        .history = &job->history,
+        .compare = &job->compare,
+        .path = job->path,
+        .resumed = goes_on(job) ? &job->resume.from : NULL,
+    };
     cli_signals_hold();
-    status = open_store(job, err);
+    lac_status status = open_store(job, outcome.of, err);
     if (status != LAC_OK) {
         return status;
     }
-    cli_outcome outcome = {
-        .source = job->source,
-        .scene = job->scene,
-        .history = &job->history,
-        .compare = &job->compare,
-        .analysis = job->analysis,
-        .path = job->path,
-        .resumed = goes_on(job) ? &job->resume.from : NULL,
-        .accuracy = job->accuracy.pilots > 0 ? &job->accuracy : NULL,
-    };
     cli_say(job->request, "integrating to %g s", job->source->run.end);
-    status = integrate(job, &outcome.result, err);
-    outcome.status = status_word(status);
+    status = integrate(job, err);
+    outcome.status = outcome.of->status;
     outcome.wall_time = cli_clock() - job->started;
     status = close_store(job, status, &outcome, err);
     if (status == LAC_EIO) {
@@ -336,21 +308,10 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     LAC_TRY(prepare(&job, err));
     LAC_TRY(cli_view_open(request, &job.view, err));
     cli_say(request, "building the scene of %s", request->argument[0]);
-    LAC_TRY(cli_blame(job.source, lac_scene_create(job.source, &job.scene, err), err));
-    cli_say(request, "%zu contact cells after %.2f s", job.scene->contact.domain->n,
-            cli_clock() - job.started);
-    if (!isnan(job.source->accuracy)) {
-        LAC_TRY(cli_blame(
-            job.source,
-            cli_accuracy_pick(&job.progress, request, job.scene, job.source, &job.accuracy, err),
-            err));
-        LAC_TRY(settle(&job, err));
+    LAC_TRY(create(&job, err));
+    if (goes_on(&job) && !isnan(job.source->accuracy)) {
+        LAC_TRY(read_checkpoint(&job, lac_simulation_result(job.simulation)->source, err));
     }
-    if (job.source->analysis.count > 0) {
-        cli_say(request, "preparing the indicators");
-    }
-    LAC_TRY(
-        cli_blame(job.source, lac_scene_analysis_create(job.scene, NULL, &job.analysis, err), err));
     LAC_TRY(compute(&job, err));
 out:
     job_clear(&job);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What lacuna run says of a run that is over, on the terminal and in JSON.
 #include "cli/run_outcome.h"
 
 #include <inttypes.h>
@@ -10,8 +11,6 @@
 #include "base/units.h"
 #include "cli/failure.h"
 #include "cli/measures.h"
-#include "cli/run_accuracy.h"
-#include "cli/run_analysis.h"
 #include "cli/words.h"
 
 static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
@@ -41,12 +40,12 @@ static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "
 
 bool cli_outcome_failed(const cli_outcome *outcome)
 {
-    return outcome->result.failed && !broke(outcome);
+    return outcome->of->run.failed && !broke(outcome);
 }
 
 static double failure_time(const cli_outcome *outcome)
 {
-    const lac_run_result *result = &outcome->result;
+    const lac_run_result *result = &outcome->of->run;
     return cli_outcome_failed(outcome) ? result->failure_origin + result->failure_local : NAN;
 }
 
@@ -54,30 +53,30 @@ static double failure_time(const cli_outcome *outcome)
 static const char *failure_date(const cli_outcome *outcome, char *text, size_t size)
 {
     text[0] = '\0';
-    if (!isnan(failure_time(outcome)) && outcome->source->dated) {
-        (void)lac_date_format(outcome->source->start_date + failure_time(outcome), text, size);
+    if (!isnan(failure_time(outcome)) && outcome->of->source->dated) {
+        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text, size);
     }
     return text;
 }
 
 static const char *formulation(const cli_outcome *outcome)
 {
-    return lac_formulation_name(lac_problem_formulation(outcome->scene->problem));
+    return lac_formulation_name(lac_problem_formulation(outcome->of->scene->problem));
 }
 
 static const char *fidelity(const cli_outcome *outcome)
 {
-    return lac_fidelity_name(outcome->source->run.fidelity);
+    return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
 static const char *end_reason(const cli_outcome *outcome)
 {
-    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->result.end);
+    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end);
 }
 
 static void print_failure(const cli_outcome *outcome)
 {
-    const lac_run_result *result = &outcome->result;
+    const lac_run_result *result = &outcome->of->run;
     char time[64], date[32], rate[64];
     if (result->failed) {
         bool by_slip = result->end == LAC_END_SLIP;
@@ -112,11 +111,13 @@ static void print_friction(const cli_history *history)
 
 static void print_cost(const cli_outcome *outcome)
 {
-    const lac_run_result *result = &outcome->result;
+    const lac_run_result *result = &outcome->of->run;
     char wall[32], cpu[32];
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
-    cli_accuracy_print(outcome->accuracy);
+    if (outcome->of->accuracy != NULL) {
+        cli_row_wrap("accuracy", outcome->of->accuracy->text);
+    }
     cli_row("fidelity", "%s", fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
@@ -133,18 +134,29 @@ static void print_cost(const cli_outcome *outcome)
     cli_row("file", "%s (%s)", outcome->path, outcome->status);
 }
 
+// What the indicators say.
+static void print_analysis(const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->lines; k++) {
+            cli_row(indicator->line[k].label, "%s", indicator->line[k].text);
+        }
+    }
+}
+
 void cli_outcome_print(const cli_outcome *outcome)
 {
     lac_history run = cli_history_view(outcome->history);
-    if (outcome->source->title != NULL) {
-        puts(outcome->source->title);
+    if (outcome->of->source->title != NULL) {
+        puts(outcome->of->source->title);
     }
-    cli_measures_print(&outcome->scene->contact);
+    cli_measures_print(&outcome->of->scene->contact);
     print_friction(outcome->history);
     print_failure(outcome);
-    cli_row_quantity("mean slip", outcome->result.mean_slip, "m");
-    cli_row_quantity("largest slip rate", outcome->result.max_slip_rate, "m/s");
-    cli_analysis_print(outcome->analysis);
+    cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
+    cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
+    print_analysis(outcome->of->analysis);
     print_cost(outcome);
     cli_compare_print(outcome->compare, &run);
 }
@@ -156,23 +168,23 @@ static void write_failure(cli_json *json, const cli_outcome *outcome)
     if (broke(outcome)) {
         cli_json_null(json, "failed");
     } else {
-        cli_json_boolean(json, "failed", outcome->result.failed);
+        cli_json_boolean(json, "failed", outcome->of->run.failed);
     }
     cli_json_number(json, "failure_time_s", failure_time(outcome));
     cli_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
     cli_json_text(json, "ended_by", end_reason(outcome));
-    cli_json_number(json, "failure_rate_m_s", outcome->result.failure.rate);
-    cli_json_number(json, "failure_slip_m", outcome->result.failure.slip);
-    cli_json_number(json, "time_s", outcome->result.time);
+    cli_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
+    cli_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
+    cli_json_number(json, "time_s", outcome->of->run.time);
 }
 
 static void write_results(cli_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = outcome->history;
-    const lac_run_result *result = &outcome->result;
+    const lac_run_result *result = &outcome->of->run;
     cli_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
     cli_json_number(json, "mean_slip_m", result->mean_slip);
-    if (!lac_analysis_has_events(outcome->analysis)) {
+    if (!lac_analysis_has_events(outcome->of->analysis)) {
         cli_json_null(json, "events"); // else the catalogue says how many
     }
     cli_json_number(json, "balance_residual", result->balance_residual);
@@ -187,7 +199,7 @@ static void write_results(cli_json *json, const cli_outcome *outcome)
 
 static void write_cost(cli_json *json, const cli_outcome *outcome)
 {
-    const lac_run_result *result = &outcome->result;
+    const lac_run_result *result = &outcome->of->run;
     cli_json_integer(json, "steps", result->steps);
     cli_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
     cli_json_integer(json, "newton_iterations", result->newton_iterations);
@@ -199,18 +211,53 @@ static void write_cost(cli_json *json, const cli_outcome *outcome)
     cli_json_integer(json, "peak_memory_bytes", peak_memory());
 }
 
+static void write_accuracy(cli_json *json, const lac_accuracy_pick *pick)
+{
+    if (pick == NULL) {
+        cli_json_null(json, "accuracy");
+        return;
+    }
+    cli_json_open(json, "accuracy", '{');
+    cli_json_number(json, "asked", pick->asked);
+    cli_json_number(json, "estimated", pick->estimated);
+    cli_json_text(json, "quantity", pick->of);
+    cli_json_number(json, "rtol", pick->rtol);
+    cli_json_text(json, "method", pick->method);
+    cli_json_text(json, "formulation", pick->formulation);
+    cli_json_integer(json, "pilots", pick->pilots);
+    cli_json_integer(json, "pilot_rhs_evaluations", pick->evaluations);
+    cli_json_close(json, '}');
+}
+
+static void write_analysis(cli_json *json, const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->results; k++) {
+            const lac_analysis_result *result = &indicator->result[k];
+            if (result->text != NULL) {
+                cli_json_text(json, result->key, result->text);
+            } else if (result->value == rint(result->value) && fabs(result->value) < 1e15) {
+                cli_json_integer(json, result->key, (int64_t)result->value); // 40, not 4e+01
+            } else {
+                cli_json_number(json, result->key, result->value);
+            }
+        }
+    }
+}
+
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     cli_json json = {.out = stdout};
     lac_history run = cli_history_view(outcome->history);
     cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "title", outcome->source->title);
+    cli_json_text(&json, "title", outcome->of->source->title);
     cli_json_text(&json, "status", outcome->status);
     write_failure(&json, outcome);
-    lac_status status = cli_measures_json(&json, &outcome->scene->contact, err);
+    lac_status status = cli_measures_json(&json, &outcome->of->scene->contact, err);
     write_results(&json, outcome);
-    cli_accuracy_json(&json, outcome->accuracy);
-    cli_analysis_json(&json, outcome->analysis);
+    write_accuracy(&json, outcome->of->accuracy);
+    write_analysis(&json, outcome->of->analysis);
     write_cost(&json, outcome);
     if (outcome->resumed != NULL) {
         cli_json_number(&json, "resumed_at_s", outcome->resumed->time);

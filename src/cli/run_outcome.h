@@ -4,23 +4,17 @@
 
 #include "cli/compare.h"
 #include "cli/history.h"
-#include "lacuna/accuracy.h"
-#include "lacuna/analysis.h"
-#include "lacuna/scene.h"
+#include "lacuna/simulation.h"
 
 /// Everything that is said about a run when it is over.
 typedef struct cli_outcome {
-    const lac_case *source;
-    const lac_scene *scene;
+    const lac_outcome *of;
     const cli_history *history;
     const cli_compare *compare;
-    const lac_analysis *analysis; ///< NULL: none
-    lac_run_result result;
-    const char *status;                ///< as in the file: complete, failed, interrupted
-    const lac_checkpoint *resumed;     ///< what the run went on from; NULL: from the start
-    const char *path;                  ///< of the file
-    const lac_accuracy_pick *accuracy; ///< what pilot runs picked; NULL: nothing
-    double wall_time;                  ///< [s]
+    const char *status; ///< complete, interrupted; failed also where the file is not whole
+    const lac_checkpoint *resumed; ///< what the run went on from; NULL: from the start
+    const char *path;              ///< of the file
+    double wall_time;              ///< [s]
 } cli_outcome;
 
 /// CPU time of the program so far [s].

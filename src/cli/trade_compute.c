@@ -9,83 +9,45 @@
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/trade.h"
+#include "lacuna/scene_rg.h"
+#include "lacuna/simulation.h"
 
-enum { RECORDS_BETWEEN_SYNCS = 64 };
-
-typedef struct run_state {
-    lac_case *source;
-    lac_scene *scene;
-    lac_analysis *analysis;
-    lac_store *store;
-    char *text;
-} run_state;
-
-static lac_status open_store(const cli_trade_job *job, run_state *s, const char *file,
-                             lac_error *err)
+static void keep_numbers(const lac_outcome *of, lac_trade_measure *m)
 {
-    const lac_case *c = s->source;
-    char libraries[256];
-    s->text = lac_case_text(c);
-    if (s->text == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_store_def def = {.path = file,
-                         .force = true,
-                         .provenance = cli_provenance(job->request, c, s->text,
-                                                      cli_libraries(libraries, sizeof libraries)),
-                         .dated = c->dated,
-                         .start_date = c->start_date,
-                         .domain = s->scene->contact.domain,
-                         .hierarchy = s->scene->hierarchy,
-                         .transfer = &s->scene->transfer,
-                         .fields = c->fields,
-                         .compression = c->compression,
-                         .single = c->single != 0,
-                         .sync_every = RECORDS_BETWEEN_SYNCS,
-                         .events = lac_analysis_has_events(s->analysis)};
-    const double *once = NULL;
-    if (s->analysis != NULL) {
-        def.extras = lac_analysis_extras(s->analysis, &def.extra, &once);
-    }
-    lac_status status = lac_store_create(&def, &s->store, err);
-    return status == LAC_OK && once != NULL ? lac_store_once(s->store, once, err) : status;
-}
-
-static void keep_numbers(const run_state *s, const lac_run_result *result, lac_trade_measure *m)
-{
-    m->steps = result->steps;
-    m->evaluations = result->rhs_evaluations;
-    m->cells = (int64_t)s->scene->contact.domain->n;
+    m->steps = of->run.steps;
+    m->evaluations = of->run.rhs_evaluations;
+    m->cells = (int64_t)of->scene->contact.domain->n;
     // Times stay doubles in the file, the rest is what a reader of it finds.
-    for (int q = LAC_QUANTITY_SLIP; s->source->single && q < LAC_QUANTITIES; q++) {
+    for (int q = LAC_QUANTITY_SLIP; of->source->single && q < LAC_QUANTITIES; q++) {
         m->value[q] = (double)(float)m->value[q];
     }
 }
 
-static lac_status integrate(const cli_trade_job *job, run_state *s, const char *file,
+static lac_status integrate(const cli_trade_job *job, const lac_case *c, const char *file,
                             lac_trade_measure *m, lac_error *err)
 {
-    lac_run_result result = {0};
+    lac_simulation *simulation = NULL;
+    lac_store *store = NULL;
+    lac_store_def def;
+    char libraries[256];
     lac_status status = LAC_OK;
-    s->source->run.beyond = 0; // done here, or refused
-    LAC_TRY(lac_scene_create(s->source, &s->scene, err));
-    LAC_TRY(lac_scene_analysis_create(s->scene, NULL, &s->analysis, err));
-    LAC_TRY(open_store(job, s, file, err));
-    lac_sink sink = lac_store_sink(s->store);
-    sink.checkpoint = NULL;
-    lac_trade_probe probe = lac_trade_probe_create(s->source, &sink);
-    sink = lac_trade_probe_sink(&probe);
-    if (s->analysis != NULL) {
-        sink = lac_analysis_sink(s->analysis, &sink);
-    }
-    LAC_TRY(lac_run(s->scene->problem, &s->source->run, &sink, &result, err));
-    if (s->analysis != NULL) {
-        LAC_TRY(lac_analysis_finish(s->analysis, &result, err));
-    }
-    LAC_TRY(lac_store_finish(s->store, "complete", &result, 0.0, err));
-    lac_trade_probe_values(&probe, &result, lac_analysis_has_events(s->analysis), m->value);
-    keep_numbers(s, &result, m);
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_file(simulation, &def, err));
+    cli_sign(job->request, cli_libraries(libraries, sizeof libraries), &def.provenance);
+    def.path = file;
+    def.force = true;
+    LAC_TRY(lac_store_create(&def, &store, err));
+    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_sink stored = lac_store_sink(store);
+    lac_trade_probe probe = lac_trade_probe_create(c, &stored);
+    const lac_sink sink = lac_trade_probe_sink(&probe);
+    LAC_TRY(lac_simulation_run(simulation, &sink, err));
+    LAC_TRY(lac_store_finish(store, of->status, &of->run, 0.0, err));
+    lac_trade_probe_values(&probe, &of->run, def.events, m->value);
+    keep_numbers(of, m);
 out:
+    lac_store_free(store);
+    lac_simulation_free(simulation);
     return status;
 }
 
@@ -133,26 +95,17 @@ out:
     return status;
 }
 
-static lac_status compute(const cli_trade_job *job, size_t run, run_state *s, const char *file,
+static lac_status compute(const cli_trade_job *job, size_t run, const lac_case *c, const char *file,
                           lac_trade_measure *m, lac_error *err)
 {
     switch (lac_trade_of_run(&job->plan, run)) {
     case LAC_OF_CASCADE:
-        return follow(s->source, m, err);
+        return follow(c, m, err);
     case LAC_OF_CONTACT:
-        return press(s->source, m, err);
+        return press(c, m, err);
     default:
-        return integrate(job, s, file, m, err);
+        return integrate(job, c, file, m, err);
     }
-}
-
-static void run_clear(run_state *s)
-{
-    lac_store_free(s->store);
-    lac_analysis_free(s->analysis);
-    lac_scene_free(s->scene);
-    lac_case_free(s->source);
-    free(s->text);
 }
 
 lac_status cli_trade_compute(const cli_trade_job *job, size_t run, const char *file,
@@ -160,16 +113,16 @@ lac_status cli_trade_compute(const cli_trade_job *job, size_t run, const char *f
 {
     const double started = cli_clock();
     lac_error err = {""};
-    run_state s = {0};
+    lac_case *c = NULL;
     struct stat about;
     for (int q = 0; q < LAC_QUANTITIES; q++) {
         measure->value[q] = NAN;
     }
-    lac_status status = cli_trade_case(job, run, &s.source, &err);
+    lac_status status = cli_trade_case(job, run, &c, &err);
     if (status == LAC_OK) {
-        status = compute(job, run, &s, file, measure, &err);
+        status = compute(job, run, c, file, measure, &err);
     }
-    run_clear(&s);
+    lac_case_free(c);
     measure->output = stat(file, &about) == 0 ? (int64_t)about.st_size : 0;
     (void)unlink(file);
     measure->end = status == LAC_OK ? LAC_TRADE_DONE : LAC_TRADE_BROKEN;

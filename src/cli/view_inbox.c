@@ -142,6 +142,12 @@ static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint,
     return inbox->next.checkpoint(inbox->next.context, checkpoint, err);
 }
 
+static lac_status on_once(void *context, const double *values, lac_error *err)
+{
+    cli_inbox *inbox = context;
+    return inbox->next.once(inbox->next.context, values, err);
+}
+
 lac_sink cli_inbox_sink(cli_inbox *inbox)
 {
     const lac_sink *next = &inbox->next;
@@ -150,7 +156,8 @@ lac_sink cli_inbox_sink(cli_inbox *inbox)
                       .snapshot = next->snapshot != NULL ? on_snapshot : NULL,
                       .event = next->event != NULL ? on_event : NULL,
                       .keep = next->keep != NULL ? on_keep : NULL,
-                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
+                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL,
+                      .once = next->once != NULL ? on_once : NULL};
 }
 
 void cli_inbox_progress(cli_inbox *inbox, const lac_progress *progress)

@@ -65,16 +65,14 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
         unsigned bit;
         const char *what;
     } table[] = {
-        {LAC_BEYOND_ACCURACY, "solver.accuracy: lac_run makes no pilot runs: call "
-                              "lac_accuracy_choose before it"},
-        {LAC_BEYOND_ANALYSIS, "analysis: lac_run follows no indicators: give it the sink of "
-                              "lac_analysis_sink and clear LAC_BEYOND_ANALYSIS"},
-        {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields: give it a sink "
-                            "that does and clear LAC_BEYOND_OUTPUT"},
+        {LAC_BEYOND_ACCURACY, "solver.accuracy: lac_run makes no pilot runs"},
+        {LAC_BEYOND_ANALYSIS, "analysis: lac_run follows no indicators"},
+        {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields"},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         if ((beyond & table[i].bit) != 0) {
-            return lac_fail(err, LAC_EINPUT, "%s, or call lac_record_case", table[i].what);
+            return lac_fail(err, LAC_EINPUT, "%s: lac_simulation_run does all that a case asks",
+                            table[i].what);
         }
     }
     return LAC_OK;

@@ -99,8 +99,9 @@ out:
     return status;
 }
 
-lac_status lac_store_once(lac_store *s, const double *once, lac_error *err)
+lac_status lac_store_put_once(void *context, const double *once, lac_error *err)
 {
+    lac_store *s = context;
     lac_status status = LAC_OK;
     for (size_t i = 0; i < s->extras; i++) {
         if (s->extra[i].over != LAC_OVER_NOTHING) {

@@ -355,12 +355,6 @@ out:
     return status;
 }
 
-lac_sink lac_recording_sink(lac_recording *recording)
-{
-    return (lac_sink){
-        .context = recording, .record = put_record, .snapshot = put_snapshot, .event = put_event};
-}
-
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -373,6 +367,20 @@ lac_status lac_recording_once(lac_recording *recording, const double *once, lac_
     }
 out:
     return status;
+}
+
+static lac_status put_once(void *context, const double *once, lac_error *err)
+{
+    return lac_recording_once(context, once, err);
+}
+
+lac_sink lac_recording_sink(lac_recording *recording)
+{
+    return (lac_sink){.context = recording,
+                      .record = put_record,
+                      .snapshot = put_snapshot,
+                      .event = put_event,
+                      .once = put_once};
 }
 
 bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out)

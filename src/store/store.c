@@ -316,7 +316,8 @@ lac_sink lac_store_sink(lac_store *store)
                       .snapshot = put_snapshot,
                       .event = store->events != NULL ? lac_store_put_event : NULL,
                       .keep = keep,
-                      .checkpoint = put_checkpoint};
+                      .checkpoint = put_checkpoint,
+                      .once = lac_store_put_once};
 }
 
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,

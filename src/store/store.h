@@ -50,6 +50,7 @@ lac_status lac_store_reserve(lac_store *store, size_t bytes, lac_error *err);
 
 /// The sink's `event`. @param context  the store
 lac_status lac_store_put_event(void *context, const lac_event *event, lac_error *err);
+lac_status lac_store_put_once(void *context, const double *once, lac_error *err);
 
 /// Makes the store the continuation of the file at its path; what it holds up to the checkpoint is
 /// copied.

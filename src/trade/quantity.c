@@ -62,6 +62,12 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
     return probe->next.event != NULL ? probe->next.event(probe->next.context, event, err) : LAC_OK;
 }
 
+static lac_status on_once(void *context, const double *values, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    return probe->next.once != NULL ? probe->next.once(probe->next.context, values, err) : LAC_OK;
+}
+
 lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
 {
     return (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
@@ -69,8 +75,11 @@ lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
 
 lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
 {
-    return (lac_sink){
-        .context = probe, .record = on_record, .snapshot = on_snapshot, .event = on_event};
+    return (lac_sink){.context = probe,
+                      .record = on_record,
+                      .snapshot = on_snapshot,
+                      .event = on_event,
+                      .once = on_once};
 }
 
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,

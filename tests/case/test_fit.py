@@ -282,6 +282,17 @@ class Fit(unittest.TestCase):
                                 status=3)
         self.assertIn("no/o.nc", done.stderr)
 
+    def test_says_what_it_leaves_out(self):
+        """What a case asks of its run and a fit does without is said, before any other fault too."""
+        asked = ["--set", "time.stop_when.mean_slip=1 cm", "--set", "analysis={events: {slip_rate: 1 mm/s}}",
+                 "--set", "solver.fidelity=events"]
+        few = ["--set", "time.start=2021-01-01T00:00", "-q"]
+        said = self.fit(CASE, SERIES, *asked, *few[:2], status=2).splitlines()
+        self.assertEqual([line.split(": ")[3] for line in said if "warning" in line],
+                         ["time.stop_when", "solver.fidelity", "analysis"])
+        self.assertNotIn("warning", self.fit(CASE, SERIES, *few[:2], status=2))
+        self.assertNotIn("warning", self.fit(CASE, SERIES, *asked, *few, status=2))
+
     def test_spares_what_it_reads(self):
         """--force replaces neither the series nor the case, whatever they are called."""
         case, series = os.path.join(self.folder, "mine.yaml"), os.path.join(self.folder, "readings")

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/accuracy.h"
+#include "lacuna/simulation.h"
 #include "lacuna/store.h"
 #include "lacuna/trade.h"
 
@@ -95,14 +95,12 @@ lac_status whole_accuracy(const char *path, lac_error *err)
 {
     lac_status status;
     lac_case *c = NULL;
-    lac_scene *scene = NULL;
-    lac_accuracy_pick pick;
+    lac_simulation *simulation = NULL;
     (void)path;
     LAC_TRY(read_block(accurate, &c, err));
-    LAC_TRY(lac_scene_create(c, &scene, err));
-    LAC_TRY(lac_accuracy_choose(scene, c, NULL, &pick, err));
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
 out:
-    lac_scene_free(scene);
+    lac_simulation_free(simulation);
     lac_case_free(c);
     return status;
 }

@@ -41,36 +41,25 @@ static const char text[] =
     "analysis: {rg: {critical_fraction: 0.5}}\n"
     "compare: [{file: nowhere.csv, time: t, displacement: \"d:mm\"}]\n";
 
-static lac_status store_run(lac_case *c, const lac_scene *scene, const char *path, lac_error *err)
+static lac_status store_run(const lac_case *c, const char *path, lac_error *err)
 {
+    lac_simulation *simulation = NULL;
     lac_store *store = NULL;
-    lac_analysis *analysis = NULL;
-    const double *once;
-    lac_status status = LAC_OK;
-    lac_run_result result = {0};
-    lac_store_def def = {.path = path,
-                         .force = true,
-                         .provenance = {.title = c->title, .seed = 1},
-                         .dated = c->dated,
-                         .start_date = c->start_date,
-                         .domain = scene->contact.domain,
-                         .hierarchy = scene->hierarchy,
-                         .fields = c->fields,
-                         .compression = c->compression,
-                         .sync_every = 10};
-    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
-    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
+    lac_store_def def;
+    lac_status status;
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_file(simulation, &def, err));
+    def.path = path;
+    def.force = true;
+    def.sync_every = 10;
     LAC_TRY(lac_store_create(&def, &store, err));
-    LAC_TRY(lac_store_once(store, once, err));
-    lac_sink sink = lac_store_sink(store);
-    sink = lac_analysis_sink(analysis, &sink);
-    c->run.beyond = 0;
-    LAC_TRY(lac_run(scene->problem, &c->run, &sink, &result, err));
-    LAC_TRY(lac_analysis_finish(analysis, &result, err));
-    LAC_TRY(lac_store_finish(store, "complete", &result, 1.0, err));
+    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_sink sink = lac_store_sink(store);
+    LAC_TRY(lac_simulation_run(simulation, &sink, err));
+    LAC_TRY(lac_store_finish(store, of->status, &of->run, 1.0, err));
 out:
     lac_store_free(store);
-    lac_analysis_free(analysis);
+    lac_simulation_free(simulation);
     return status;
 }
 
@@ -79,21 +68,12 @@ lac_status whole_run(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_scene *scene = NULL;
     lac_case_report report = {0};
     const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
     const lac_case_request how = {.overrides = overrides, .count = 2};
     LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
-    char *resolved = lac_case_text(c);
-    if (resolved == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
-    free(resolved);
-    LAC_TRY(lac_scene_create(c, &scene, err));
-    LAC_TRY(store_run(c, scene, path, err));
+    LAC_TRY(store_run(c, path, err));
 out:
-    lac_scene_free(scene);
     lac_case_free(c);
     lac_case_report_clear(&report);
     return status;
@@ -187,51 +167,40 @@ static bool stop(void *context)
 // A part of the run of `stopped`: to a stop, or from its checkpoint to the end.
 static lac_status run_part(const lac_case *c, const char *path, int left, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    lac_scene *scene = NULL;
+    lac_simulation *simulation = NULL;
     lac_store *store = NULL;
-    lac_analysis *analysis = NULL;
+    lac_store_def def;
     lac_kept_checkpoint kept = {0};
-    lac_run_result result = {0};
-    const double *once;
+    lac_simulation_options options = lac_simulation_options_default();
+    lac_status status;
     const bool resumes = left == INT_MAX;
-    lac_run_def run = c->run;
-    run.beyond = 0;
-    run.interrupted = stop;
-    run.context = &left;
-    LAC_TRY(lac_scene_create(c, &scene, err));
-    LAC_TRY(lac_scene_analysis_create(scene, NULL, &analysis, err));
-    lac_store_def def = {.path = path,
-                         .force = !resumes,
-                         .provenance = {.case_text = "case", .libraries = "these"},
-                         .domain = scene->contact.domain,
-                         .hierarchy = scene->hierarchy,
-                         .fields = c->fields,
-                         .sync_every = 10,
-                         .events = true,
-                         .inputs = "cells.asc"};
+    options.interrupted = stop;
+    options.context = &left;
+    LAC_TRY(lac_simulation_create(c, &options, &simulation, err));
+    LAC_TRY(lac_simulation_file(simulation, &def, err));
+    def.path = path;
+    def.force = !resumes;
+    def.provenance.case_text = "case";
+    def.provenance.libraries = "these";
+    def.inputs = "cells.asc";
     if (resumes) {
         LAC_TRY(lac_kept_checkpoint_read(path, &kept, err));
         def.resume = &kept;
-        run.resume = &kept.from;
+        lac_simulation_resume(simulation, &kept.from);
     }
-    def.extras = lac_analysis_extras(analysis, &def.extra, &once);
     LAC_TRY(lac_store_create(&def, &store, err));
-    lac_sink sink = lac_store_sink(store);
-    sink = lac_analysis_sink(analysis, &sink);
-    lac_status ran = lac_run(scene->problem, &run, &sink, &result, err);
+    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_sink sink = lac_store_sink(store);
+    const lac_status ran = lac_simulation_run(simulation, &sink, err);
     status = ran;
     if (ran == LAC_OK || ran == LAC_EINTERRUPT) {
-        LAC_TRY(lac_analysis_finish(analysis, &result, err));
-        LAC_TRY(
-            lac_store_finish(store, ran == LAC_OK ? "complete" : "interrupted", &result, 1.0, err));
+        LAC_TRY(lac_store_finish(store, of->status, &of->run, 1.0, err));
         status = ran;
     }
 out:
     lac_store_free(store);
-    lac_analysis_free(analysis);
     lac_kept_checkpoint_clear(&kept);
-    lac_scene_free(scene);
+    lac_simulation_free(simulation);
     return status;
 }
 

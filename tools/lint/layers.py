@@ -35,9 +35,10 @@ USES = {
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
     "scene": ["case"],
     "fit": ["scene"],
+    "simulation": ["scene"],
     "trade": ["scene"],
     "report": ["store"],
-    "cli": ["fit", "trade", "report"],
+    "cli": ["simulation", "fit", "trade", "report"],
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
@@ -54,14 +55,11 @@ HEADERS = {
     "problem": "model",
     "rg_map": "rg",
     "rg_study": "rg",
-    "scene_analysis": "scene",
     "scene_rg": "scene",
     "store_cells": "store",
     "store_file": "store",
     "store_checkpoint": "store",
     "recording": "store",
-    "scene_record": "trade",
-    "accuracy": "trade",
     "sampler": "fit",
     "foresee": "fit",
     "sensitivity": "run",

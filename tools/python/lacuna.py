@@ -58,8 +58,9 @@ class _Recorded(ctypes.Structure):
 _INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
 
 
-class _Interruption(ctypes.Structure):
-    _fields_ = [("interrupted", _INTERRUPTED), ("context", ctypes.c_void_p)]
+class _Options(ctypes.Structure):
+    """The first of lac_simulation_options; its size tells the library that there are no more."""
+    _fields_ = [("size", ctypes.c_size_t), ("interrupted", _INTERRUPTED), ("context", ctypes.c_void_p)]
 
 
 def _library_path():
@@ -82,7 +83,7 @@ def _open():
         raise ImportError(f"{path}: not the library that this module is of", path=path)
     library.gsl_set_error_handler_off()  # GSL's own would end the process
     library.lac_version.restype = ctypes.c_char_p
-    shared = [ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(_Interruption),
+    shared = [ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(_Options),
               ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Error)]
     library.lac_record_case.argtypes = [ctypes.c_char_p, *shared]
     library.lac_record_case_text.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, *shared]
@@ -109,7 +110,7 @@ class _Stop:
     def __init__(self):
         self.asked = False
         self.callback = _INTERRUPTED(lambda _context: self.asked)
-        self.request = _Interruption(self.callback, None)
+        self.request = _Options(ctypes.sizeof(_Options), self.callback, None)
 
     def on_signal(self, _number, _frame):
         self.asked = True

@@ -4,7 +4,8 @@
 #include <stdio.h>
 
 #include "base/rg_rows.h"
-#include "lacuna/scene_analysis.h"
+#include "lacuna/scene_rg.h"
+#include "simulation/simulation.h"
 
 static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
 {
@@ -15,7 +16,7 @@ static void describe(const lac_analysis_rg *rg, double beta, size_t places, char
 
 // The cascade on the interface of the case itself.
 static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
-                              const lac_rg_watch *watch, lac_critical_fraction *out, lac_error *err)
+                              lac_critical_fraction *out, lac_error *err)
 {
     lac_scene_rg cascade;
     char how[LAC_ANALYSIS_TEXT / 2];
@@ -32,7 +33,7 @@ static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
     if (isnan(own.rg.friction)) {
         own.rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
     }
-    lac_status status = lac_scene_rg_run(&own, watch, &cascade, err);
+    lac_status status = lac_scene_rg_run(&own, NULL, &cascade, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "analysis.rg");
     }
@@ -43,8 +44,7 @@ static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
 }
 
 static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *rg,
-                                const lac_rg_watch *watch, lac_critical_fraction *out,
-                                lac_error *err)
+                                lac_critical_fraction *out, lac_error *err)
 {
     const lac_case *c = scene->source;
     *out = (lac_critical_fraction){
@@ -58,11 +58,10 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
                        "none: a single block has no cells to hand load on");
         return LAC_OK;
     }
-    return run_cascade(c, rg, watch, out, err);
+    return run_cascade(c, rg, out, err);
 }
 
-lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch *watch,
-                                     lac_analysis **out, lac_error *err)
+lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac_error *err)
 {
     const lac_slot_list *slots = &scene->source->analysis;
     lac_analysis_scene made_for = {.domain = scene->contact.domain,
@@ -74,7 +73,7 @@ lac_status lac_scene_analysis_create(const lac_scene *scene, const lac_rg_watch 
     for (size_t i = 0; i < slots->count; i++) {
         const lac_analysis_rg *rg = lac_analysis_cascade(&slots->item[i]);
         if (rg != NULL) {
-            LAC_TRY(find_critical(scene, rg, watch, &made_for.critical, err));
+            LAC_TRY(find_critical(scene, rg, &made_for.critical, err));
         }
     }
     if (slots->count > 0) {

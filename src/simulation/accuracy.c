@@ -1,35 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Settings that keep an error, picked by runs of the scene itself.
-#include "lacuna/accuracy.h"
-
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "simulation/simulation.h"
 
 enum { RUNGS = 10, EXPLICIT_RUNGS = 3 };
 
 static const double rtols[RUNGS] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 
+// What an accuracy is held to.
+static const char by_failure[] = "time of failure";
+static const char by_limit[] = "time of the limit";
+static const char by_slip[] = "mean slip";
+
 // One pilot run; value NaN: it could not be computed.
 typedef struct rung {
     double value, work;
-    lac_accuracy_of of;
+    const char *of;
 } rung;
 
 typedef struct search {
     lac_scene *scene;
     lac_case *c;
-    const lac_run_def *how;
+    const lac_simulation_options *options;
     rung at[RUNGS];
     size_t count;
     lac_accuracy_pick *pick;
 } search;
-
-const char *lac_accuracy_of_name(lac_accuracy_of of)
-{
-    static const char *const names[] = {[LAC_ACCURACY_FAILURE] = "time of failure",
-                                        [LAC_ACCURACY_STOP] = "time of the limit",
-                                        [LAC_ACCURACY_SLIP] = "mean slip"};
-    return names[of];
-}
 
 // A Newton solve in evaluations of the right-hand side: docs/speed.md; with elastic rock it
 // iterates.
@@ -41,9 +41,7 @@ static double solve_cost(const lac_case *c)
 
 static void read_result(const lac_case *c, const lac_run_result *r, rung *out)
 {
-    out->of = r->failed                ? LAC_ACCURACY_FAILURE
-              : r->end == LAC_END_STOP ? LAC_ACCURACY_STOP
-                                       : LAC_ACCURACY_SLIP;
+    out->of = r->failed ? by_failure : r->end == LAC_END_STOP ? by_limit : by_slip;
     out->value = r->failed                ? r->failure_origin + r->failure_local
                  : r->end == LAC_END_STOP ? r->time
                                           : r->mean_slip;
@@ -57,14 +55,11 @@ static lac_status pilot(search *s, double rtol, int64_t most_steps, rung *out, l
     lac_run_result result = {0};
     def.rtol = rtol;
     def.snapshots = false;
-    def.beyond = 0;
     def.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
     def.max_steps = most_steps < def.max_steps ? most_steps : def.max_steps;
-    if (s->how != NULL) {
-        def.interrupted = s->how->interrupted;
-        def.progress = s->how->progress;
-        def.context = s->how->context;
-    }
+    def.interrupted = s->options->interrupted;
+    def.progress = s->options->progress;
+    def.context = s->options->context;
     lac_status status = lac_run(s->scene->problem, &def, NULL, &result, err);
     read_result(s->c, &result, out);
     s->pick->pilots++;
@@ -115,8 +110,7 @@ static lac_status climb(search *s, lac_error *err)
     return lac_fail(err, LAC_ENUMERIC,
                     "no rtol down to %g keeps an accuracy of %g: the last decade changed the %s "
                     "by %.2g",
-                    rtols[RUNGS - 1], asked, lac_accuracy_of_name(s->at[RUNGS - 1].of),
-                    last_error(s));
+                    rtols[RUNGS - 1], asked, s->at[RUNGS - 1].of, last_error(s));
 }
 
 // Whether a run keeps the error, measured against the tightest.
@@ -162,10 +156,23 @@ static lac_status try_explicit(search *s, double least, lac_error *err)
     return status == LAC_OK ? turn(s, method, before, err) : status;
 }
 
-lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def *how,
+static void describe(const lac_case *c, lac_accuracy_pick *pick)
+{
+    static const char *const methods[] = {
+        [LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
+    pick->method = methods[c->run.method];
+    pick->formulation = lac_formulation_name((lac_formulation)c->formulation);
+    (void)snprintf(pick->text, sizeof pick->text,
+                   "rtol %g, method %s, formulation %s: error of the %s %.1e, asked %g, by %" PRId64
+                   " pilot runs",
+                   pick->rtol, pick->method, pick->formulation, pick->of, pick->estimated,
+                   pick->asked, pick->pilots);
+}
+
+lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_simulation_options *options,
                                lac_accuracy_pick *out, lac_error *err)
 {
-    search s = {.scene = scene, .c = c, .how = how, .pick = out};
+    search s = {.scene = scene, .c = c, .options = options, .pick = out};
     *out = (lac_accuracy_pick){.asked = c->accuracy};
     lac_status status = climb(&s, err);
     if (status != LAC_OK) {
@@ -182,9 +189,7 @@ lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_run_def 
         status = try_explicit(&s, s.at[k].work, err);
     }
     c->run.rtol = out->rtol;
-    out->method = c->run.method;
-    out->formulation = (lac_formulation)c->formulation;
     c->accuracy = NAN;
-    c->run.beyond &= ~(unsigned)LAC_BEYOND_ACCURACY;
+    describe(c, out);
     return status;
 }

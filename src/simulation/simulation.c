@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The one way from a case to what came out of its run.
+#include "simulation/simulation.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RECORDS_BETWEEN_SYNCS = 64 };
+
+struct lac_simulation {
+    lac_case source; // the caller's, which owns all, but for what pilot runs picked
+    lac_simulation_options options;
+    lac_scene *scene;
+    lac_analysis *analysis; // NULL where the case names no indicator
+    lac_accuracy_pick accuracy;
+    const lac_checkpoint *resume;
+    char *case_text; // NULL: not asked for yet
+    bool begun;
+    lac_outcome outcome;
+};
+
+lac_simulation_options lac_simulation_options_default(void)
+{
+    return (lac_simulation_options){.size = sizeof(lac_simulation_options)};
+}
+
+// Programs made with an older library know fewer options: the others stay as by default.
+static lac_status take_options(const lac_simulation_options *given, lac_simulation_options *own,
+                               lac_error *err)
+{
+    *own = lac_simulation_options_default();
+    if (given == NULL) {
+        return LAC_OK;
+    }
+    if (given->size < sizeof given->size || given->size > sizeof *own) {
+        return lac_fail(err, LAC_EINPUT,
+                        "the options of a simulation are %zu bytes, at most %zu are known: start "
+                        "from lac_simulation_options_default",
+                        given->size, sizeof *own);
+    }
+    memcpy(own, given, given->size);
+    return LAC_OK;
+}
+
+static void prepared(lac_simulation *s, lac_stage stage)
+{
+    if (s->options.prepared != NULL) {
+        s->options.prepared(s->options.context, stage, &s->outcome);
+    }
+}
+
+static lac_status build(lac_simulation *s, lac_error *err)
+{
+    lac_status status;
+    LAC_TRY(lac_scene_create(&s->source, &s->scene, err));
+    s->outcome.scene = s->scene;
+    prepared(s, LAC_STAGE_SCENE);
+    if (!isnan(s->source.accuracy)) {
+        LAC_TRY(lac_accuracy_choose(s->scene, &s->source, &s->options, &s->accuracy, err));
+        s->outcome.accuracy = &s->accuracy;
+    }
+    prepared(s, LAC_STAGE_ACCURACY);
+    LAC_TRY(lac_indicators_create(s->scene, &s->analysis, err));
+    s->outcome.analysis = s->analysis;
+    if (s->analysis != NULL) {
+        s->outcome.extras = lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
+    }
+    LAC_TRY(lac_run_check(s->scene->problem, &s->source.run, err));
+out:
+    return status;
+}
+
+// Sets a number of threads, 0: leaves it.
+// @return what sets it back
+static int set_threads(int threads)
+{
+    const int before = omp_get_max_threads();
+    if (threads > 0) {
+        omp_set_num_threads(threads);
+    }
+    return threads > 0 ? before : 0;
+}
+
+lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options *options,
+                                 lac_simulation **out, lac_error *err)
+{
+    *out = NULL;
+    lac_simulation *s = calloc(1, sizeof *s);
+    if (s == NULL) {
+        return lac_fail_memory(err);
+    }
+    s->source = *c;
+    s->source.run.beyond = 0; // all of it is done here
+    s->outcome = (lac_outcome){.source = &s->source, .status = "running"};
+    lac_status status = take_options(options, &s->options, err);
+    if (status == LAC_OK) {
+        const int before = set_threads(s->options.threads);
+        status = build(s, err);
+        (void)set_threads(before);
+    }
+    if (status != LAC_OK) {
+        lac_simulation_free(s);
+        return status;
+    }
+    *out = s;
+    return LAC_OK;
+}
+
+void lac_simulation_free(lac_simulation *simulation)
+{
+    if (simulation == NULL) {
+        return;
+    }
+    lac_analysis_free(simulation->analysis);
+    lac_scene_free(simulation->scene);
+    free(simulation->case_text);
+    free(simulation);
+}
+
+void lac_simulation_resume(lac_simulation *simulation, const lac_checkpoint *from)
+{
+    simulation->resume = from;
+}
+
+const lac_outcome *lac_simulation_result(const lac_simulation *simulation)
+{
+    return &simulation->outcome;
+}
+
+// What the indicators know by now.
+static lac_status put_once(lac_simulation *s, const lac_sink *sink, lac_error *err)
+{
+    if (s->analysis == NULL) {
+        return LAC_OK;
+    }
+    (void)lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
+    return sink != NULL && sink->once != NULL ? sink->once(sink->context, s->outcome.once, err)
+                                              : LAC_OK;
+}
+
+static lac_status sum_up(lac_simulation *s, const lac_sink *sink, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    if (s->analysis != NULL) {
+        LAC_TRY(lac_analysis_finish(s->analysis, &s->outcome.run, err));
+    }
+    LAC_TRY(put_once(s, sink, err));
+out:
+    return status;
+}
+
+static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *err)
+{
+    static const lac_sink nowhere;
+    lac_sink through;
+    lac_run_def def = s->source.run;
+    def.interrupted = s->options.interrupted;
+    def.progress = s->options.progress;
+    def.context = s->options.context;
+    def.resume = s->resume;
+    if (s->analysis != NULL) {
+        through = lac_analysis_sink(s->analysis, sink != NULL ? sink : &nowhere);
+    }
+    return lac_run(s->scene->problem, &def, s->analysis != NULL ? &through : sink, &s->outcome.run,
+                   err);
+}
+
+static const char *status_word(lac_status status)
+{
+    return status == LAC_OK ? "complete" : status == LAC_EINTERRUPT ? "interrupted" : "failed";
+}
+
+lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, lac_error *err)
+{
+    lac_simulation *s = simulation;
+    lac_error late = {""};
+    if (s->begun) {
+        return lac_fail(err, LAC_EINPUT, "%s: this simulation was run already", s->source.path);
+    }
+    s->begun = true;
+    const int before = set_threads(s->options.threads);
+    lac_status status = put_once(s, sink, err);
+    if (status == LAC_OK) {
+        status = integrate(s, sink, err);
+        // The indicators sum up however the run ended; why it broke counts for more.
+        const lac_status summed = sum_up(s, sink, &late);
+        if (summed != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
+            status = lac_fail(err, summed, "%s", late.message);
+        }
+    }
+    (void)set_threads(before);
+    s->outcome.status = status_word(status);
+    return status;
+}
+
+lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, lac_error *err)
+{
+    lac_simulation *s = simulation;
+    const lac_case *c = &s->source;
+    s->case_text = s->case_text != NULL ? s->case_text : lac_case_text(c);
+    if (s->case_text == NULL) {
+        return lac_fail_memory(err);
+    }
+    *out = (lac_store_def){.path = c->output_file,
+                           .provenance = lac_case_provenance(c, s->case_text),
+                           .dated = c->dated,
+                           .start_date = c->start_date,
+                           .domain = s->scene->contact.domain,
+                           .hierarchy = s->scene->hierarchy,
+                           .transfer = &s->scene->transfer,
+                           .fields = c->fields,
+                           .compression = c->compression,
+                           .single = c->single != 0,
+                           .sync_every = RECORDS_BETWEEN_SYNCS,
+                           .extras = s->outcome.extras,
+                           .extra = s->outcome.extra,
+                           .events = lac_analysis_has_events(s->analysis)};
+    out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
+    if (s->outcome.accuracy != NULL) {
+        out->provenance.accuracy = s->accuracy.text;
+        out->provenance.accuracy_asked = s->accuracy.asked;
+        out->provenance.accuracy_estimated = s->accuracy.estimated;
+    }
+    return LAC_OK;
+}

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A case from its definition to its outcome: what a sink of one's own gets, what is in the file,
+// and what the options do.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+// cmocka needs the headers above first
+#include <cmocka.h>
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "lacuna/lacuna.h"
+
+#define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
+
+static lac_case *read_block(size_t count, const lac_override *sets)
+{
+    const lac_case_request how = {.overrides = sets, .count = count};
+    lac_case_report report = {0};
+    lac_case *c = NULL;
+    assert_int_equal(lac_case_read(BLOCK, &how, &c, &report, NULL), LAC_OK);
+    lac_case_report_clear(&report);
+    return c;
+}
+
+static lac_simulation *create(const lac_case *c, const lac_simulation_options *options)
+{
+    lac_simulation *simulation = NULL;
+    lac_error err = {0};
+    if (lac_simulation_create(c, options, &simulation, &err) != LAC_OK) {
+        fail_msg("%s", err.message);
+    }
+    return simulation;
+}
+
+// theta_ss = (dc/v) x^-(b/a), times the published time for b/a = 1.35 and x = 0.5
+static double exact_failure(void) { return 604800 * pow(2, 1.35) * 0.856272305814; }
+
+// solver.accuracy is kept, and said; the case of the caller stays as it is.
+static void test_accuracy(void **state)
+{
+    (void)state;
+    const lac_override set = {"solver.accuracy", "1e-6"};
+    lac_case *c = read_block(1, &set);
+    const double rtol = c->run.rtol;
+    lac_simulation *simulation = create(c, NULL);
+    const lac_outcome *of = lac_simulation_result(simulation);
+    assert_string_equal(of->status, "running");
+    assert_int_equal(lac_simulation_run(simulation, NULL, NULL), LAC_OK);
+    assert_string_equal(of->status, "complete");
+    assert_true(of->run.failed && of->run.end == LAC_END_FAILURE);
+    const double failure = of->run.failure_origin + of->run.failure_local;
+    assert_true(fabs(failure / exact_failure() - 1) < 1e-6);
+    assert_true(of->accuracy->asked == 1e-6 && of->accuracy->estimated < 1e-6);
+    assert_string_equal(of->accuracy->of, "time of failure");
+    assert_non_null(strstr(of->accuracy->text, of->accuracy->method));
+    assert_true(of->source->run.rtol == of->accuracy->rtol);
+    assert_true(c->run.rtol == rtol && c->accuracy == 1e-6);
+    lac_simulation_free(simulation);
+    lac_case_free(c);
+}
+
+// What came to a sink of one's own.
+typedef struct seen {
+    size_t records, steps, snapshots, once;
+    double first, last; // values of the first extra quantity over nothing
+    int threads;
+} seen;
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    seen *s = context;
+    (void)err;
+    s->records += record->extra != NULL;
+    s->threads = omp_get_max_threads();
+    return LAC_OK;
+}
+
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
+{
+    seen *s = context;
+    (void)err;
+    s->steps += step->step > 0;
+    return LAC_OK;
+}
+
+static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
+{
+    seen *s = context;
+    (void)err;
+    s->snapshots += snapshot->slip != NULL;
+    return LAC_OK;
+}
+
+static lac_status on_once(void *context, const double *values, lac_error *err)
+{
+    seen *s = context;
+    (void)err;
+    s->first = s->once == 0 ? values[0] : s->first;
+    s->last = values[0];
+    s->once++;
+    return LAC_OK;
+}
+
+static lac_sink sink_of(seen *s)
+{
+    return (lac_sink){.context = s,
+                      .record = on_record,
+                      .snapshot = on_snapshot,
+                      .step = on_step,
+                      .once = on_once};
+}
+
+// Indicators, fields, steps: all that the case asks for comes to a sink, and the result has it too.
+static void test_own_sink(void **state)
+{
+    (void)state;
+    const lac_override sets[] = {{"analysis.rg.critical_fraction", "0.25"},
+                                 {"output.fields", "[slip]"},
+                                 {"output.fields_every", "1 day"},
+                                 {"time.end", "5 day"}};
+    lac_case *c = read_block(4, sets);
+    lac_simulation *simulation = create(c, NULL);
+    const lac_outcome *of = lac_simulation_result(simulation);
+    seen s = {0};
+    const lac_sink sink = sink_of(&s);
+    assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
+    assert_int_equal(s.steps, of->run.steps);
+    assert_int_equal(s.records, s.steps + 1);
+    assert_int_equal(s.snapshots, 6);
+    assert_int_equal(s.once, 2);
+    assert_true(s.first == 0.25 && s.last == 0.25 && of->once[0] == 0.25);
+    assert_non_null(lac_analysis_at(of->analysis, 0));
+    assert_true(of->extras > 0 && of->accuracy == NULL);
+    lac_error err = {0};
+    assert_int_equal(lac_simulation_run(simulation, NULL, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "run already"));
+    lac_simulation_free(simulation);
+    lac_case_free(c);
+}
+
+// Runs into the file that the case names, in this folder or another.
+static void write_file(lac_simulation *simulation, const char *path)
+{
+    lac_store *store = NULL;
+    lac_store_def def;
+    assert_int_equal(lac_simulation_file(simulation, &def, NULL), LAC_OK);
+    assert_string_equal(def.path, "block.nc");
+    def.path = path;
+    def.force = true;
+    assert_int_equal(lac_store_create(&def, &store, NULL), LAC_OK);
+    const lac_sink sink = lac_store_sink(store);
+    const lac_outcome *of = lac_simulation_result(simulation);
+    assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
+    assert_int_equal(lac_store_finish(store, of->status, &of->run, 1.0, NULL), LAC_OK);
+    lac_store_free(store);
+}
+
+// A file has what a recording has, indicators included, and says what was picked.
+static void test_file(void **state)
+{
+    (void)state;
+    const lac_override sets[] = {{"solver.accuracy", "1e-3"},
+                                 {"analysis.rg.critical_fraction", "0.25"}};
+    char path[] = "/tmp/lacuna-simulation-XXXXXX", text[4096];
+    const int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    (void)close(fd);
+    lac_case *c = read_block(2, sets);
+    lac_simulation *to_file = create(c, NULL), *to_memory = create(c, NULL);
+    lac_recording *recording = NULL;
+    write_file(to_file, path);
+    assert_int_equal(lac_simulation_record(to_memory, &recording, NULL), LAC_OK);
+    lac_recorded variable;
+    size_t compared = 0;
+    for (size_t i = 0; lac_recording_at(recording, i, &variable); i++) {
+        double *values = NULL;
+        size_t n = 0;
+        if (strcmp(variable.dimensions, "time") == 0 &&
+            lac_store_read(path, variable.name, &values, &n, NULL) == LAC_OK) {
+            assert_int_equal(n, variable.count);
+            for (size_t k = 0; k < n; k++) {
+                assert_true(values[k] == variable.values[k] ||
+                            (isnan(values[k]) && isnan(variable.values[k])));
+            }
+            compared++;
+        }
+        free(values);
+    }
+    assert_true(compared > 10);
+    assert_int_equal(lac_store_read_attribute(path, "accuracy", text, sizeof text, NULL), LAC_OK);
+    assert_string_equal(text, lac_simulation_result(to_file)->accuracy->text);
+    assert_int_equal(lac_store_read_attribute(path, "status", text, sizeof text, NULL), LAC_OK);
+    assert_string_equal(text, "complete");
+    lac_recording_free(recording);
+    lac_simulation_free(to_file);
+    lac_simulation_free(to_memory);
+    lac_case_free(c);
+    (void)unlink(path);
+}
+
+static bool at_once(void *context)
+{
+    (void)context;
+    return true;
+}
+
+static void test_options(void **state)
+{
+    (void)state;
+    const lac_override sets[] = {{"analysis.rg.critical_fraction", "0.25"}, {"time.end", "1 s"}};
+    lac_case *c = read_block(2, sets);
+    lac_simulation_options options = lac_simulation_options_default();
+    lac_simulation *simulation = NULL;
+    lac_error err = {0};
+    seen s = {0};
+    const lac_sink sink = sink_of(&s);
+    const int before = omp_get_max_threads();
+    options.threads = before + 2;
+    simulation = create(c, &options);
+    assert_int_equal(omp_get_max_threads(), before);
+    assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
+    assert_int_equal(s.threads, before + 2);
+    assert_int_equal(omp_get_max_threads(), before);
+    lac_simulation_free(simulation);
+
+    // a program made for fewer options: its structure ends after `context`
+    options.interrupted = at_once;
+    options.size = offsetof(lac_simulation_options, progress);
+    simulation = create(c, &options);
+    assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_EINTERRUPT);
+    assert_int_equal(s.threads, before);
+    assert_string_equal(lac_simulation_result(simulation)->status, "interrupted");
+    lac_simulation_free(simulation);
+
+    const size_t wrong[] = {0, sizeof options + 1};
+    for (size_t i = 0; i < 2; i++) {
+        options.size = wrong[i];
+        assert_int_equal(lac_simulation_create(c, &options, &simulation, &err), LAC_EINPUT);
+        assert_null(simulation);
+        assert_non_null(strstr(err.message, "lac_simulation_options_default"));
+    }
+    lac_case_free(c);
+}
+
+// What cannot start is refused before a file would be begun.
+static void test_cannot_start(void **state)
+{
+    (void)state;
+    const lac_override set = {"time.failure.mean_slip_rate", "1 mm/year"};
+    lac_case *c = read_block(1, &set);
+    lac_simulation *simulation = NULL;
+    lac_error err = {0};
+    assert_int_equal(lac_simulation_create(c, NULL, &simulation, &err), LAC_EINPUT);
+    assert_null(simulation);
+    assert_non_null(strstr(err.message, "is not below that of failure"));
+    lac_case_free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_accuracy),     cmocka_unit_test(test_own_sink),
+        cmocka_unit_test(test_file),         cmocka_unit_test(test_options),
+        cmocka_unit_test(test_cannot_start),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
