@@ -64,7 +64,7 @@ def typed(shell, script, line, *files):
         os.close(end)
         os.waitpid(child, 0)
     found = re.findall(r"(<[^\r\n]*)</END>", text.decode().replace("\b", ""))
-    assert found, text.decode()
+    assert found and b"_lacuna" not in text, text.decode()  # nor an error of the script
     return re.findall(r"<([^>]*)>", found[-1])
 
 
@@ -287,11 +287,11 @@ class Completion(unittest.TestCase):
         "lacuna run x --set load.sh\t2.rat\tv\t3": ["run", "x", "--set", "load.shear.2.ratio.value=3"],
         "lacuna run x --set 'solver.method=b\t": ["run", "x", "--set", "solver.method=bdf"],
         "lacuna run x --set='solver.method=b\t": ["run", "x", "--set=solver.method=bdf"],
-        "lacuna run x --set interface.sur\tfile.pa\tREAD\t":
-            ["run", "x", "--set", "interface.surface.file.path=README.md"],
+        "lacuna run x --set interface.sur\tfile.pa\tREAD\t--json":
+            ["run", "x", "--set", "interface.surface.file.path=README.md", "--json"],
         "lacuna run x --set 'interface.surface.file.path=READ\t":
             ["run", "x", "--set", "interface.surface.file.path=README.md"],
-        "lacuna run x --output=READ\t": ["run", "x", "--output=README.md"],
+        "lacuna run x --output=READ\t--json": ["run", "x", "--output=README.md", "--json"],
         "lacuna run x --outp\tREAD\t": ["run", "x", "--output", "README.md"],
         "lacuna fit x --set fit.errors=ar\t--json": ["fit", "x", "--set", "fit.errors=ar1", "--json"],
     }
