@@ -13,6 +13,10 @@ lacuna_lint(rows ${LACUNA_PYTHON} ${lint}/rows.py)
 lacuna_lint(sizes ${LACUNA_PYTHON} ${lint}/sizes.py)
 lacuna_lint(docs ${LACUNA_PYTHON} ${lint}/docs.py)
 lacuna_lint(spdx ${LACUNA_PYTHON} ${lint}/spdx.py)
+if(TARGET lacuna_shared)
+  set(exports --names $<TARGET_FILE:lacuna_shared>)
+endif()
+lacuna_lint(budgets ${LACUNA_PYTHON} ${lint}/budgets.py ${exports})
 
 # Sanitizers, fuzzers and coverage add symbols of their own.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ AND NOT CMAKE_C_FLAGS MATCHES "--coverage")

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 
+import budgets
 import docs
 import layers
 import rows
@@ -283,6 +284,47 @@ class Symbols(unittest.TestCase):
 
     def test_empty(self):
         self.assertEqual(len(self.complaints("static int a;")), 1)
+
+
+class Budgets(unittest.TestCase):
+    def measure(self, **files):
+        with tempfile.TemporaryDirectory() as root:
+            for name, text in files.items():
+                path = os.path.join(root, name.replace("__", "/").replace("_h", ".h").replace("_c", ".c"))
+                os.makedirs(os.path.dirname(path), exist_ok=True)
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text)
+            return budgets.measure(root)
+
+    def test_numbers(self):
+        found = self.measure(src__cli__a_c="// SPDX\n// Why.\n", src__base__b_c="// SPDX\n\n\n",
+                             include__lacuna__x_h="\n", src__fit__describe_c="// SPDX\n// Why.\n\n")
+        self.assertEqual(found["lines of src and include"], 9)
+        self.assertEqual(found["lines that only present results"], 5)
+        self.assertEqual(found["public headers"], 1)
+        self.assertEqual(found["files without an opening comment"], 1)
+
+    def test_circles(self):
+        one = {"src__base__a_h": '#include "base/b.h"\n', "src__base__b_c": '#include "base/a.h"\n'}
+        self.assertEqual(self.measure(**one)["circles of includes"], 1)
+        del one["src__base__b_c"]
+        self.assertEqual(self.measure(**one)["circles of includes"], 0)
+
+    def test_records(self):
+        found = self.measure(include__lacuna__run_h="\n", src__run__own_h='#include "lacuna/run.h"\n',
+                             src__run__r_c='// SPDX\n// Why.\n#include "own.h"\n',
+                             src__run__s_c="// SPDX\n// Why.\n")
+        self.assertEqual(found["objects that one field more in a record compiles anew"], 1)
+
+    def test_over(self):
+        old = dict(budgets.BUDGETS)
+        try:
+            budgets.BUDGETS["public headers"] = -1
+            with tempfile.TemporaryDirectory() as root, contextlib.redirect_stdout(io.StringIO()), \
+                    contextlib.redirect_stderr(io.StringIO()):
+                self.assertEqual(budgets.main([root]), 1)
+        finally:
+            budgets.BUDGETS.update(old)
 
 
 class Spdx(unittest.TestCase):
