@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -432,16 +431,15 @@ static void say_end(cli_view *view, const char *state, const char *message, page
                     bool last)
 {
     (void)pthread_mutex_lock(&view->lock);
-    page_data old = view->from_file;
-    view->from_file = from_file.json != NULL ? from_file : old;
+    if (from_file.json != NULL) {
+        free(view->from_file.json);
+        view->from_file = from_file;
+    }
     view->is.state = state;
     view->is.last = last;
     (void)snprintf(view->is.why.message, sizeof view->is.why.message, "%s", message);
     view->fresh = true;
     (void)pthread_mutex_unlock(&view->lock);
-    if (from_file.json != NULL) {
-        free(old.json);
-    }
 }
 
 // Until Ctrl-C, which may come to another thread, or for as long as the pages that are open take to

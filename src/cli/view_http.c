@@ -127,40 +127,30 @@ static bool is_local(const cli_http *http, struct MHD_Connection *connection)
     return false;
 }
 
-typedef struct header {
-    const char *name, *value;
-} header;
-
+// Sends a text of its own, which is freed; nothing where there is no memory for it.
 static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *connection,
-                               unsigned status, const header *more, struct MHD_Response *response)
+                               unsigned status, const char *type, const char *policy, char *text)
 {
-    static const header always[] = {{"Cache-Control", "no-store"},
-                                    {"X-Content-Type-Options", "nosniff"},
-                                    {"Referrer-Policy", "no-referrer"},
-                                    {"Cross-Origin-Resource-Policy", "same-origin"}};
+    const char *const headers[][2] = {{"Content-Type", type},
+                                      {"Content-Security-Policy", policy},
+                                      {"Cache-Control", "no-store"},
+                                      {"X-Content-Type-Options", "nosniff"},
+                                      {"Referrer-Policy", "no-referrer"},
+                                      {"Cross-Origin-Resource-Policy", "same-origin"},
+                                      {"Allow", "GET, HEAD"}};
+    const size_t count = sizeof headers / sizeof *headers - (status == 405 ? 0 : 1);
+    struct MHD_Response *response =
+        text != NULL ? http->mhd.from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE) : NULL;
     if (response == NULL) {
+        free(text);
         return MHD_NO;
     }
-    for (size_t i = 0; i < sizeof always / sizeof *always; i++) {
-        (void)http->mhd.add_header(response, always[i].name, always[i].value);
-    }
-    for (; more->name != NULL; more++) {
-        (void)http->mhd.add_header(response, more->name, more->value);
+    for (size_t i = 0; i < count; i++) {
+        (void)http->mhd.add_header(response, headers[i][0], headers[i][1]);
     }
     const enum MHD_Result done = http->mhd.queue(connection, status, response);
     http->mhd.destroy(response);
     return done;
-}
-
-// A response with a text of its own, which is freed with it; NULL without memory.
-static struct MHD_Response *respond(const cli_http *http, char *text)
-{
-    struct MHD_Response *response =
-        http->mhd.from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
-    if (response == NULL) {
-        free(text); // it was not taken
-    }
-    return response;
 }
 
 #define CLOSED_POLICY "default-src 'none'; frame-ancestors 'none'"
@@ -169,12 +159,8 @@ static struct MHD_Response *respond(const cli_http *http, char *text)
 static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *connection,
                               unsigned status, const char *words)
 {
-    const header more[] = {{"Content-Type", "text/plain; charset=utf-8"},
-                           {"Content-Security-Policy", CLOSED_POLICY},
-                           {status == 405 ? "Allow" : NULL, "GET, HEAD"},
-                           {NULL, NULL}};
-    char *copy = strdup(words);
-    return copy != NULL ? deliver(http, connection, status, more, respond(http, copy)) : MHD_NO;
+    return deliver(http, connection, status, "text/plain; charset=utf-8", CLOSED_POLICY,
+                   strdup(words));
 }
 
 static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *connection)
@@ -192,13 +178,8 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
                    "img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
                    "frame-ancestors 'none'",
                    nonce, nonce);
-    const header more[] = {{"Content-Type", "text/html; charset=utf-8"},
-                           {"Content-Security-Policy", policy},
-                           {NULL, NULL}};
-    if (lac_report_live_page(nonce, &html, NULL) != LAC_OK) {
-        return MHD_NO;
-    }
-    return deliver(http, connection, MHD_HTTP_OK, more, respond(http, html));
+    (void)lac_report_live_page(nonce, &html, NULL); // NULL where it fails
+    return deliver(http, connection, MHD_HTTP_OK, "text/html; charset=utf-8", policy, html);
 }
 
 // Slow ones must not keep others out: one more than there is room for shuts the one that has been
@@ -273,17 +254,13 @@ static uint64_t version_of(const char *since)
 
 static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connection, bool head)
 {
-    static const header more[] = {{"Content-Type", "application/json"},
-                                  {"Content-Security-Policy", CLOSED_POLICY},
-                                  {NULL, NULL}};
     const char *since = http->mhd.lookup(connection, MHD_GET_ARGUMENT_KIND, "since");
     guest *g = guest_of(http, connection);
     g->waits = g->waits || (since != NULL && !head);
     tell_waiting(http);
     char *json = http->def.data(http->def.context, version_of(since), &g->told);
     g->told = g->told && !head;
-    return json != NULL ? deliver(http, connection, MHD_HTTP_OK, more, respond(http, json))
-                        : MHD_NO;
+    return deliver(http, connection, MHD_HTTP_OK, "application/json", CLOSED_POLICY, json);
 }
 
 static enum MHD_Result answer(void *context, struct MHD_Connection *connection, const char *url,

@@ -240,15 +240,10 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     if (def->events) {
         LAC_TRY(define_columns(r, LAC_EVENT_COLUMNS, lac_event_columns, "event", err));
     }
-    if (def->domain != NULL) {
-        r->cells = def->domain->n;
-    }
-    if (def->domain != NULL && !def->passing) {
-        LAC_TRY(put_cells(r, def->domain, err));
-    }
-    if (def->domain != NULL && !def->passing && def->hierarchy != NULL) {
-        LAC_TRY(put_levels(r, def, err));
-    }
+    r->cells = def->domain != NULL ? def->domain->n : 0;
+    const bool whole = def->domain != NULL && !def->passing;
+    LAC_TRY(whole ? put_cells(r, def->domain, err) : LAC_OK);
+    LAC_TRY(whole && def->hierarchy != NULL ? put_levels(r, def, err) : LAC_OK);
     *out = r;
     r = NULL;
 out:
