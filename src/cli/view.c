@@ -150,10 +150,8 @@ static void make_next(cli_view *view, bool last)
     if (!view->stale || !(issue || is_due(&view->data, begun))) {
         return;
     }
-    const page_data made = make_data(view, view->whole,
-                                     last    ? ALL_FORECASTS
-                                     : issue ? SOME_FORECASTS
-                                             : NO_FORECASTS);
+    const int issues = last ? ALL_FORECASTS : issue ? SOME_FORECASTS : NO_FORECASTS;
+    const page_data made = make_data(view, view->whole, issues);
     const double now = cli_clock();
     pace *of = issue ? &view->issue : &view->data;
     view->data.at = now;
@@ -316,6 +314,7 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
     as.passing = true;
     LAC_TRY(lac_recording_create(&as, &view->taken, err));
     LAC_TRY(lac_recording_create(&as, &view->coming, err));
+    view->into = lac_recording_sink(view->coming);
     LAC_TRY(describe(view, def, err));
     if (def->resume != NULL) {
         LAC_TRY(lac_recording_load(view->coming, def->path, def->resume, err));
@@ -335,9 +334,7 @@ void cli_view_begin(cli_view *view, const lac_store_def *def, const double *once
     lac_error err = {0};
     view->path = def->path;
     const bool recorded = record(view, def, once, &err) == LAC_OK;
-    if (recorded) {
-        view->into = lac_recording_sink(view->coming);
-    } else {
+    if (!recorded) {
         cli_note("warning: --view shows no charts: %s", err.message);
     }
     (void)pthread_mutex_lock(&view->lock);
