@@ -120,9 +120,6 @@ target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/memor
 # Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
 set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)
 
-# What a page of a run that goes on is made from.
-target_sources(unit_test_view_inbox PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/view_inbox.c)
-
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)

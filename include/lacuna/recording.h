@@ -19,6 +19,7 @@ typedef struct lac_recording_def {
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond
     bool events;            ///< a catalogue of events comes along
+    bool passing;           ///< only what lac_recording_move moves: nothing of levels and places
 } lac_recording_def;
 
 /// One variable. What it points to holds until the recording is written to or freed.
@@ -55,6 +56,13 @@ lac_status lac_recording_text(lac_recording *recording, const char *name, const 
 
 /// Such a text; NULL where there is none.
 const char *lac_recording_text_of(const lac_recording *recording, const char *name);
+
+/// Moves all records, snapshots and events behind those of another recording. The one that is left
+/// empty goes on as it would have: the instant of its last record again says nothing new.
+/// @param recording  of the same def, but for `passing`; nothing else fills it
+/// @return LAC_OK; LAC_ENOMEM: what was to be moved is dropped
+/// @cost   where `recording` has none yet that of some pointers, and it cannot fail; else a copy
+lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err);
 
 /// Keeps some places along a dimension, and drops the others for good.
 /// @param dimension  "time" (records), "snapshot" or "event"

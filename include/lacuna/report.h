@@ -46,8 +46,8 @@ lac_status lac_report_page(const lac_report_def *def, char **html, lac_error *er
 lac_status lac_report_write(const lac_report_def *def, const char *path, bool force,
                             lac_error *err);
 
-/// The page of a run that goes on: without data, which its script asks for at `data`, on what it is
-/// told at `events`. docs/report.md
+/// The page of a run that goes on: without data, which its script asks for at `data` again and
+/// again. docs/report.md
 /// @param nonce  of the Content-Security-Policy that it is sent with
 /// @param html   ends in '\0'; the caller frees it; NULL where it fails
 /// @return LAC_OK; LAC_ENOMEM

@@ -2,9 +2,9 @@
 // In the place of view_http.c where libmicrohttpd's headers were not there to build it.
 #include "cli/view_http.h"
 
-lac_status cli_http_start(unsigned port, cli_feed *feed, cli_http **out, lac_error *err)
+lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out, lac_error *err)
 {
-    (void)port, (void)feed;
+    (void)port, (void)def;
     *out = NULL;
     return lac_fail(err, LAC_EIO, "--view: this lacuna was built without libmicrohttpd's headers");
 }

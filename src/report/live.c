@@ -14,47 +14,32 @@ enum {
     SHOT_BYTES = 1 << 28
 };
 
-static void put_nonce(lac_page_text *text, const char *tag, const char *nonce)
+// HTML, its own scripts and styles given the nonce.
+static void put_html(lac_page_text *text, const char *html, const char *end, const char *nonce)
 {
-    lac_page_raw(text, tag, strlen(tag) - 1);
-    lac_page_puts(text, " nonce=\"");
-    lac_page_puts(text, nonce);
-    lac_page_puts(text, "\">");
-}
-
-// The HTML up to a mark, its own scripts and styles given the nonce; what follows the mark.
-static const char *put_part(lac_page_text *text, const char *html, const char *mark,
-                            const char *nonce)
-{
-    static const char *const tags[] = {"<script>", "<style>"};
-    const size_t length = mark != NULL ? (size_t)(strstr(html, mark) - html) : strlen(html);
-    const char *end = html + length;
-    while (html < end) {
-        const char *open = memchr(html, '<', (size_t)(end - html));
-        const char *stop = open != NULL ? open : end;
-        lac_page_raw(text, html, (size_t)(stop - html));
-        html = stop;
-        for (size_t t = 0; t < sizeof tags / sizeof *tags && html == stop && html < end; t++) {
-            if (strncmp(html, tags[t], strlen(tags[t])) == 0) {
-                put_nonce(text, tags[t], nonce);
-                html += strlen(tags[t]);
-            }
+    for (const char *at = html; at < end; at++) {
+        if ((at - html >= 7 && strncmp(at - 7, "<script>", 8) == 0) ||
+            (at - html >= 6 && strncmp(at - 6, "<style>", 7) == 0)) {
+            lac_page_puts(text, " nonce=\"");
+            lac_page_puts(text, nonce);
+            lac_page_puts(text, "\"");
         }
-        if (html == stop && html < end) {
-            lac_page_raw(text, html++, 1);
-        }
+        lac_page_raw(text, at, 1);
     }
-    return mark != NULL ? end + strlen(mark) : end;
 }
 
 lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err)
 {
+    static const char *const marks[][2] = {{"@TITLE@", "Lacuna"}, {"@DATA@", "{\"live\":true}"}};
+    const char *rest = (const char *)lac_page_html;
     lac_page_text text = {0};
-    const char *rest = put_part(&text, (const char *)lac_page_html, "@TITLE@", nonce);
-    lac_page_puts(&text, "Lacuna");
-    rest = put_part(&text, rest, "@DATA@", nonce);
-    lac_page_puts(&text, "{\"live\":true}");
-    (void)put_part(&text, rest, NULL, nonce);
+    for (size_t m = 0; m < sizeof marks / sizeof *marks; m++) {
+        const char *mark = strstr(rest, marks[m][0]);
+        put_html(&text, rest, mark, nonce);
+        lac_page_puts(&text, marks[m][1]);
+        rest = mark + strlen(marks[m][0]);
+    }
+    put_html(&text, rest, rest + strlen(rest), nonce);
     *html = text.broken ? NULL : text.at;
     if (text.broken) {
         lac_page_text_clear(&text);

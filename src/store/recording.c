@@ -63,7 +63,7 @@ void lac_recording_free(lac_recording *recording)
     free(recording);
 }
 
-static lac_status append(variable *v, const double *values, size_t n, lac_error *err)
+static lac_status make_room(variable *v, size_t n, lac_error *err)
 {
     if (v->room - v->seen.count < n) {
         size_t room = v->seen.count + n + v->room; // at least doubled
@@ -71,13 +71,20 @@ static lac_status append(variable *v, const double *values, size_t n, lac_error 
         if (grown == NULL) {
             return lac_fail_memory(err);
         }
-        v->values = grown;
+        v->seen.values = v->values = grown;
         v->room = room;
     }
-    memcpy(v->values + v->seen.count, values, n * sizeof *values);
-    v->seen.count += n;
-    v->seen.values = v->values;
     return LAC_OK;
+}
+
+static lac_status append(variable *v, const double *values, size_t n, lac_error *err)
+{
+    const lac_status status = make_room(v, n, err);
+    if (status == LAC_OK) {
+        memcpy(v->values + v->seen.count, values, n * sizeof *values);
+        v->seen.count += n;
+    }
+    return status;
 }
 
 static lac_status define(lac_recording *r, const char *name, const char *unit,
@@ -233,13 +240,10 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     if (def->events) {
         LAC_TRY(define_columns(r, LAC_EVENT_COLUMNS, lac_event_columns, "event", err));
     }
-    if (def->domain != NULL) {
-        r->cells = def->domain->n;
-        LAC_TRY(put_cells(r, def->domain, err));
-    }
-    if (def->domain != NULL && def->hierarchy != NULL) {
-        LAC_TRY(put_levels(r, def, err));
-    }
+    r->cells = def->domain != NULL ? def->domain->n : 0;
+    const bool whole = def->domain != NULL && !def->passing;
+    LAC_TRY(whole ? put_cells(r, def->domain, err) : LAC_OK);
+    LAC_TRY(whole && def->hierarchy != NULL ? put_levels(r, def, err) : LAC_OK);
     *out = r;
     r = NULL;
 out:
@@ -451,6 +455,30 @@ lac_status lac_recording_append(lac_recording *recording, size_t index, const do
                                 size_t n, lac_error *err)
 {
     return append(&recording->variable[index], values, n, err);
+}
+
+lac_status lac_recording_reserve(lac_recording *recording, const lac_recording *from, size_t index,
+                                 lac_error *err)
+{
+    variable *v = &recording->variable[index];
+    return v->seen.count > 0 ? make_room(v, from->variable[index].seen.count, err) : LAC_OK;
+}
+
+void lac_recording_pour(lac_recording *recording, lac_recording *from, size_t index)
+{
+    variable *v = &recording->variable[index], *of = &from->variable[index];
+    const variable old = *v;
+    if (old.seen.count > 0) {
+        memcpy(v->values + old.seen.count, of->values, of->seen.count * sizeof *v->values);
+        free(of->values);
+    } else {
+        free(old.values);
+        v->seen.values = v->values = of->values;
+        v->room = of->room;
+    }
+    v->seen.count += of->seen.count;
+    of->seen.values = of->values = NULL;
+    of->seen.count = of->room = 0;
 }
 
 void lac_recording_resume(lac_recording *recording, double origin, double local)

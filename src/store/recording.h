@@ -12,6 +12,13 @@ enum { LAC_RECORDING_NAME = 128 };
 lac_status lac_recording_append(lac_recording *recording, size_t index, const double *values,
                                 size_t n, lac_error *err);
 
+/// Makes room for lac_recording_pour. @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_reserve(lac_recording *recording, const lac_recording *from, size_t index,
+                                 lac_error *err);
+
+/// Moves a variable's values behind those of another recording; where that has none, the array.
+void lac_recording_pour(lac_recording *recording, lac_recording *from, size_t index);
+
 /// Says which record is the last one: the same instant again says nothing new.
 void lac_recording_resume(lac_recording *recording, double origin, double local);
 

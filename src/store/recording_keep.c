@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A recording that is thinned, or begun with what a file holds.
+// A recording that is thinned, handed on, or begun with what a file holds.
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,14 +31,21 @@ static size_t places(const lac_recording *recording, const char *dimension)
     return 0;
 }
 
-size_t lac_recorded_places(const lac_recording *recording, const lac_recorded *seen)
+// The dimension along which a run adds to a variable as it goes on; NULL: it does not.
+static const char *grows_along(const lac_recorded *seen)
 {
     for (size_t a = 0; a < AXES; a++) {
         if (runs_over(seen, axes[a][0])) {
-            return places(recording, axes[a][0]);
+            return axes[a][0];
         }
     }
-    return seen->dimensions[0] == '\0' ? 1 : seen->count;
+    return NULL;
+}
+
+size_t lac_recorded_places(const lac_recording *recording, const lac_recorded *seen)
+{
+    const char *along = grows_along(seen);
+    return along != NULL ? places(recording, along) : seen->dimensions[0] == '\0' ? 1 : seen->count;
 }
 
 static size_t compact(double *values, size_t n, size_t width, const uint8_t *keep)
@@ -62,6 +69,24 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
             lac_recording_cut(recording, v, compact(values, n, seen.count / n, keep));
         }
     }
+}
+
+lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err)
+{
+    lac_recorded seen;
+    lac_status status = LAC_OK;
+    for (size_t v = 0; status == LAC_OK && lac_recording_at(from, v, &seen); v++) {
+        status =
+            grows_along(&seen) != NULL ? lac_recording_reserve(recording, from, v, err) : LAC_OK;
+    }
+    for (size_t v = 0; lac_recording_at(from, v, &seen); v++) {
+        if (grows_along(&seen) != NULL && status != LAC_OK) {
+            lac_recording_cut(from, v, 0);
+        } else if (grows_along(&seen) != NULL && seen.count > 0) {
+            lac_recording_pour(recording, from, v);
+        }
+    }
+    return status;
 }
 
 static lac_status missing(const char *name, lac_error *err)

@@ -66,8 +66,12 @@ def contents(path):
         return {name: variable[...].tobytes() for name, variable in file.variables.items()}
 
 
-def running(event):
-    return event["state"] == "running" and event["version"] > 0
+def running(run):
+    return run["state"] == "running" and run["version"] > 0
+
+
+def ended(run):
+    return run["last"]
 
 
 def others(process):
@@ -83,8 +87,9 @@ def blocks(process, thread, number):
 
 
 def of_the_run(data):
-    """The data without what is of their own making."""
-    return data | {"about": {key: value for key, value in data["about"].items() if key not in OWN}}
+    """The data without what is of their own making, and without where the run stands."""
+    own = {key: value for key, value in data["about"].items() if key not in OWN}
+    return {key: value for key, value in data.items() if key != "run"} | {"about": own}
 
 
 class View(unittest.TestCase):
@@ -99,6 +104,11 @@ class View(unittest.TestCase):
         self.addCleanup(run.process.wait)
         self.addCleanup(run.process.kill)
         return run
+
+    def page(self, run, since=0):
+        page = view_run.Page(run.port, since)
+        self.addCleanup(page.close)
+        return page
 
     def finish(self, run, held=None, status=0):
         if held is not None:
@@ -129,15 +139,18 @@ class View(unittest.TestCase):
         self.assertNotIn("@TITLE@", text)
         self.assertNotIn("@DATA@", text)
         self.assertNotEqual(run.ask("/")[1]["Content-Security-Policy"], headers["Content-Security-Policy"])
-        for path in ("/", "/events"):
+        for path in ("/", "/data", "/data?since=0"):
             self.assertEqual(run.ask(path, "HEAD")[::2], (200, ""))
         self.finish(run, held)
 
     def test_what_is_refused(self):
         run = self.start()
         held = run.wait_until_held(2)
-        for path in ("/out.nc", "/c.yaml", "/../c.yaml", "/..%2fc.yaml", "//etc/passwd", "/data/", "/page.css", "/%00"):
+        for path in ("/out.nc", "/c.yaml", "/../c.yaml", "/..%2fc.yaml", "//etc/passwd", "/data/", "/events", "/page.css", "/%00",
+                     "/d%61ta", "/" + "x" * 5000):
             self.assertEqual(run.ask(path)[0], 404, path)
+        for path in ("/" + "x" * 100000, "/data?since=" + "1" * 100000):
+            self.assertEqual(run.ask(path)[0], 414, path[:20])
         for method in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE"):
             status, headers, _ = run.ask("/data", method, body=None if method in ("OPTIONS", "TRACE") else "x")
             self.assertEqual((status, headers["Allow"]), (405, "GET, HEAD"), method)
@@ -167,7 +180,8 @@ class View(unittest.TestCase):
     def test_data_are_those_of_the_report(self):
         """Of a held run, made from memory, against its file up to there; in the end, and after it."""
         run = self.start(counts=(2, 6))
-        stream = run.events()
+        page = self.page(run)
+        page.ask()
         for count, least in ((2, 2), (6, 6)):
             held = run.wait_until_held(count)
             file = self.kept(run)
@@ -175,6 +189,7 @@ class View(unittest.TestCase):
             self.assertEqual(told["about"]["status"], "running")
             self.assertEqual(told["about"]["title"], 'A slope that is "watched" & <told>')
             self.assertGreater(len(told["cells"]["snapshot_time"]), least)
+            self.assertEqual(told.pop("run")["state"], "running")
             sections = set(file) - {"about", "forecasts"}  # a live page makes fewer forecasts, as time allows
             self.assertLessEqual({"motion", "solver", "cells", "levels"}, sections)
             self.assertEqual(set(told) - {"about", "forecasts"}, sections)
@@ -183,33 +198,98 @@ class View(unittest.TestCase):
             for key in set(file["about"]) - OWN:
                 self.assertEqual(told["about"].get(key), file["about"][key], key)
             run.release(held)
-        end = stream.until(lambda event: event["last"])
+            page.ask()
+        end = page.until(ended)
         self.assertEqual((end["state"], end["message"]), ("failure", ""))
-        final = run.data()
-        self.assertEqual(list(stream), [])  # the stream ends
+        final = page.data
         self.finish(run)
         self.assertEqual(of_the_run(final), of_the_run(self.report(run.path)))
 
-    def test_reconnection(self):
+    def test_what_is_new(self):
+        """A page is given the data that it does not have, and where the run stands every time."""
         run = self.start()
         held = run.wait_until_held(2)
-        first = run.events()
-        event = first.until(running)
-        seen = first.id
-        first.close()
-        again = run.events()
-        self.assertEqual(next(again)["state"], "running")  # without an id: where it stands
-        again.close()
-        foreign = run.events("123.456.7")
-        self.assertEqual(next(foreign)["state"], "running")  # of another process
-        foreign.close()
-        later = run.events(seen)
+        page = self.page(run)
+        first = page.until(running)
+        self.assertGreater(page.data["motion"]["records"], 2)
+        for key in ("time", "end", "rate", "steps"):
+            self.assertGreater(first[key], 0, key)
+        self.assertEqual((first["last"], first["missing"], first["message"]), (False, False, ""))
+        self.assertEqual(page.until(lambda run: page.told == {}), first)  # nothing new: a run that is held
+        for since in ("", "x", "-1", "1e3", "0x10", "999999999999999", "9" * 40, f"{page.since - 1}", f"{page.since + 1}", "%30", "0&since=1"):
+            told = json.loads(run.ask("/data?since=" + since)[2])
+            self.assertEqual(told["run"]["version"], page.since, since)
+            self.assertEqual(told["motion"], page.data["motion"], since)
+        for query in ("", "?", "?since", "?page=1"):
+            self.assertEqual(json.loads(run.ask("/data" + query)[2])["motion"], page.data["motion"], query)
         run.release(held)
-        self.assertGreaterEqual(next(later)["version"], event["version"])  # not the same again
-        self.assertNotEqual(later.id, seen)
-        self.assertEqual(later.until(lambda e: e["last"])["state"], "failure")
-        self.assertEqual(run.data()["about"]["failed"], 1)
+        page.until(lambda run: run["version"] > first["version"])
+        self.assertEqual(page.until(ended)["state"], "failure")
+        self.assertEqual(page.data["about"]["failed"], 1)
         self.finish(run)
+
+    def test_before_the_first_step(self):
+        """While the scene is made there is only the state."""
+        run = self.start(counts=(), case=SURFACE)
+        page = self.page(run)
+        state = page.ask()
+        if page.data is None:  # the machine may be quicker
+            self.assertEqual((state["state"], state["version"], page.told), ("preparing", 0, {}))
+        page.until(ended)
+        self.assertEqual(page.data["about"]["status"], "complete")
+        self.finish(run)
+
+    def test_forecasts_reach_every_page(self):
+        """They come with few of the data: a page that asks rarely is given those first."""
+        run = self.start(counts=(6, 7))
+        held = run.wait_until_held(6)
+        page = self.page(run)
+        page.until(running)
+        self.assertIn("forecasts", page.data)
+        had = page.since
+        run.release(held)
+        held = run.wait_until_held(7)
+        page.until(lambda run: run["version"] > had)
+        late = self.page(run, had - 1)
+        if "forecasts" not in page.data:  # they may have been due again
+            late.ask()
+            self.assertEqual(late.since, had)
+            self.assertIn("forecasts", late.data)
+        late.until(lambda run: run["version"] == page.since)
+        self.finish(run, held)
+
+    def test_two_pages(self):
+        """Both see the same, and both see the end, the one that had gone for a while too."""
+        run = self.start()
+        held = run.wait_until_held(2)
+        pages = [self.page(run), self.page(run)]
+        for page in pages:
+            page.until(running)
+        self.assertEqual(pages[0].data, pages[1].data)
+        pages[1].close()
+        run.release(held)
+        pages[1].ask()  # is back, and waited for
+        for page in pages:
+            self.assertEqual(page.until(ended)["state"], "failure")
+        self.assertEqual(pages[0].data, pages[1].data)
+        self.finish(run)
+
+    def test_who_goes_midway(self):
+        """A client that is gone before its answer is there, or while it is sent, takes nothing along."""
+        run = self.start()
+        held = run.wait_until_held(2)
+        whole = run.data_of(3)
+        for size in (0, 1, 1000):
+            for path in ("/", "/data", "/data?since=0"):
+                for _ in range(10):
+                    with socket.create_connection(("127.0.0.1", run.port)) as gone:
+                        gone.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # reset
+                        gone.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{run.port}\r\n\r\n".encode())
+                        if size:
+                            gone.recv(size)
+        self.assertEqual(run.data()["motion"], whole["motion"])
+        self.assertEqual(len(others(run.process.pid)), 1)
+        self.finish(run, held)
 
     def test_many_and_hanging_pages(self):
         run = self.start()
@@ -218,23 +298,22 @@ class View(unittest.TestCase):
         silent[0].sendall(b"GET / HTTP/1.1\r\nHost: ")  # and never goes on
         deaf = socket.create_connection(("127.0.0.1", run.port))  # asks, never reads
         deaf.sendall(b"GET /data HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % run.port)
-        streams = [run.events() for _ in range(16)]
-        self.assertEqual({stream.status for stream in streams}, {200})
-        self.assertEqual(run.events().status, 503)
+        pages = [self.page(run) for _ in range(16)]
+        for page in pages:
+            page.until(running)
+        self.assertEqual(len(others(run.process.pid)), 1)  # one thread for all of them
         self.assertEqual(run.ask("/")[0], 200)
-        for stream in streams:
-            stream.close()
         self.finish(run, held)
         for connection in (*silent, deaf):
             connection.close()
 
     def test_slow_connections_keep_nobody_out(self):
-        """Ever more that send a byte now and then, or read none: page, data and streams come as before."""
+        """Ever more that send a byte now and then, or read none: page and data come as before."""
         run = self.start()
         held = run.wait_until_held(2)
         head = f"GET /data HTTP/1.1\r\nHost: 127.0.0.1:{run.port}\r\n".encode()
-        watched = [run.events() for _ in range(3)]
-        slow, page = [], run.ask("/")[2]
+        watched = [self.page(run) for _ in range(3)]
+        slow, html = [], run.ask("/")[2]
         for i in range(100):
             slow.append(socket.create_connection(("127.0.0.1", run.port)))
             slow[-1].sendall(head + (b"\r\n" if i % 3 == 0 else b"X: "))  # every third never reads
@@ -245,23 +324,20 @@ class View(unittest.TestCase):
                     pass  # shown out
             if i % 9 == 8:
                 began = time.monotonic()
-                self.assertEqual(len(run.ask("/")[2]), len(page))
+                self.assertEqual(len(run.ask("/")[2]), len(html))
                 self.assertEqual(run.data()["about"]["title"], run.data()["about"]["title"])
+                for page in watched:  # they ask often enough to be let alone
+                    self.assertEqual(page.ask()["state"], "running")
                 self.assertLess(time.monotonic() - began, 5)
-        watched.append(run.events())
-        for stream in watched:  # were let alone
-            self.assertEqual(stream.status, 200)
-            stream.until(running)
-            stream.close()
+        for page in watched:
+            self.assertIsNotNone(page.data)
         self.finish(run, held)
         for connection in slow:
             connection.close()
 
     def test_outputs_are_the_same(self):
         run = self.start(counts=(), name="viewed.nc")
-        stream = run.events()
-        stream.until(lambda event: event["last"])
-        run.data()
+        self.page(run).until(ended)
         out, err = self.finish(run)
         self.assertEqual(err.count("http://"), 1)
         plain = subprocess.run([PROGRAM, "run", "c.yaml", "-o", "plain.nc"], cwd=self.folder, capture_output=True, text=True, check=True)
@@ -319,14 +395,14 @@ class View(unittest.TestCase):
     def test_interrupted(self):
         run = self.start()
         held = run.wait_until_held(2)
-        stream = run.events()
-        stream.until(running)
+        page = self.page(run)
+        page.until(running)
         run.process.send_signal(signal.SIGINT)
         run.release(held)
-        end = stream.until(lambda event: event["last"])
+        end = page.until(ended)
         self.assertEqual(end["state"], "interrupted")
         self.assertIn("--resume goes on", end["message"])
-        self.assertEqual(run.data()["about"]["status"], "interrupted")
+        self.assertEqual(page.data["about"]["status"], "interrupted")
         self.finish(run, status=4)
 
     def test_resumed(self):
@@ -345,23 +421,23 @@ class View(unittest.TestCase):
         kept = before["motion"]["records"] - 1  # the last is where it was stopped
         self.assertGreater(kept, 10)
         self.assertEqual(told["motion"]["slip"][:kept], before["motion"]["slip"][:kept])
-        stream = again.events()
+        page = self.page(again)
+        page.ask()
         again.release(held)
-        stream.until(lambda event: event["last"])
-        final = again.data()
+        page.until(ended)
         self.finish(again)
-        self.assertEqual(of_the_run(final), of_the_run(self.report(again.path)))
+        self.assertEqual(of_the_run(page.data), of_the_run(self.report(again.path)))
 
     def test_a_run_that_breaks_off(self):
         run = self.start("--set", "solver.max_steps=60", counts=(1,))
         held = run.wait_until_held(1)
-        stream = run.events()
-        stream.until(running)
+        page = self.page(run)
+        page.until(running)
         run.release(held)
-        end = stream.until(lambda event: event["last"])
+        end = page.until(ended)
         self.assertEqual(end["state"], "failed")
         self.assertIn("60", end["message"])
-        self.assertEqual(run.data()["about"]["status"], "failed")
+        self.assertEqual(page.data["about"]["status"], "failed")
         self.finish(run, status=1)
 
     def run_to_its_end(self, case, *words, **more):
@@ -384,8 +460,9 @@ class View(unittest.TestCase):
         process, text = self.run_to_its_end(CASE)
         run = view_run.Run.__new__(view_run.Run)
         run.port = int(view_run.ADDRESS.search(text).group(1))
-        self.assertEqual(next(run.events())["state"], "failure")
-        self.assertEqual(of_the_run(run.data()), of_the_run(self.report(os.path.join(self.folder, "out.nc"))))
+        page = self.page(run)
+        self.assertEqual(page.until(ended)["state"], "failure")
+        self.assertEqual(of_the_run(page.data), of_the_run(self.report(os.path.join(self.folder, "out.nc"))))
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.wait(timeout=60), 0)
 

@@ -56,6 +56,7 @@ class Run:
             connection.close()
 
     def data(self):
+        """The newest data, as of a script that asks once."""
         status, _, text = self.ask("/data")
         assert status == 200, text
         return json.loads(text)
@@ -63,49 +64,37 @@ class Run:
     def data_of(self, records):
         """The data once they tell of so many records, which a held run has put out."""
         data = self.data()
-        while data["motion"]["records"] < records:
+        while "motion" not in data or data["motion"]["records"] < records:
             time.sleep(0.1)
             data = self.data()
         return data
 
-    def events(self, last=None):
-        return Events(self.port, last)
 
+class Page:
+    """One that asks again and again what is new, as a browser does: on a connection that stays."""
 
-class Events:
-    """A stream of events, as a page reads it."""
-
-    def __init__(self, port, last=None):
+    def __init__(self, port, since=0):
         self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-        self.connection.request("GET", "/events", headers={"Last-Event-ID": last} if last else {})
-        self.answer = self.connection.getresponse()
-        self.status, self.id = self.answer.status, last
+        self.since, self.data, self.told = since, None, None
 
-    def __iter__(self):
-        return self
-
-    def __next__(self):
-        """The next event; signs of life are passed over."""
-        data = None
-        while True:
-            line = self.answer.readline().decode()
-            if not line:
-                self.close()
-                raise StopIteration
-            if line.startswith("id: "):
-                self.id = line[4:].strip()
-            elif line.startswith("data: "):
-                data = json.loads(line[6:])
-            elif line == "\n" and data is not None:
-                return data
+    def ask(self):
+        """Where the run stands; new data, where they came, are in `data`."""
+        self.connection.request("GET", f"/data?since={self.since}")
+        answer = self.connection.getresponse()
+        assert answer.status == 200, answer.status
+        told = json.loads(answer.read())
+        run = told.pop("run")
+        self.data, self.since, self.told = told or self.data, run["version"], told
+        return run
 
     def until(self, wanted):
-        """The first event for which `wanted` holds."""
-        for event in self:
-            if wanted(event):
-                return event
-        raise AssertionError("the stream has ended")
+        """The first answer for which `wanted` holds."""
+        run = self.ask()
+        while not wanted(run):
+            assert not run["last"], run
+            time.sleep(0.05)
+            run = self.ask()
+        return run
 
     def close(self):
-        self.answer.close()
         self.connection.close()

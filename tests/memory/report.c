@@ -187,6 +187,36 @@ void recording_stays_whole(void)
     }
 }
 
+// Of what is handed on and does not fit nothing is left, and all before it; later parts fit again.
+void recording_is_handed_on_whole(void)
+{
+    bool fails = true;
+    for (long k = 0; fails; k++) {
+        lac_recording *recording = NULL, *from = NULL;
+        assert_int_equal(begin(&recording, NULL), LAC_OK);
+        assert_int_equal(begin(&from, NULL), LAC_OK);
+        assert_int_equal(put(from, 0, NULL), LAC_OK);
+        fail_allocation(0, false); // where there was nothing none is needed
+        assert_int_equal(lac_recording_move(recording, from, NULL), LAC_OK);
+        assert_false(stop_failing());
+        assert_int_equal(put(from, 1, NULL), LAC_OK);
+        fail_allocation(k, false);
+        const lac_status status = lac_recording_move(recording, from, NULL);
+        fails = stop_failing();
+        assert_int_equal(status, fails ? LAC_ENOMEM : LAC_OK);
+        assert_int_equal(count_of(recording, "time"), fails ? 1 : 2);
+        check_whole(recording);
+        check_whole(from);
+        assert_int_equal(count_of(from, "time"), 0);
+        assert_int_equal(put(from, 2, NULL), LAC_OK);
+        assert_int_equal(lac_recording_move(recording, from, NULL), LAC_OK);
+        assert_int_equal(count_of(recording, "event_time"), fails ? 2 : 3);
+        check_whole(recording);
+        lac_recording_free(from);
+        lac_recording_free(recording);
+    }
+}
+
 lac_status whole_live(const char *path, lac_error *err)
 {
     enum { PUT = 90 }; // more snapshots than a page keeps

@@ -17,4 +17,7 @@ lac_status whole_live(const char *path, lac_error *err);
 /// Each allocation of a record, a snapshot and an event in memory fails once.
 void recording_stays_whole(void);
 
+/// The same of what is moved from one recording to another.
+void recording_is_handed_on_whole(void);
+
 #endif

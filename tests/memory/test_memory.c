@@ -389,6 +389,7 @@ static void a_record_fails(void **state)
 {
     (void)state;
     recording_stays_whole();
+    recording_is_handed_on_whole();
 }
 
 int main(void)

@@ -16,7 +16,7 @@
 
 enum { CELLS = 4 };
 
-static lac_recording *begin(lac_domain *domain)
+static lac_recording *begin_as(lac_domain *domain, bool passing)
 {
     static uint32_t index[CELLS] = {0, 1, 2, 3};
     static double pressure[CELLS] = {1, 2, 3, 4};
@@ -25,11 +25,15 @@ static lac_recording *begin(lac_domain *domain)
                            .n = CELLS,
                            .index = index,
                            .pressure = pressure};
-    const lac_recording_def def = {
-        .domain = domain, .fields = LAC_FIELD_SLIP | LAC_FIELD_RATE, .events = true};
+    const lac_recording_def def = {.domain = domain,
+                                   .fields = LAC_FIELD_SLIP | LAC_FIELD_RATE,
+                                   .events = true,
+                                   .passing = passing};
     assert_int_equal(lac_recording_create(&def, &recording, NULL), LAC_OK);
     return recording;
 }
+
+static lac_recording *begin(lac_domain *domain) { return begin_as(domain, false); }
 
 // A creep with one burst in its middle.
 static void put_records(lac_recording *recording, size_t first, size_t n, size_t burst)
@@ -129,6 +133,59 @@ static void test_variables_as_of_a_file(void **state)
     lac_recording_free(recording);
 }
 
+static void put_event(lac_recording *recording, double time)
+{
+    const lac_sink sink = lac_recording_sink(recording);
+    const lac_event event = {.time_local = time, .cells = 3};
+    assert_int_equal(sink.event(sink.context, &event, NULL), LAC_OK);
+}
+
+static void expect_same(const lac_recording *a, const lac_recording *b)
+{
+    lac_recorded seen;
+    for (size_t v = 0; lac_recording_at(a, v, &seen); v++) {
+        const lac_recorded other = find(b, seen.name);
+        assert_int_equal(seen.count, other.count);
+        if (seen.count > 0) {
+            assert_memory_equal(seen.values, other.values, seen.count * sizeof(double));
+        }
+    }
+}
+
+// What two recordings hand on, in three parts, is what one holds that had it all.
+static void test_handed_on(void **state)
+{
+    (void)state;
+    lac_domain domain;
+    lac_recording *direct = begin(&domain), *whole = begin(&domain);
+    lac_recording *coming = begin_as(&domain, true), *taken = begin_as(&domain, true);
+    lac_recorded seen;
+    assert_false(lac_recording_find(coming, "pressure", &seen));
+    for (size_t part = 0; part < 3; part++) {
+        lac_recording *const both[] = {direct, coming};
+        for (size_t i = 0; i < 2; i++) {
+            // The last instant of the part before comes again.
+            put_records(both[i], 4 * part, 5, 6);
+            if (part < 2) { // nothing of these comes last
+                put_snapshot(both[i], 10.0 * (double)(part + 1));
+                put_event(both[i], (double)part);
+            }
+        }
+        assert_int_equal(lac_recording_move(taken, coming, NULL), LAC_OK);
+        assert_int_equal(find(coming, "time").count, 0);
+        assert_int_equal(find(taken, "time").count, part == 0 ? 5 : 4);
+        assert_int_equal(lac_recording_move(whole, taken, NULL), LAC_OK);
+        assert_int_equal(lac_recording_move(whole, taken, NULL), LAC_OK); // nothing
+        expect_same(direct, whole);
+    }
+    assert_int_equal(find(whole, "time").count, 13);
+    assert_int_equal(find(whole, "cell_slip").count, 2 * CELLS);
+    lac_recording_free(taken);
+    lac_recording_free(coming);
+    lac_recording_free(whole);
+    lac_recording_free(direct);
+}
+
 static void test_thinned_by_hand(void **state)
 {
     (void)state;
@@ -223,9 +280,13 @@ static void test_live_page(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_read_as_a_file),   cmocka_unit_test(test_variables_as_of_a_file),
-        cmocka_unit_test(test_thinned_by_hand),  cmocka_unit_test(test_memory_stays_bounded),
-        cmocka_unit_test(test_data_from_memory), cmocka_unit_test(test_live_page),
+        cmocka_unit_test(test_read_as_a_file),
+        cmocka_unit_test(test_variables_as_of_a_file),
+        cmocka_unit_test(test_handed_on),
+        cmocka_unit_test(test_thinned_by_hand),
+        cmocka_unit_test(test_memory_stays_bounded),
+        cmocka_unit_test(test_data_from_memory),
+        cmocka_unit_test(test_live_page),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

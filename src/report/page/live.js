@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of a run that goes on: told of new data by a stream of events, it fetches and draws them,
-// and leaves what its reader holds where it is.
+// The page of a run that goes on: it asks every second where the run stands, is given the data that
+// it does not have, draws them, and leaves what its reader holds where it is.
 "use strict";
 
-const live = { shown: 0, fetching: false, last: null, ready: null, held: false, touched: 0, moved: 0, gliding: false };
+const live = { asking: false, timer: 0, later: 0, last: null, forecasts: undefined, ready: null, held: false, touched: 0, moved: 0, gliding: false };
 
 const STATES = {
   preparing: ["Preparing", "The scene is being made; the charts come with its first steps."],
@@ -138,7 +138,6 @@ function busy() {
 
 function showData(data) {
   const first = page.data === null;
-  if (!data.forecasts && !first && page.data.forecasts) data.forecasts = page.data.forecasts; // they come more rarely
   const kept = keepPlace();
   if (first) begin(data);
   else show(data);
@@ -149,9 +148,10 @@ function showData(data) {
 }
 
 function drawReady() {
-  if (live.ready === null) return;
+  if (live.ready === null || (document.hidden && !over(live.last.state))) return;
+  clearTimeout(live.later);
   if (busy()) {
-    setTimeout(drawReady, 300);
+    live.later = setTimeout(drawReady, 300);
     return;
   }
   const data = live.ready;
@@ -159,37 +159,24 @@ function drawReady() {
   showData(data);
 }
 
-async function fetchData() {
-  if (live.fetching) return;
-  live.fetching = true;
-  while (live.last.version > live.shown && (!document.hidden || over(live.last.state))) {
-    const version = live.last.version;
-    try {
-      const answer = await fetch("data", { cache: "no-store" });
-      if (!answer.ok) break;
-      const idle = live.ready === null;
-      live.ready = await answer.json();
-      live.shown = version;
-      if (idle) drawReady();
-    } catch {
-      break; // the stream of events tells that the run is gone
-    }
-  }
-  live.fetching = false;
+function take({ run, ...data }) {
+  live.last = run;
+  showState(run);
+  if (!data.about) return;
+  data.forecasts = live.forecasts = data.forecasts || live.forecasts; // they come more rarely
+  live.ready = data;
+  drawReady();
 }
 
-function watch() {
-  const source = new EventSource("events");
-  source.addEventListener("state", (message) => {
-    live.last = JSON.parse(message.data);
-    showState(live.last);
-    fetchData();
-    if (live.last.last) source.close();
-  });
-  source.addEventListener("error", () => {
-    showState(live.last || { state: "lost", message: "" }, "lost");
-    if (source.readyState === EventSource.CLOSED) setTimeout(watch, 2000);
-  });
+async function ask() {
+  if (live.asking || live.last?.last) return;
+  live.asking = true;
+  clearTimeout(live.timer);
+  const told = await fetch(`data?since=${live.last?.version || 0}`, { cache: "no-store" }).then((answer) => answer.json()).catch(() => null);
+  live.asking = false;
+  live.timer = setTimeout(ask, document.hidden ? 4000 : 1000);
+  if (told) take(told);
+  else showState(live.last || { state: "lost", message: "" }, "lost");
 }
 
 function startLive() {
@@ -201,6 +188,6 @@ function startLive() {
   for (const event of ["pointerdown", "keydown", "focusin"]) window.addEventListener(event, () => { live.touched = Date.now(); });
   for (const event of ["scroll", "scrollend"]) document.addEventListener(event, noteMove);
   document.addEventListener("click", (event) => { if (event.target.closest("a")) noteMove(event); });
-  document.addEventListener("visibilitychange", () => { if (live.last) fetchData(); });
-  watch();
+  document.addEventListener("visibilitychange", () => { drawReady(); ask(); });
+  ask();
 }
