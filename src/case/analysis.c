@@ -7,24 +7,7 @@
 #include "case/sections.h"
 #include "lacuna/rg.h"
 
-enum { MOST_INDICATORS = 64 };
-
 static const char from_friction[] = "from-friction";
-
-static const lac_descriptor *find_indicator(lac_reader *reader, const lac_node *node)
-{
-    const lac_kind *kind = lac_kind_at(LAC_KIND_ANALYSIS);
-    const char *names[MOST_INDICATORS];
-    size_t n = 0;
-    for (; n < MOST_INDICATORS && kind->at(n) != NULL; n++) {
-        names[n] = kind->at(n)->name;
-        if (strcmp(names[n], node->key) == 0) {
-            return kind->at(n);
-        }
-    }
-    lac_blame_unknown(reader, node, "indicator", names, n);
-    return NULL;
-}
 
 static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
 {
@@ -39,7 +22,7 @@ static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg 
 
 static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *slot)
 {
-    const lac_descriptor *about = find_indicator(reader, node);
+    const lac_descriptor *about = lac_find_model(reader, node, LAC_KIND_ANALYSIS, "indicator");
     size_t errors = reader->report->errors;
     bool nothing = lac_node_is_null(node);
     if (about == NULL ||

@@ -67,6 +67,17 @@ static bool read_of(lac_reader *reader, const lac_node *map, const char *key, co
     return lac_read_number(reader, node, unit, value);
 }
 
+// Every key of a mapping that takes but two.
+static void blame_others(lac_reader *reader, const lac_node *map, const char *const known[2])
+{
+    for (size_t i = 0; i < map->count; i++) {
+        const lac_node *child = map->child[i];
+        if (strcmp(child->key, known[0]) != 0 && strcmp(child->key, known[1]) != 0) {
+            lac_blame_unknown(reader, child, "key", known, 2);
+        }
+    }
+}
+
 static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_fit_parameter *p)
 {
     const char *centre = log ? "median" : "mean";
@@ -77,12 +88,7 @@ static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_
                         log ? "{median: VALUE, sigma: NUMBER}" : "{mean: VALUE, sigma: VALUE}")) {
         return;
     }
-    for (size_t i = 0; i < node->count; i++) {
-        const char *key = node->child[i]->key;
-        if (strcmp(key, centre) != 0 && strcmp(key, "sigma") != 0) {
-            lac_blame_unknown(reader, node->child[i], "key", known, 2);
-        }
-    }
+    blame_others(reader, node, known);
     bool read = read_of(reader, node, centre, p->unit, &p->centre);
     read = read_of(reader, node, "sigma", log ? "1" : p->unit, &p->sigma) && read;
     if (read && !(p->sigma > 0.0 && isfinite(p->sigma))) {
@@ -188,12 +194,7 @@ static void read_parameter(lac_reader *reader, const lac_node *node, lac_case *c
                              .high = param->max,
                              .centre = NAN,
                              .sigma = NAN};
-    for (size_t i = 0; i < node->count; i++) {
-        const lac_node *child = node->child[i];
-        if (strcmp(child->key, known[0]) != 0 && strcmp(child->key, known[1]) != 0) {
-            lac_blame_unknown(reader, child, "key", known, 2);
-        }
-    }
+    blame_others(reader, node, known);
     if (lac_node_child(node, "range") != NULL) {
         read_range(reader, lac_node_child(node, "range"), param, p);
     }

@@ -84,27 +84,14 @@ static const lac_descriptor rules[] = {
                   "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
 };
 
-const lac_descriptor *lac_momentum_at(size_t index)
-{
-    return index < COUNT(momenta) ? &momenta[index] : NULL;
-}
+#define AT(name, table)                                       \
+    const lac_descriptor *name(size_t index)                  \
+    {                                                         \
+        return index < COUNT(table) ? &(table)[index] : NULL; \
+    }
 
-const lac_descriptor *lac_fidelity_at(size_t index)
-{
-    return index < COUNT(fidelities) ? &fidelities[index] : NULL;
-}
-
-const lac_descriptor *lac_method_at(size_t index)
-{
-    return index < COUNT(methods) ? &methods[index] : NULL;
-}
-
-const lac_descriptor *lac_formulation_at(size_t index)
-{
-    return index < COUNT(formulations) ? &formulations[index] : NULL;
-}
-
-const lac_descriptor *lac_rule_at(size_t index)
-{
-    return index < COUNT(rules) ? &rules[index] : NULL;
-}
+AT(lac_momentum_at, momenta)
+AT(lac_fidelity_at, fidelities)
+AT(lac_method_at, methods)
+AT(lac_formulation_at, formulations)
+AT(lac_rule_at, rules)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The kinds of models that a case can choose or that a command has, a row each.
 #include "case/schema.h"
 #include "case/sections.h"
 #include "lacuna/analysis.h"
@@ -8,52 +9,19 @@
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 // The descriptor is the first member of every registry's row.
-static const lac_descriptor *surface_at(size_t index)
-{
-    return (const void *)lac_surface_source_at(index);
-}
+#define MODELS(name, registry) \
+    static const lac_descriptor *name(size_t index) { return (const void *)registry(index); }
 
-static const lac_descriptor *domain_at(size_t index)
-{
-    return (const void *)lac_domain_source_at(index);
-}
-
-static const lac_descriptor *normal_at(size_t index)
-{
-    return (const void *)lac_normal_load_at(index);
-}
-
-static const lac_descriptor *shear_at(size_t index)
-{
-    return (const void *)lac_shear_load_at(index);
-}
-
-static const lac_descriptor *pore_at(size_t index) { return (const void *)lac_pore_load_at(index); }
-
-static const lac_descriptor *friction_at(size_t index)
-{
-    return (const void *)lac_friction_law_at(index);
-}
-
-static const lac_descriptor *transfer_at(size_t index)
-{
-    return (const void *)lac_transfer_kind_at(index);
-}
-
-static const lac_descriptor *spread_at(size_t index)
-{
-    return (const void *)lac_spread_kind_at(index);
-}
-
-static const lac_descriptor *analysis_at(size_t index)
-{
-    return (const void *)lac_indicator_kind_at(index);
-}
-
-static const lac_descriptor *precursor_at(size_t index)
-{
-    return (const void *)lac_precursor_kind_at(index);
-}
+MODELS(surface_at, lac_surface_source_at)
+MODELS(domain_at, lac_domain_source_at)
+MODELS(normal_at, lac_normal_load_at)
+MODELS(shear_at, lac_shear_load_at)
+MODELS(pore_at, lac_pore_load_at)
+MODELS(friction_at, lac_friction_law_at)
+MODELS(transfer_at, lac_transfer_kind_at)
+MODELS(spread_at, lac_spread_kind_at)
+MODELS(analysis_at, lac_indicator_kind_at)
+MODELS(precursor_at, lac_precursor_kind_at)
 
 // Behind those of the registry the one that a case is.
 static const lac_descriptor *forecast_at(size_t index)
@@ -63,86 +31,41 @@ static const lac_descriptor *forecast_at(size_t index)
     return (const void *)(next ? &lac_forecast_case : kind);
 }
 
+#define ROW(called, where, models, text) \
+    .name = (called), .section = (where), .summary = (text), .at = (models)
+#define KIND(of, ...) [LAC_KIND_##of] = {ROW(__VA_ARGS__)}
+#define OPTION(of, ...) [LAC_KIND_##of] = {ROW(__VA_ARGS__), .option = true}
+#define COMMAND(of, called, where, models, text) \
+    [LAC_KIND_##of] = {ROW(called, where, models, text), .command = (where)}
+
 static const lac_kind kinds[] = {
-    [LAC_KIND_SURFACE] = {.name = "surface",
-                          .section = "interface.surface",
-                          .summary = "heights of the rough interface, which are pressed together",
-                          .at = surface_at},
-    [LAC_KIND_DOMAIN] = {.name = "domain",
-                         .section = "interface.domain",
-                         .summary = "contact cells given outright, instead of a surface",
-                         .at = domain_at},
-    [LAC_KIND_NORMAL] = {.name = "normal",
-                         .section = "load.normal",
-                         .summary = "total normal stress on the interface",
-                         .at = normal_at},
-    [LAC_KIND_SHEAR] = {.name = "shear",
-                        .section = "load.shear",
-                        .summary = "shear loads, a list that adds up",
-                        .at = shear_at},
-    [LAC_KIND_PORE] = {.name = "pore_pressure",
-                       .section = "load.pore_pressure",
-                       .summary = "pore pressures, a list that adds up",
-                       .at = pore_at},
-    [LAC_KIND_FRICTION] = {.name = "friction",
-                           .section = "friction",
-                           .summary = "rate-and-state friction laws",
-                           .at = friction_at},
-    [LAC_KIND_TRANSFER] = {.name = "transfer",
-                           .section = "transfer",
-                           .summary = "how the slip of a cell loads the others",
-                           .at = transfer_at},
-    [LAC_KIND_SPREAD] = {.name = "spread",
-                         .section = "friction.spread",
-                         .summary =
-                             "how a parameter varies from cell to cell (also initial.spread and "
-                             "interface.spread)",
-                         .at = spread_at},
-    [LAC_KIND_ANALYSIS] = {.name = "analysis",
-                           .section = "analysis",
-                           .summary = "what a run follows beside its own quantities",
-                           .at = analysis_at},
-    [LAC_KIND_STRENGTH] = {.name = "strength",
-                           .section = "friction.LAW",
-                           .summary = "what any friction law can have besides",
-                           .option = true,
-                           .at = lac_friction_option_at},
-    [LAC_KIND_MOMENTUM] = {.name = "momentum",
-                           .section = "material",
-                           .summary = "what a cell that is out of balance is held back by",
-                           .option = true,
-                           .at = lac_momentum_at},
-    [LAC_KIND_FIDELITY] = {.name = "fidelity",
-                           .section = "solver.fidelity",
-                           .summary = "what is resolved in time",
-                           .option = true,
-                           .at = lac_fidelity_at},
-    [LAC_KIND_METHOD] = {.name = "method",
-                         .section = "solver.method",
-                         .summary = "of integration in time",
-                         .option = true,
-                         .at = lac_method_at},
-    [LAC_KIND_FORMULATION] = {.name = "formulation",
-                              .section = "solver.formulation",
-                              .summary = "the unknown of a cell besides ln theta",
-                              .option = true,
-                              .at = lac_formulation_at},
-    [LAC_KIND_RULE] = {.name = "rule",
-                       .section = "rg.rule",
-                       .summary = "what a block that slips hands on in the cascade",
-                       .option = true,
-                       .at = lac_rule_at},
-    [LAC_KIND_PRECURSOR] = {.name = "indicator",
-                            .section = "precursors",
-                            .summary = "what a motion, events and slipping cells say of a failure "
-                                       "to come",
-                            .command = "precursors",
-                            .at = precursor_at},
-    [LAC_KIND_FORECAST] = {.name = "forecast",
-                           .section = "precursors",
-                           .summary = "methods of forecasting the time of failure",
-                           .command = "precursors",
-                           .at = forecast_at},
+    KIND(SURFACE, "surface", "interface.surface", surface_at,
+         "heights of the rough interface, which are pressed together"),
+    KIND(DOMAIN, "domain", "interface.domain", domain_at,
+         "contact cells given outright, instead of a surface"),
+    KIND(NORMAL, "normal", "load.normal", normal_at, "total normal stress on the interface"),
+    KIND(SHEAR, "shear", "load.shear", shear_at, "shear loads, a list that adds up"),
+    KIND(PORE, "pore_pressure", "load.pore_pressure", pore_at,
+         "pore pressures, a list that adds up"),
+    KIND(FRICTION, "friction", "friction", friction_at, "rate-and-state friction laws"),
+    KIND(TRANSFER, "transfer", "transfer", transfer_at, "how the slip of a cell loads the others"),
+    KIND(SPREAD, "spread", "friction.spread", spread_at,
+         "how a parameter varies from cell to cell (also initial.spread and interface.spread)"),
+    KIND(ANALYSIS, "analysis", "analysis", analysis_at,
+         "what a run follows beside its own quantities"),
+    OPTION(STRENGTH, "strength", "friction.LAW", lac_friction_option_at,
+           "what any friction law can have besides"),
+    OPTION(MOMENTUM, "momentum", "material", lac_momentum_at,
+           "what a cell that is out of balance is held back by"),
+    OPTION(FIDELITY, "fidelity", "solver.fidelity", lac_fidelity_at, "what is resolved in time"),
+    OPTION(METHOD, "method", "solver.method", lac_method_at, "of integration in time"),
+    OPTION(FORMULATION, "formulation", "solver.formulation", lac_formulation_at,
+           "the unknown of a cell besides ln theta"),
+    OPTION(RULE, "rule", "rg.rule", lac_rule_at, "what a block that slips hands on in the cascade"),
+    COMMAND(PRECURSOR, "indicator", "precursors", precursor_at,
+            "what a motion, events and slipping cells say of a failure to come"),
+    COMMAND(FORECAST, "forecast", "precursors", forecast_at,
+            "methods of forecasting the time of failure"),
 };
 
 const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }

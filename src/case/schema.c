@@ -102,6 +102,17 @@ char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowe
     return lac_reader_copy(reader, node->text, strlen(node->text));
 }
 
+char *lac_path_below(const char *folder, size_t length, const char *path)
+{
+    size_t n = strlen(path);
+    char *whole = malloc(length + n + 1);
+    if (whole != NULL) {
+        memcpy(whole, folder, length);
+        memcpy(whole + length, path, n + 1);
+    }
+    return whole;
+}
+
 static char *read_path(lac_reader *reader, const lac_node *node)
 {
     char *path = lac_read_text(reader, node, "a file name");
@@ -109,14 +120,8 @@ static char *read_path(lac_reader *reader, const lac_node *node)
     if (path == NULL || path[0] == '/' || folder == 0) {
         return path;
     }
-    size_t n = strlen(path);
-    char *whole = malloc(folder + n + 1);
-    if (whole == NULL) {
-        reader->no_memory = true;
-    } else {
-        memcpy(whole, reader->name, folder);
-        memcpy(whole + folder, path, n + 1);
-    }
+    char *whole = lac_path_below(reader->name, folder, path);
+    reader->no_memory = reader->no_memory || whole == NULL;
     free(path);
     return whole;
 }

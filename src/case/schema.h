@@ -50,6 +50,10 @@ bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *k
 /// Whether a parameter must be given.
 bool lac_param_required(const lac_param *param);
 
+/// A path below a folder, whose first `length` characters count; the caller frees.
+/// @return NULL where memory is short
+char *lac_path_below(const char *folder, size_t length, const char *path);
+
 /// Length of the folder that a case's relative paths start from, with its last slash.
 size_t lac_folder_length(const char *name);
 
@@ -73,6 +77,12 @@ enum {
     LAC_KIND_FORECAST,
     LAC_KINDS,
 };
+
+/// The model of a kind that a node's key names.
+/// @param what  "model", "indicator": what there is none of by this name
+/// @return NULL where there is none, which is then reported
+const lac_descriptor *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
+                                     const char *what);
 
 /// Reads `{MODEL: {parameters}}`: exactly one model.
 /// @param own   a key beside the model that the caller reads itself; NULL

@@ -18,22 +18,27 @@ static size_t model_names(const lac_kind *kind, const char **names)
     return n;
 }
 
-static const lac_descriptor *find_model(const lac_kind *kind, const char *name)
+const lac_descriptor *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
+                                     const char *what)
 {
-    for (size_t i = 0; kind->at(i) != NULL; i++) {
-        if (strcmp(kind->at(i)->name, name) == 0) {
-            return kind->at(i);
+    const char *names[MAX_MODELS];
+    const lac_kind *models = lac_kind_at((size_t)kind);
+    size_t n = model_names(models, names);
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(names[i], node->key) == 0) {
+            return models->at(i);
         }
     }
+    lac_blame_unknown(reader, node, what, names, n);
     return NULL;
 }
 
 // "must be {MODEL: {...}} with one model of: a, b"
-static void blame_shape(lac_reader *reader, const lac_node *node, const lac_kind *kind)
+static void blame_shape(lac_reader *reader, const lac_node *node, int kind)
 {
     const char *names[MAX_MODELS];
     char list[300] = "";
-    size_t n = model_names(kind, names);
+    size_t n = model_names(lac_kind_at((size_t)kind), names);
     for (size_t i = 0; i < n; i++) {
         size_t used = strlen(list);
         (void)snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
@@ -42,20 +47,18 @@ static void blame_shape(lac_reader *reader, const lac_node *node, const lac_kind
 }
 
 // The one model that a mapping names; NULL, and reported, where it isn't one.
-static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, const lac_kind *kind,
+static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, int kind,
                                     const char *own, const lac_descriptor **about)
 {
     const lac_node *chosen = NULL;
-    const char *names[MAX_MODELS];
     bool good = true;
     for (size_t i = 0; node->kind == LAC_NODE_MAP && i < node->count; i++) {
         const lac_node *child = node->child[i];
         if (child->ignored || (own != NULL && strcmp(child->key, own) == 0)) {
             continue;
         }
-        const lac_descriptor *model = find_model(kind, child->key);
+        const lac_descriptor *model = lac_find_model(reader, child, kind, "model");
         if (model == NULL) {
-            lac_blame_unknown(reader, child, "model", names, model_names(kind, names));
             good = false;
         } else if (chosen != NULL) {
             lac_blame(reader, child, "is a second model beside %s; exactly one is allowed",
@@ -112,7 +115,7 @@ void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const cha
 {
     const lac_descriptor *about = NULL;
     size_t errors = reader->report->errors;
-    const lac_node *model = chosen_model(reader, node, lac_kind_at((size_t)kind), own, &about);
+    const lac_node *model = chosen_model(reader, node, kind, own, &about);
     if (model == NULL) {
         return;
     }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of a case by their dotted keys.
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -125,12 +123,10 @@ static lac_status rebase(char **path, const char *folder, lac_error *err)
     if (*path == NULL || (*path)[0] == '/') {
         return LAC_OK;
     }
-    size_t size = strlen(folder) + strlen(*path) + 1;
-    char *whole = malloc(size);
+    char *whole = lac_path_below(folder, strlen(folder), *path);
     if (whole == NULL) {
         return lac_fail_memory(err);
     }
-    (void)snprintf(whole, size, "%s%s", folder, *path);
     free(*path);
     *path = whole;
     return LAC_OK;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page of a run while it goes on. Two threads: the run's, which adds what it puts out to a
-// recording, and the server's, which takes it from there and makes the page's data of it when a
-// page asks. Between them one lock, which both hold for moments: no more than pointers are moved
-// under it, and a record copied. netCDF is the run's alone.
+// recording, and the server's, which makes the page's data of it when a page asks. Under their one
+// lock only pointers move, and a record is copied. netCDF is the run's alone.
 #include "cli/view.h"
 
 #include <math.h>
@@ -446,8 +445,7 @@ static void say_end(cli_view *view, const char *state, const char *message, page
     (void)pthread_mutex_unlock(&view->lock);
 }
 
-// Until Ctrl-C, which may come to another thread, or for as long as the pages that are open take to
-// fetch the end.
+// Until Ctrl-C, or for as long as the pages that are open take to fetch the end.
 static void linger(cli_view *view, bool stay)
 {
     const struct timespec look_again = {.tv_nsec = 50000000};
