@@ -275,11 +275,11 @@ const char *lac_section_key(size_t index)
 
 lac_table lac_section_table(const char *name)
 {
-    const lac_section *about = lac_section_at(0);
-    for (size_t i = 1; strcmp(about->name, name) != 0; i++) {
-        about = lac_section_at(i);
+    const lac_section *section = lac_section_at(0);
+    for (size_t i = 1; strcmp(section->name, name) != 0; i++) {
+        section = lac_section_at(i);
     }
-    return lac_part_table(about);
+    return lac_part_table(section);
 }
 
 lac_table lac_part_table(const lac_section *about)

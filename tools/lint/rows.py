@@ -24,8 +24,7 @@ OTHER_TABLES = ("src/cli/", "src/case/registry.c", "src/store/", "src/case/secti
 # Words that are a model's name too and mean something else there.
 OTHER_WORDS = {
     ("src/case/value.c", "transfer"),  # a section
-    ("src/cli/completion.c", "case"),  # an option
-    ("src/cli/completion_keys.c", "case"),  # a section
+    ("src/case/read_sections.c", "case"),  # the whole
     ("src/cli/new.c", "joint"),  # a kind of case file
     ("src/cli/precursors_read.c", "none"),  # no onset
 }
