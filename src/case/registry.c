@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// One table of all kinds of models, which `describe`, completion and the reader of cases walk.
 #include "case/schema.h"
 #include "case/sections.h"
 #include "lacuna/analysis.h"
