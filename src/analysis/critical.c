@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The critical slip fraction, from the map of a static cascade, or the reason why there is none.
 #include <math.h>
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The contact cells that touch each cell by a side or a corner, also across periodic edges.
 #include "analysis/neighbours.h"
 
 #include <stdlib.h>

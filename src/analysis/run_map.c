@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Slip fractions of neighbouring levels, collected during a run, and the map fitted to them.
 #include "analysis/run_map.h"
 
 #include <stdlib.h>

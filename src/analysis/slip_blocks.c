@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Blocks that slip as a whole, counted at every level while single cells begin and cease to slip.
 #include "analysis/slip_blocks.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Which cells slip: told by the strength that is left of that at the start, or by the slip rate.
 #include "analysis/slipping.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Dates of ISO 8601 to seconds since 1970 and back, without the clock and zones of the C library.
 #include "base/date.h"
 
 #include <ctype.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The message of an error on its way up to the caller: the library itself never prints.
 #include "lacuna/error.h"
 
 #include <stdarg.h>

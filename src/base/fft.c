@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Transforms of real fields in two dimensions by FFTW, and products with a table in between.
 #include "base/fft.h"
 
 #include <fftw3.h>

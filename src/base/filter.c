@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Convolutions of large fields by FFTW: in single or double precision, and with the same bits for
+// any number of threads.
 #include "base/filter.h"
 
 #include <fftw3.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Characters that nobody sees but that change what is seen: found, to be kept out of all output.
 #include "base/hidden.h"
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Linear least squares of a few columns by Householder reflections, without memory of its own.
 #include "base/least_squares.h"
 
 #include <math.h>

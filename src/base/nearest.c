@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The known word that a misspelt one was probably meant to be, for messages: "did you mean ...?"
 #include "base/nearest.h"
 
 #include <ctype.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What all readers of other people's netCDF files need: attributes, missing values, packed numbers.
 #include "base/netcdf.h"
 
 #include <math.h>

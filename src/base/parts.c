@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Long loops in threads, cut at the same places for any number of them: sums keep the same bits.
 #include "base/parts.h"
 
 #include <omp.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Random numbers by Philox: each follows from seed and counter alone, in any order and thread.
 #include "base/rng.h"
 
 #include <Random123/philox.h>

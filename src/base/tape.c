@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A state that is saved and loaded by the same calls: each piece goes to the tape or comes from it.
 #include "lacuna/tape.h"
 
 #include <stdlib.h>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Quantities with units ("0.1 mm") to SI by UDUNITS-2. Units that it takes for something else than
+// their writer means, such as months or `dday`, are refused.
 #include "base/units.h"
 
 #include <ctype.h>

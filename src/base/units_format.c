@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Quantities as people write them ("3 mm/day"), or with all digits; the locale changes nothing.
 #include <locale.h>
 #include <math.h>
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Units that most cases use, with the factors of UDUNITS-2: its database takes long to read.
 #include "base/units_usual.h"
 
 #include <string.h>

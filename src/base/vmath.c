@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// exp, ln and asinh of whole arrays, with the same bits on every instruction set.
 #include "base/vmath.h"
 
 #include "base/vmath_kernels.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sums, largest values and checks of whole arrays, in an order that no instruction set changes.
 #include "base/vsum.h"
 
 #include <float.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A `--set KEY=VALUE`: its value is put into the tree of a case as if the file had held it.
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Errors and warnings about a case: each is one short line with its key, whatever the file holds.
 #include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>

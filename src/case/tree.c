@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The values of a case file as a tree, in which each knows its line and its dotted key.
 #include "case/tree.h"
 
 #include <stdio.h>

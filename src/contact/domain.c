@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The cells in contact, listed in Morton order, in which the cells of any block stand side by side.
 #include "lacuna/contact.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The shear load at which some cell first reaches its friction limit, while none has slipped yet.
 #include <math.h>
 #include <stdlib.h>
 

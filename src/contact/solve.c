@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A rough surface pressed to a given load or approach: full contact by formula, else by iteration.
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pressures of a partial contact by conjugate gradients, most of it in single precision.
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What the contact solver does to single rows, on their way into or out of a transform.
 #include <math.h>
 
 #include "contact/solve_rows.h"

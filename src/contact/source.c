@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Contact cells without a surface: all of them, those of a random cascade, or those of a file.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

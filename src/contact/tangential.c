@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A joint sheared step by step under Coulomb friction: each step starts from what the last left.
 #include "lacuna/tangential.h"
 
 #include <float.h>

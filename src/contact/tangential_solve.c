@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The tractions of one step of shear by conjugate gradients: which cells stick and which slip.
 #include "contact/tangential_solve.h"
 
 #include <math.h>

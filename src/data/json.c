@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// JSON written piece by piece: numbers read back to the same value, texts are always valid UTF-8.
 #include "data/json.h"
 
 #include <inttypes.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A fit from its start to its result: unknowns from the case, least squares, sampler, predictions.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A density made of the walkers' places, from which the sampler draws new places, also far away.
 #include "fit/kernel.h"
 
 #include <math.h>

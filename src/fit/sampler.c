@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Draws from a given density by an ensemble of walkers, the same for any number of threads.
 #include "lacuna/sampler.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a method says of its fit: numbers, how well they fit, or why there is no forecast.
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

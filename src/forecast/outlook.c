@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// All methods asked at the last reading, and which of their answers are good enough as forecasts.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

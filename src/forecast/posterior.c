@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The posterior of the time of failure: every shape of the fitted curve counts by its weight.
 #include "forecast/posterior.h"
 
 #include <math.h>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A curve fitted to displacements: only its time of failure and shape are searched, as the best
+// linear parameters follow from them.
 #include "forecast/project.h"
 
 #include <gsl/gsl_multifit_nlinear.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The methods of forecasting in their order: a case's own comes before the baseline, which is last.
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Forecasts as they would have been made in the past, each from the readings up to its own time.
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How good rolling forecasts were, where the time of failure is known: errors, alarms, scores.
 #include <math.h>
 #include <stdlib.h>
 

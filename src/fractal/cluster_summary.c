@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Contact clusters in a few numbers: how many there are of each size, the mean, the largest.
 #include <math.h>
 
 #include "lacuna/fractal.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Groups of contact cells that hang together, also across the edges of a periodic grid.
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A straight line through points, and how its slope differs between parts of them.
 #include "fractal/line_fit.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Strength of specimens of another size, by the fractal dimension of the contact that was measured.
 #include <math.h>
 
 #include "lacuna/fractal.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Dieterich's aging law: contacts grow old also at rest.
 #include "base/clones.h"
 #include "base/phi.h"
 #include "base/vmath.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Kato and Tullis' law: contacts heal with time only while they slip slowly.
 #include "base/vmath.h"
 #include "friction/law.h"
 

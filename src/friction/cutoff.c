@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Smooth cut-offs: friction feels no slip rate far above v1 and no state far below dc/v2.
 #include "friction/cutoff.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The friction coefficient of rate and state, plain or regularised, in forms that never overflow.
 #include "friction/form.h"
 
 #include <math.h>

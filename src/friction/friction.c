@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A friction law on many cells: parameters of each cell, and what kernels read instead of them.
 #include "lacuna/friction.h"
 
 #include <assert.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The slip rate at which one cell balances its shear stress, found without a first guess.
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>

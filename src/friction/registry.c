@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The friction laws that a case can name: a new one is one more row of this table.
 #include "friction/law.h"
 
 static const lac_friction_law *const laws[] = {

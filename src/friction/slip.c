@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Ruina's slip law: contacts change only while they slip, so that nothing heals at rest.
 #include "base/phi.h"
 #include "friction/law.h"
 

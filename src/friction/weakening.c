@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The slip law without its healing: strength that slip has taken never comes back.
 #include <stdbool.h>
 
 #include "friction/law.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Stress from slip over all levels of blocks: means on the way up, forces on the way down.
 #include "base/clones.h"
 #include "base/parts.h"
 #include "hierarchy/blocks.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Normal load of statics, given as how near the faces are: the pressure is a result.
 #include "load/kinds.h"
 
 typedef struct approach_params {

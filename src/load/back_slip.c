@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Plate motion as a load: the rock around slips steadily, and slip that falls behind is loaded.
 #include "load/kinds.h"
 
 typedef struct back_slip_params {

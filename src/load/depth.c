@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Normal stress on a level joint, from the weight of the rock above it.
 #include "load/kinds.h"
 
 typedef struct depth_params {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The pressure in rock at some distance from a face whose pressure changes, by an exact solution.
 #include "load/diffused.h"
 
 #include <math.h>

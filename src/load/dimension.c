@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Normal load of statics, given as a fractal dimension: as much as the contact needs to have it.
 #include "load/kinds.h"
 
 typedef struct dimension_params {

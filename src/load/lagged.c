@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What follows a changing pressure with a time lag: exact where that is made of straight pieces.
 #include "load/lagged.h"
 
 #include <math.h>

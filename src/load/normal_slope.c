@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Normal stress at the base of an infinite slope, from the weight of the mass that slides.
 #include "load/kinds.h"
 
 typedef struct slope_params {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pore pressure that never changes: it takes its part off the normal stress from the start on.
 #include "load/kinds.h"
 
 typedef struct constant_params {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Normal stress as a plain number, for joints whose load no depth or slope gives.
 #include "load/kinds.h"
 
 typedef struct pressure_params {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pore pressure from readings of rain: each rain raises it, and it drains away with time.
 #include <stdlib.h>
 
 #include "load/kinds.h"

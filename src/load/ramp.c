@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear stress or pore pressure that changes at a constant rate, then holds what it has come to.
 #include "load/kinds.h"
 #include "load/signal.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Constant shear load as a part of the normal load, Q/P, instead of a stress.
 #include "load/kinds.h"
 #include "load/signal.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The loads that a case can name: one table each of normal loads, shear loads and pore pressures.
 #include "load/kinds.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])

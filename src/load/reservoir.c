@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pore pressure from readings of a lake's level: at once, with a lag, or by diffusion through rock.
 #include <stdlib.h>
 
 #include "load/diffused.h"

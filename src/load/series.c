@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear stress or pore pressure from readings of a file, by straight lines or a smooth curve.
 #include <math.h>
 #include <stdlib.h>
 

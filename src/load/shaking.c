@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear stress from ground that shakes as a sine: the mass above the joint pushes by its inertia.
 #include "load/kinds.h"
 #include "load/signal.h"
 

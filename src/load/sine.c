@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear stress or pore pressure that swings, as tides, machines and seasons make it.
 #include "load/kinds.h"
 #include "load/signal.h"
 

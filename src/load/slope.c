@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear load of gravity on an infinite slope: its ratio to the normal load follows from the dip.
 #include "load/kinds.h"
 #include "load/signal.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A spring that is pulled at a constant speed, as a testing machine: its stress falls with slip.
 #include "load/kinds.h"
 
 typedef struct spring_params {

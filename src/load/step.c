@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Shear stress or pore pressure that comes all at once, for good or for a while: a trigger.
 #include "load/kinds.h"
 #include "load/signal.h"
 
