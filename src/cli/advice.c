@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The advice of `check` on fidelity: the other one, where it is known to be the faster.
 #include "cli/advice.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna check CASE: says what is wrong with a case and what it would cost, without running it.
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

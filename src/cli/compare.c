@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Monitoring data beside a run: observed and modelled motion in tables, and how far they differ.
 #include "cli/compare.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna contact CASE: presses the surface, measures the contact and follows its history of loads.
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna describe [KIND [NAME]]: models and sections of a case, from the library's own tables.
 #include <string.h>
 
 #include "cli/command.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a case will cost in time, memory and disk, from constants that were measured on one core.
 #include "cli/estimate.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Warnings where radiation damping leaves little or nothing between the start and failure.
 #include "cli/failure.h"
 
 #include "cli/words.h"

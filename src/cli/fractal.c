@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Clusters, area scaling and size effect of a measured contact, in rows and, with -v, in tables.
 #include "cli/fractal.h"
 
 #include <math.h>

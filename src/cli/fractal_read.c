@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The fractal options of `lacuna contact`, such as --boxes 2:32, read and checked.
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A sink that stands before the file's: it keeps the motion for the summary and the comparison.
 #include "cli/history.h"
 
 #include <stdlib.h>

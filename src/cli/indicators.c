@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The events and cells of a run, from which `precursors` has its indicators; how those are shown.
 #include "cli/indicators.h"
 
 #include <math.h>

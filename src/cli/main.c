@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Where the program starts: help, the command that was asked for, and the exit status.
 #include <errno.h>
 #include <fcntl.h>
 #include <gsl/gsl_errno.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The contact in numbers, as rows or JSON: cells, pressures, box dimension and what weakens it.
 #include "cli/measures.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna mend FILE.nc: repairs a file whose writer was stopped, from its journal if it has one.
 #include <inttypes.h>
 
 #include "cli/command.h"

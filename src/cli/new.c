@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from.
 #include <stdlib.h>
 #include <string.h>
 

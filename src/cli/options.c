@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The command line: the table of all options, and how words become a request that makes sense.
 #include "cli/options.h"
 
 #include <stddef.h>

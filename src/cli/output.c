@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The file that a command writes: chosen and checked before the work, signed with what made it.
 #include "cli/output.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Parameters with their units, defaults and ranges, as `describe` tells them in words and JSON.
 #include "cli/parameters.h"
 
 #include <float.h>

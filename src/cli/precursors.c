@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna precursors FILE: indicators and forecasts, at the end of the data or all along them.
 #include "cli/precursors.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What `lacuna precursors` found, as JSON: times in seconds and, where known, as dates.
 #include <math.h>
 
 #include "base/date.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The input of `lacuna precursors`: the motion in a series or a run, and the plan of forecasts.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How far the work is, on stderr: a bar on a terminal, and a line where SIGUSR1 asks for one.
 #include "cli/progress.h"
 
 #include <inttypes.h>

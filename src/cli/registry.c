@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The table of commands: arguments, help and options of each, and the function that does it.
 #include <string.h>
 
 #include "cli/command.h"

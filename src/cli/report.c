@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the case of a command; errors and warnings are told by file, line and key.
 #include "cli/report.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Whether --resume can go on: same program, same case but for its end, max_steps and file name.
 #include "cli/resume.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells.
 #include "cli/rg.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Monitoring files as the command line names them: columns with units, times; warns of doubts.
 #include "cli/series.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Signals: a run stops with its file whole or tells how far it is; a file that broke is named.
 #include "cli/signals.h"
 
 #include <errno.h>

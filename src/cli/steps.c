@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The history of a contact for `lacuna contact`: each step is written and shown as it is solved.
 #include "cli/steps.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A history of loads as JSON, or as a table in units that suit the largest values.
 #include <math.h>
 
 #include "cli/steps.h"

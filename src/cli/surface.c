@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A surface in rows: the files that it came from, its roughness, Hurst exponent and JRC.
 #include "cli/surface.h"
 
 #include <math.h>

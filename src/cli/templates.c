@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The cases that `lacuna new` writes: a block, a joint and a slope, with comments to learn from.
 #include "cli/templates.h"
 
 // Comments that every case starts and ends with.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How the program talks: notes on stderr, rows on stdout, the nearest word to an unknown one.
 #include "cli/words.h"
 
 #include <stdarg.h>

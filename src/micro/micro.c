@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Cells with steps of their own: what is due first goes on alone; docs/theory/fidelity-events.md.
 #include "lacuna/micro.h"
 
 #include <math.h>

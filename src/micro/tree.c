@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Blocks that keep a change of stress to themselves until a cell in them has to hear of it.
 #include "micro/tree.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The force that slip puts on cells through the rock, less that of far motion and far loads.
 #include <stdlib.h>
 
 #include "model/internal.h"

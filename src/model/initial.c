@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Rate and state of every cell at the start, from what the case gives of them and from the loads.
 #include <float.h>
 #include <math.h>
 

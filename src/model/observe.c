@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a state means in rates and forces, how well it balances, and what a jump of loads does.
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The parts of a problem, handed to the engine that follows every cell at steps of its own.
 #include "model/internal.h"
 
 static bool all_linear(const lac_load *loads, size_t count)

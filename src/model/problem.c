@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A problem put together and checked: cells, friction, loads, and the traction at t = 0.
 #include "lacuna/problem.h"
 
 #include <math.h>

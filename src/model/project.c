@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A state moved onto the balance of its tractions, slip and rates together, before it is put out.
 #include <math.h>
 
 #include "base/vsum.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// All indicators of coming failure, looked at together; one that lacks its data says what it needs.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The maps of a page: cells gathered into squares, so that the page of a large joint stays small.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What a page reads of a run, from its file or from memory: columns, and the time to the end.
 #include "report/run.h"
 
 #include <math.h>

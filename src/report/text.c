@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// JSON that grows in memory; no text in it can end the script of the page that it stands in.
 #include "report/text.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The records that a page draws: extremes in equal spans of time, and of its log before the end.
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Maps from level to level in closed form: at least k of n points, or points that share load.
 #include <math.h>
 #include <stdbool.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The smallest load at which the whole joint slides: a scan of the path, then a closing bracket.
 #include "rg/path.h"
 
 #include <float.h>

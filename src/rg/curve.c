@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The slipped fraction of every level at many loads, from one pass over the tree where that can be.
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Rule LUMP has a pass of its own: a block slips whole or not at all, and has no threshold.
 #include <math.h>
 
 #include "rg/tree.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The slipped fraction of a level from that of the finer one: the map fitted, and its fixed point.
 #include <math.h>
 #include <stdbool.h>
 

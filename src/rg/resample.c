@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The map and its errors for pairs that do not come from a study, such as those of a run.
 #include "rg/study.h"
 
 lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// One joint with its blocks at one place, loaded along the path: what slips at every load.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

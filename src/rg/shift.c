@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A tree whose grid of blocks is moved over the joint, to see how much its place decides.
 #include <stdlib.h>
 
 #include "rg/tree.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Errors by resampling, and the power law of the correlation length near the critical load.
 #include <math.h>
 #include <stdlib.h>
 

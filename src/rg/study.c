@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Many joints, each with its blocks at many places: means, scatter, and one map of them all.
 #include "rg/study.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The blocks over the cells as the cascade keeps them: levels that merge nothing share a layer.
 #include "rg/tree.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Whether a run still gets on: by the number of its steps, and by the time that they add up to.
 #include "run/course.h"
 
 #include <math.h>

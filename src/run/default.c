@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Settings of a run where none are given, and the formulation that suits method and friction.
 #include <math.h>
 
 #include "lacuna/run.h"

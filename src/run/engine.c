@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What all integrators share, and the turn to explicit steps where breaks are near each other.
 #include "run/engine.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// CVODE as the engine of BDF and Adams; slip is a quadrature where it is no unknown.
 #include <cvodes/cvodes.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// ERKStep as an engine: explicit steps for a whole run, or for short stretches of another engine.
 #include <arkode/arkode_erkstep.h>
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sums of vectors that wait, so that many are made in one pass over memory, to the same bits.
 #include "run/pending.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Vectors for SUNDIALS: fast kernels that sum in a fixed order, no crash where memory is short.
 #include "run/vector.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Every step shown to a sink that asks for it, and not only what is recorded.
 #include "run/watch.h"
 
 lac_status lac_watch_step(const lac_engine *engine, const lac_sink *sink, double step,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The contact of a case, pressed from its surface or stated without one, with its box dimension.
 #include <math.h>
 #include <stdlib.h>
 

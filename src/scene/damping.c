@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Radiation damping of a case's rock, G/(2 cs), cs from the density where it is not given.
 #include <math.h>
 
 #include "scene/internal.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Fractal measures of a solved contact, for which coarser grids are solved under the same load.
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A case made into what a run needs: contact, friction of every cell, loads, start, problem.
 #include "lacuna/scene.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How far a modelled motion is from readings, by its slip and rate at their times.
 #include <math.h>
 
 #include "lacuna/series.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Monitoring files, text or netCDF as their first bytes say; how fine their numbers are.
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

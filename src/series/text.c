@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Lines, fields and numbers of text files, in the forms that loggers and spreadsheets write.
 #include "series/text.h"
 
 #include <errno.h>

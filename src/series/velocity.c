@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Velocities from displacements: secants, means, windows or polynomials; none looks ahead.
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The table of a run's variables: what each is and where its value comes from.
 #include "store/columns.h"
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Variables laid out in a netCDF-4 file: chunks, compression, checksums; its errors in words.
 #include "store/nc.h"
 
 #include <assert.h>

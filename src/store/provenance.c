@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Where a file comes from, as its attributes: program, command, case, date and libraries.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A variable of any shape as rows of doubles, unless it claims more than its file can hold.
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

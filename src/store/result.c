@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How a run ended, as attributes that its file gets last: failure, time reached, counts.
 #include <math.h>
 
 #include "base/date.h"

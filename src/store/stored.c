@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// One way to read a run, whether it is in a file or still in memory.
 #include "lacuna/store_file.h"
 
 #include <limits.h>

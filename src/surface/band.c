@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The spectrum of a self-affine surface on the waves of a grid, and each wave's random amplitude.
 #include "surface/band.h"
 
 #include <math.h>

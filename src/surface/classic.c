@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Headers of old netCDF files, walked first: netCDF itself allocates whatever a count says.
 #include "surface/classic.h"
 
 // Tags of the lists of a header.

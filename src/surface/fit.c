@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Measured heights laid on the cells of a grid: cropped, padded or resampled, the trend taken off.
 #include "surface/fit.h"
 
 #include <math.h>

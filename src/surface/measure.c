@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How rough a surface is: slopes, JRC, and a Hurst exponent fitted to its spectrum.
 #include "surface/measure.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The table of surfaces that a case can name: a new one needs its row here.
 #include "surface/registry.h"
 
 static const lac_surface_source *const sources[] = {

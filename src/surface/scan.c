@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Words and numbers of heights that are text, with decimal points or commas; errors name the line.
 #include "surface/scan.h"
 
 #include <math.h>

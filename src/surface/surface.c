@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A surface by whichever source a case names, once its parameters and the grid are checked.
 #include "lacuna/surface.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Heights from a spectrum, and what becomes of waves too short for the grid.
 #include "surface/synthesis.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The stiffness of each level as the elastic half-space has it, from a few random probes.
 #include "transfer/calibrate.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The slip of half-spaces under tractions on the contact cells, and its inverse by iteration.
 #include "transfer/compliance.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The rock itself as stress transfer: a filter on full contact, an iteration where there are gaps.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Conjugate gradients that stop by the preconditioner's own measure of the error.
 #include "transfer/krylov.h"
 
 #include <float.h>

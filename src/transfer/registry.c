@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The table of stress transfers that a case can name: a new one needs its row here.
 #include "transfer/kinds.h"
 
 static const lac_transfer_kind *const registry[] = {

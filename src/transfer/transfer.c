@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The stress transfer that a case names; where it names none, cells do not feel each other.
 #include "lacuna/transfer.h"
 
 #include "transfer/kinds.h"
