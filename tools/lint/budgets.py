@@ -15,13 +15,13 @@ import sys
 import source
 
 BUDGETS = {
-    "lines of src and include": 76600,
-    "lines that only present results": 23500,
+    "lines of src and include": 75900,
+    "lines that only present results": 22850,
     "public headers": 46,
-    "exported names": 373,
+    "exported names": 374,
     "circles of includes": 4,
-    "files without an opening comment": 216,
-    "objects that one field more in a record compiles anew": 170,
+    "files without an opening comment": 0,
+    "objects that one field more in a record compiles anew": 167,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
