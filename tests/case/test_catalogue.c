@@ -3,19 +3,14 @@
 // under cases/ shows it. Everything here goes by the registries: a new model is asked the same.
 #include <dirent.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "base/units.h"
 #include "lacuna/case.h"
 #include "lacuna/precursor.h"
+#include "support/test.h"
 
 #define CASES LACUNA_SOURCE_DIR "/cases"
 

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a case must hold depends on what it is read for; what it does hold must be right.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/scene.h"
+#include "support/test.h"
 
 #define HISTORY(keys) \
     "load: {normal: {pressure: 1e5}, history: {" keys "steps: [{ratio_x: 0.3}]}}\n"

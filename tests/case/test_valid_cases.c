@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dirent.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "case/sections.h"
 #include "lacuna/fit.h"
 #include "lacuna/store.h"
 #include "lacuna/surface.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 #define VALID LACUNA_SOURCE_DIR "/tests/case/valid"
 

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every method of forecasting must: know nothing of the future, and not care when time began.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <float.h>
 #include <math.h>
@@ -14,6 +8,7 @@
 
 #include "base/rng.h"
 #include "lacuna/hindcast.h"
+#include "support/test.h"
 
 enum { N = 18, CUT = 13 };
 

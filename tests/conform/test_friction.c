@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every law of the registry must do in every form, with and without cut-off slip rates.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "support/laws.h"
+#include "support/test.h"
 
 enum { TRIALS = 1000 };
 

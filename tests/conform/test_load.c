@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every load must do, run on each one of the registries with random parameters.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
@@ -18,6 +12,7 @@
 #include "lacuna/load.h"
 #include "support/scratch.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 enum { TRIALS = 20, PROBES = 16 };
 

@@ -3,19 +3,14 @@
 // differences, for every friction law, form and formulation, with and without cut-offs and the
 // response to normal stress, under every kind of load, one by one and all at once, for cells that
 // slide backwards, and for those that carry the mass of a block.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 
 #include "base/rng.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 // What pulls at the cells.

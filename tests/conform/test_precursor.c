@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every indicator must: know nothing of the future, not care when time began, give only the
 // numbers that its row declares, and go on once it has begun.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <float.h>
 #include <math.h>
@@ -17,6 +11,7 @@
 #include "base/units.h"
 #include "lacuna/hindcast.h"
 #include "lacuna/precursor.h"
+#include "support/test.h"
 
 enum { N = 44, LEVELS = 3, EVENTS = 400, ISSUES = 4, SURROGATES = 19 };
 static const size_t issues[ISSUES] = {28, 33, 39, 44}; // readings seen

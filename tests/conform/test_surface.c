@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every synthesised surface source must do; run on each one registered.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
 
 #include "base/fft.h"
 #include "lacuna/surface.h"
+#include "support/test.h"
 
 static const double size = 64.0; // of the interface [m]
 

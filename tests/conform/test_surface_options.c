@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the options of `self-affine` promise, and that without them nothing changes.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
 
 #include "base/fft.h"
 #include "lacuna/surface.h"
+#include "support/test.h"
 
 static const double side = 64.0;
 static const double two_pi = 6.283185307179586476925286766559;

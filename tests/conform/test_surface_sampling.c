@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Synthesised surfaces on grids that do not resolve them, and on free boundaries: point samples,
 // block means and margins against finer grids of the same surface.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
 
 #include "lacuna/surface.h"
 #include "support/height_files.h"
+#include "support/test.h"
 
 enum { LOW_PASS, POINT, BLOCK_MEAN, MOST = 96 * 80 };
 

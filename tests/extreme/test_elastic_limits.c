@@ -2,17 +2,12 @@
 // The elastic transfer where cells are few or far apart, rock is soft or stiff, or numbers are
 // none.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/run.h"
 #include "support/half_space.h"
+#include "support/test.h"
 #include "support/tree.h"
 #include "support/trees.h"
 

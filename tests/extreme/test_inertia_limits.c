@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Masses over sixty decades, with and without damping, of one cell and of many: the right answer,
 // or an error that says what happened.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/one_cell.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static const double masses[] = {0.0, 1e-30, 1e-10, 1.0, 1e4, 1e10, 1e30};

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fidelity `events` where there is next to nothing of something: one cell, two, all alike, none
 // that slips, times of many orders of magnitude, and what it has to refuse.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static lac_run_result run(const tree_def *def, lac_run_def how, lac_fidelity fidelity, double rtol)

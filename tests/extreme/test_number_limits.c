@@ -2,20 +2,15 @@
 // One block with numbers of extreme size, in every formulation and method, against an integral in
 // long double (support/one_cell.h). A run gives the right time, or one line that says what happened
 // and when; the table that this prints is in docs/limits.md.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <complex.h>
 #include <math.h>
 
 #include "support/one_cell.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static const lac_method methods[] = {LAC_BDF, LAC_ADAMS, LAC_ERK};
 static const char *const method_names[] = {"bdf", "adams", "erk"};

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade where trees, strengths and residual strengths are as extreme as they come.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <float.h>
 #include <math.h>
@@ -14,6 +8,7 @@
 
 #include "lacuna/rg.h"
 #include "support/blocks.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 static const double betas[] = {0.0, 1e-12, 0.3, 1.0 - 1e-12, 1.0};

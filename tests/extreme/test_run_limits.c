@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs that end, jump or cannot go on: where exactly they end, and what they say.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "support/block.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static const lac_method methods[] = {LAC_BDF, LAC_ADAMS, LAC_ERK};
 

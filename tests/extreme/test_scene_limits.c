@@ -2,15 +2,9 @@
 // Scenes of extreme make: pressures, stiffness, number of cells, shape of the tree. Under a load
 // that all cells share in proportion to their pressure, undamped, cells that start alike stay alike
 // whatever ties them: the scene is one block, and support/one_cell.h tells its time exactly.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <sys/resource.h>
@@ -18,6 +12,7 @@
 #include "base/rng.h"
 #include "support/one_cell.h"
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 #include "support/trees.h"
 

@@ -2,21 +2,16 @@
 #include "memory/report.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/fit.h"
 #include "lacuna/report.h"
 #include "memory/failing_malloc.h"
 #include "memory/whole_run.h"
+#include "support/test.h"
 
 enum { READINGS = 8, TIMES = 3, DRAWS = 4 };
 

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every allocation of a whole run fails once: each time the error is said, and nothing leaks
 // (under sanitizers) or crashes.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/lacuna.h"
 #include "memory/failing_malloc.h"
@@ -18,6 +12,7 @@
 #include "memory/report.h"
 #include "memory/trade.h"
 #include "memory/whole_run.h"
+#include "support/test.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
 static lac_status whole_shear(const char *path, lac_error *err)

@@ -2,17 +2,12 @@
 #include "memory/whole_run.h"
 
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/lacuna.h"
+#include "support/test.h"
 
 static const char text[] =
     "lacuna: 1\n"

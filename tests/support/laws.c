@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/laws.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,6 +8,7 @@
 #include "base/rng.h"
 #include "base/vmath.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 double laws_uniform(uint64_t i, uint64_t what, double low, double high)
 {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/sheared.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "support/benchmark_surface.h"
+#include "support/test.h"
 
 void start_again(sheared *s)
 {

@@ -2,20 +2,15 @@
 // The counts that an analysis keeps up to date, against counting afresh, as random cells begin to
 // slip and cease; and what it says of fixed points.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "analysis/slip_blocks.h"
 #include "analysis/slip_clusters.h"
 #include "base/rng.h"
 #include "lacuna/analysis.h"
 #include "lacuna/fractal.h"
+#include "support/test.h"
 
 typedef struct place {
     size_t nx, ny;

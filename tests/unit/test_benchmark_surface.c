@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The benchmark surfaces against their definition, wave by wave.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/surface.h"
+#include "support/test.h"
 
 static const double two_pi = 6.283185307179586476925286766559;
 

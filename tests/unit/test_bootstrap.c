@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // When the bootstrap of a renormalization map gives an error, and when it must not.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/rg_study.h"
+#include "support/test.h"
 
 enum { MOST = 12, PAIRS = 3 };
 

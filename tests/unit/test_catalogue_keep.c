@@ -2,16 +2,11 @@
 // A catalogue of events that goes through a checkpoint after any of its steps ends up with the
 // same events, to the last bit; a tape that is cut or wrong does no harm.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "analysis/catalogue.h"
+#include "support/test.h"
 
 enum { NX = 6, NY = 5, CELLS = NX * NY, STEPS = 61, MOST_EVENTS = 400 };
 

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "contact/solve.h"
 #include "lacuna/surface.h"
 #include "support/pressed.h"
+#include "support/test.h"
 
 static void wrong_input_is_refused(void **state)
 {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset of a made-up result: what a file has of it, and where JSON has it.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
@@ -17,6 +11,7 @@
 #include "data/dataset.h"
 #include "data/describe.h"
 #include "lacuna/store.h"
+#include "support/test.h"
 
 enum { ROWS = 2, COLUMNS = 3 };
 

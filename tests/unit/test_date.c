@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "base/date.h"
 #include "series/time_format.h"
+#include "support/test.h"
 
 static void known_dates_are_read(void **state)
 {

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks of all levels, and the load at which they count a stated dimension.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/fractal.h"
 #include "support/pressed.h"
+#include "support/test.h"
 
 static lac_dyadic count(const lac_grid *grid, const double *pressure)
 {

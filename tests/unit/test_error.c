@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/error.h"
+#include "support/test.h"
 
 static void message_is_built(void **state)
 {

@@ -2,16 +2,11 @@
 // The catalogue of events against motions whose starts, ends, slips and meetings are known in
 // closed form: rates exponential in time between steps, drawn on a small grid.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "analysis/catalogue.h"
+#include "support/test.h"
 
 enum { MOST_CELLS = 64, MOST_EVENTS = 16 };
 

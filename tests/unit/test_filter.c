@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <limits.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "base/fft.h"
 #include "base/filter.h"
 #include "base/rng.h"
+#include "support/test.h"
 
 enum { MOST = 96 * 72 };
 

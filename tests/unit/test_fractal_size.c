@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 
 #include "lacuna/fractal.h"
+#include "support/test.h"
 
 // Eight times the size at 2 - Delta_S = 1/3 halves the strength.
 static void strength_falls_as_a_power(void **state)

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Slip rates from tractions: put back into the balance over thirty decades of rate and twelve of
 // pressure, for every law and form; and what no rate can carry.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "base/rng.h"
 #include "lacuna/friction.h"
 #include "support/settle_copies.h"
+#include "support/test.h"
 
 enum { CELLS = 256 };
 

@@ -2,17 +2,12 @@
 // Histories of a joint that is in full contact under uniform pressure: it is rigid until it slides
 // as a whole, so that every load, shift and work has a closed form.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/scene.h"
+#include "support/test.h"
 
 // Side 2 m, f P = 500 Pa: Q is 2000 N where it slides.
 static const double sliding_force = 2000.0, nominal_area = 4.0, held = 500.0;

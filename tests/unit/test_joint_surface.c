@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spectrum of the gap between two faces, against that of one face.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "base/fft.h"
 #include "lacuna/surface.h"
+#include "support/test.h"
 
 enum { N = 128 };
 static const lac_grid grid = {N, N, 0.5, 0.5, true};

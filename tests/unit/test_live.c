@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A run in memory as its page sees it while it goes on: read as a file is, thinned where it grows.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/report.h"
 #include "lacuna/store_file.h"
+#include "support/test.h"
 
 enum { CELLS = 4 };
 

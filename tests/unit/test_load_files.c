@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loads that read files: against closed forms, and what is refused.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "lacuna/load.h"
 #include "support/scratch.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static scratch folder;
 

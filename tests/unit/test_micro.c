@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lazy sums of cells at steps of their own, against K from its definition: random trees, random
 // increments at random times. No cell may be pushed beyond its margin before it is due.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "micro/tree.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { LEVELS = 40, TREES = 24, ROUNDS = 60, CELLS = 60 };

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "base/least_squares.h"
 #include "base/rng.h"
 #include "lacuna/motion.h"
+#include "support/test.h"
 
 enum { MOST = 400 };
 

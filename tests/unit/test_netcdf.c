@@ -2,16 +2,11 @@
 // What the readers of other people's netCDF files share.
 #include <math.h>
 #include <netcdf.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "base/netcdf.h"
+#include "support/test.h"
 
 // A file in memory with one variable of three numbers, of which the first two are written.
 static int open_file(nc_type type, int *var)

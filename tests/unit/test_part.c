@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a killed process left of a file that it was making: taken away with the next one of that
 // name, nothing else being touched.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -18,6 +12,7 @@
 
 #include "base/part.h"
 #include "support/scratch_group.h"
+#include "support/test.h"
 
 enum { PATH = 400 };
 

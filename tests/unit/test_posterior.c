@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws of a posterior against the same integrals on a dense grid.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
 
 #include "base/rng.h"
 #include "forecast/posterior.h"
+#include "support/test.h"
 
 enum { N = 24, GRID = 160 };
 static const double share[LAC_FORECAST_LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};

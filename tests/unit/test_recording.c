@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A run kept in memory: what it holds, what is refused, and a stop.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/simulation.h"
+#include "support/test.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
 

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page of a run is made with: thinning, JSON, squares of cells.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "report/cells.h"
+#include "support/test.h"
 
 enum { N = 20000, BUCKETS = 50 };
 

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a file does not say: what is taken, doubted, asked about.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
@@ -17,6 +11,7 @@
 #include "lacuna/series.h"
 #include "series/text.h"
 #include "support/scratch_group.h"
+#include "support/test.h"
 
 static lac_units *units;
 

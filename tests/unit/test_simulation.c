@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case from its definition to its outcome: what a sink of one's own gets, what is in the file,
 // and what the options do.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
@@ -16,6 +10,7 @@
 #include <unistd.h>
 
 #include "lacuna/lacuna.h"
+#include "support/test.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
 

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spreads of a parameter over the cells: distributions, products, sizes and maps.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
@@ -18,6 +12,7 @@
 #include "lacuna/store_map.h"
 #include "scene/internal.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 enum { SIDE = 32, CELLS = SIDE * SIDE };
 

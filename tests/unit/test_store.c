@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
@@ -15,6 +9,7 @@
 #include "lacuna/scene.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"
+#include "support/test.h"
 
 static lac_store *create(const lac_store_def *def)
 {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is left of a file whose writer was killed, whose disk was full, or whose bytes have changed.
 // Each writer and reader runs in a process of its own, so that a crash or a hang is a finding.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>
@@ -20,6 +14,7 @@
 #include "lacuna/store.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"
+#include "support/test.h"
 
 enum { KILLS = 25, DAMAGED = 300, PATIENCE = 10 /* seconds */ };
 

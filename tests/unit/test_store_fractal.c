@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fractal measures in the file of a contact.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
 
 #include "lacuna/scene.h"
 #include "support/scratch.h"
+#include "support/test.h"
 
 static scratch folder;
 

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the values of a run's file stand in it, and that no changed bit goes unseen there.
 #define _GNU_SOURCE // memmem
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <netcdf.h>
 #include <sys/wait.h>
@@ -18,6 +12,7 @@
 #include "lacuna/store.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"
+#include "support/test.h"
 
 #define VALUE 1.2345e6
 

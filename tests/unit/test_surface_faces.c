@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two measured faces against faces of closed form: signs, places, views, units, what is refused.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/surface.h"
 #include "support/height_files.h"
 #include "support/scratch.h"
+#include "support/test.h"
 
 static scratch files;
 

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Files of heights: every format against heights known_heights beforehand, and what is refused.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <netcdf.h>
@@ -16,6 +10,7 @@
 #include "lacuna/surface.h"
 #include "support/height_files.h"
 #include "support/scratch.h"
+#include "support/test.h"
 
 static scratch files;
 

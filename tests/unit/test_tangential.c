@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "contact/tangential_solve.h"
 #include "lacuna/tangential.h"
+#include "support/test.h"
 
 enum { SIDE = 8, CELLS = SIDE * SIDE };
 

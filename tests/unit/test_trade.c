@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Plans, fronts and verdicts of a trade, on numbers made up here.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "lacuna/trade.h"
+#include "support/test.h"
 
 static void assert_near(double found, double expected, double error)
 {

@@ -2,21 +2,16 @@
 // The usual units against UDUNITS itself, and that they need nothing of its database.
 #include <ctype.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <udunits2.h>
 #include <unistd.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "base/units.h"
 #include "base/units_usual.h"
+#include "support/test.h"
 
 static bool same_bits(double a, double b)
 {

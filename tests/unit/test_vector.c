@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Vectors whose sums wait: the bits of plain loops whatever waits, also through CVODE.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <cvodes/cvodes.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "base/rng.h"
 #include "run/pending.h"
 #include "run/vector.h"
+#include "support/test.h"
 
 enum { ARRAYS = 6, MOST = 1200 };
 

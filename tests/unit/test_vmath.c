@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <float.h>
 #include <math.h>
@@ -14,6 +8,7 @@
 
 #include "base/rng.h"
 #include "base/vmath.h"
+#include "support/test.h"
 #include "support/vmath_copies.h"
 
 enum { SAMPLES = 1 << 16 };

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Texts as files: whole or not at all, also where a file system knows no hard links.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,6 +13,7 @@
 
 #include "base/write_text.h"
 #include "support/scratch_group.h"
+#include "support/test.h"
 
 enum { PATH = 400, LONGEST = 255 };
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rock that stays behind: a slab is a spring to uniform slip; creeping surroundings load a patch.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "support/fault.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 static const double plate_rate = 1e-9;

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One block under constant load against the exact solutions of docs/theory/creep.md.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_sf_expint.h>
@@ -16,6 +10,7 @@
 #include "support/block.h"
 #include "support/quadrature.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static void assert_close(double got, double want, double relative, const char *what)
 {

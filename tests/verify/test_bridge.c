@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Small trees pulled slowly by the creep engine slide at the force that the cascade that keeps
 // force predicts; docs/theory/bridge.md. Units: mean pressure, k_0 and damping are 1.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/rg.h"
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 #include "support/trees.h"
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "support/free_slip.h"
 #include "support/half_space.h"
+#include "support/test.h"
 #include "support/trees.h"
 #include "transfer/calibrate.h"
 #include "transfer/compliance.h"

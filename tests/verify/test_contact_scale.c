@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Iterations of the contact solver on fine grids and grids of any sides; threads.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
@@ -15,6 +9,7 @@
 
 #include "lacuna/contact.h"
 #include "support/benchmark_surface.h"
+#include "support/test.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define CHECKED 1

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Radiation damping where cells touch on a part of the nominal area: the mean slip rate is damped
 // over all of it, whatever the formulation and the grid, and what counts as failure then.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 
 #include "lacuna/sensitivity.h"
 #include "support/block.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 // A scene of cells as in `def`, `side` cells a side of which every `stride`-th touches, under the

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How cells of different pressures share what the waves of their mean take off them.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 
 #include "support/block.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static void ramp_up(const lac_load *load, double t, lac_load_state *sum)

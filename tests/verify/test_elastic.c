@@ -2,17 +2,12 @@
 // The elastic transfer against plane waves, dense matrices and cracks with closed forms.
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/transfer.h"
 #include "support/half_space.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // When a joint has failed whose cells slip one by one: not when one of them carries the mean slip
 // rate past a p/eta and stops again, but when all go. Against an integration of the test's own.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
 
 #include "lacuna/sensitivity.h"
 #include "support/block.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 // One cell in each of 4 x 4 fields of 8 x 8 cells, under one pressure.

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fits of one block, from a case in memory to the result: the likelihood against a dense normal one
 // over an exact solution, the least squares against parameters that are known.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_linalg.h>
 #include <gsl/gsl_sf_lambert.h>
@@ -17,6 +11,7 @@
 
 #include "base/rng.h"
 #include "lacuna/fit.h"
+#include "support/test.h"
 
 enum { READINGS = 24 };
 

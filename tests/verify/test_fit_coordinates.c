@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The coordinates that walkers live in: their map there and back, and its Jacobian by differences.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -14,6 +8,7 @@
 
 #include "base/rng.h"
 #include "fit/internal.h"
+#include "support/test.h"
 
 enum { READINGS = 12 };
 

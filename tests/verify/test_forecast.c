@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Forecasts of motions whose time of failure is known exactly.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
 
 #include "lacuna/forecast.h"
+#include "support/test.h"
 
 enum { N = 60 };
 static const double tc = 1.4e9 + 1e6, scale = 0.3;

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the choice of unknowns must not change, and what it must: the spring slider of the
 // earthquake-cycle codes, slip that turns back, loads on the normal side.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,6 +11,7 @@
 #include "support/block.h"
 #include "support/slider.h"
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static const lac_method methods[] = {LAC_BDF, LAC_ADAMS, LAC_ERK};

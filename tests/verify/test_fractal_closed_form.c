@@ -3,19 +3,14 @@
 // knowing nothing of any contact: docs/theory/fractal.md, "Closed form".
 //
 //   verify_test_fractal_closed_form [SIDE SEEDS]     a longer series, printed and not judged
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/fractal.h"
 #include "lacuna/surface.h"
+#include "support/test.h"
 
 enum { COARSEST = 64, MOST = 8 };
 

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +8,7 @@
 #include "base/rng.h"
 #include "lacuna/fractal.h"
 #include "support/sets.h"
+#include "support/test.h"
 
 enum { MOST = 64 * 64 };
 

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Friction laws against closed forms: docs/theory/friction.md.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
 
 #include "lacuna/friction.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 // One cell's parameters, as a reference formula sees them.
 typedef struct rock {

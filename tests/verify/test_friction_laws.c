@@ -2,18 +2,13 @@
 // The composite law, cut-off slip rates and the response to normal stress against closed forms and
 // quadratures; docs/theory/friction.md. Numbers given here with 15 digits are integrals by mpmath
 // 1.2 at 30 digits; the integrand stands beside each.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_sf_lambert.h>
 #include <math.h>
 
 #include "support/block.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static void assert_close(double got, double want, double relative, const char *what)
 {

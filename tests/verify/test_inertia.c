@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A block with mass on one cell: closed forms (free slide, oscillation, runaway), linear stability,
 // and the limit without mass.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_poly.h>
@@ -16,6 +10,7 @@
 
 #include "support/block.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static const double second = 0.1; // when the load comes [s]
 

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What loads do to a relaxing block, against exact solutions: docs/theory/loads.md, "Triggering".
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -14,6 +8,7 @@
 #include "support/block.h"
 #include "support/quadrature.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 // A block with b > a at x = 1.3 theta_ss relaxes; x grows.
 static const double m = 1.5, step_at = 1.0;

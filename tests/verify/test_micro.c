@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fidelity `events`, each cell at steps of its own, against `ode`, all cells at every step, where
 // cells slip one by one (k_0 = 0.15 k_crit).
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 #define MOVES 1e-3

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Newton's iteration in place of dy/dt, on vectors whose sums wait, against SUNDIALS' own.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <cvodes/cvodes.h>
 #include <math.h>
 
 #include "run/newton.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)

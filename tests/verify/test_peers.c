@@ -3,16 +3,11 @@
 // every method, closer with rtol; the bundled cases are the problems. `tools/bench peers` runs both
 // to their ends.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include "lacuna/scene.h"
 #include "support/fault.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Indicators of catalogues and series whose numbers are known.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
 
 #include "base/rng.h"
 #include "lacuna/precursor.h"
+#include "support/test.h"
 
 enum { N = 5000, CATALOGUES = 40 };
 

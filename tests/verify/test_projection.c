@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The traction balance of a run in each formulation, projection onto it, and that neither that nor
 // anything else that is only written acts back on the run.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/block.h"
 #include "support/slider.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static const lac_method methods[] = {LAC_BDF, LAC_ADAMS, LAC_ERK};

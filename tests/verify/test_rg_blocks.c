@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks laid elsewhere, and the strength of blocks as a function of their size.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "lacuna/rg.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { SIDE = 16, CELLS = SIDE * SIDE };

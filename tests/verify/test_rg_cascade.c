@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade against closed forms.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "lacuna/rg.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { MOST = 256 };

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fixed points and exponents of maps known in closed form, and what the closure leaves out.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/rg_map.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 static void assert_near(double x, double expected, double tolerance)

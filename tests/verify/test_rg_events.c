@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The pass over the tree against simulations, on random trees: slip after slip as the load rises,
 // and every threshold by bisection. And the symmetries that the rules have.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "lacuna/rg.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { MOST = 64, LEVELS = 40 };

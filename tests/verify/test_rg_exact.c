@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The critical force on contacts that are solved for it, against contacts solved from nothing and
 // against an ever denser series.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "lacuna/rg.h"
 #include "lacuna/surface.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { SIDE = 64, CELLS = SIDE * SIDE };

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loading paths, slipped fractions along them, and the map fitted to those.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +7,7 @@
 
 #include "lacuna/rg.h"
 #include "lacuna/rg_map.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { MOST = 64 };

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ensembles of cascades: what must hold whatever the joints, and joints whose answer is known.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
@@ -13,6 +7,7 @@
 #include <string.h>
 
 #include "lacuna/rg_study.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { SIDE = 32, CELLS = SIDE * SIDE };

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random trees with any number of children: rule LUMP against a simulation, event after event, and
 // what must not depend on the order of children or on units.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +8,7 @@
 
 #include "lacuna/rg.h"
 #include "support/blocks.h"
+#include "support/test.h"
 #include "support/trees.h"
 
 enum { MOST = BLOCKS_CELLS, TREES = 3000 };

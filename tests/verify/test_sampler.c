@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The ensemble sampler on densities whose moments are known, and the measures of its convergence.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +8,7 @@
 
 #include "base/rng.h"
 #include "lacuna/sampler.h"
+#include "support/test.h"
 
 // Normal in two dimensions: means 1 and -2, deviations 0.01 and 100, correlation 0.95.
 static double normal(void *context, int thread, const double *x)

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is followed, and its derivatives, against the exact solutions of docs/theory/creep.md, and
 // against central differences of tighter runs.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <gsl/gsl_sf_lambert.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "lacuna/sensitivity.h"
 #include "support/block.h"
 #include "support/slot.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 enum { TIMES = 6, MOST = 4 };

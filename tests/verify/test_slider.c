@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A spring slider near steady sliding against linear stability (Ruina 1983), and single blocks
 // across twenty-six decades of slip rate.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/block.h"
 #include "support/quadrature.h"
 #include "support/slot.h"
+#include "support/test.h"
 
 static lac_slot spring(double stiffness, double speed)
 {

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures of surfaces whose measures are known.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "lacuna/surface.h"
 #include "support/height_files.h"
+#include "support/test.h"
 
 enum { N = 256, SEEDS = 60 };
 static const double two_pi = 6.283185307179586476925286766559;

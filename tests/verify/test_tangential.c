@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 #include <omp.h>
 
 #include "lacuna/tangential.h"
 #include "support/sheared.h"
+#include "support/test.h"
 
 // Sphere of R = E* = 1 on a free grid of side 5 a, a = 0.2: Q = 0.875 f P leaves half the radius
 // stuck. Mindlin's shift 3 f P (2 - nu) / (16 G a) (1 - (1 - Q/fP)^(2/3)), of each body; both:

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "contact/tangential_space.h"
 #include "lacuna/tangential.h"
 #include "support/sheared.h"
+#include "support/test.h"
 
 static const double pi = 3.14159265358979323846;
 static const double strength = 0.5 * 4.9e-3; // f p of the rough joints here

@@ -2,18 +2,13 @@
 // Loops that run in threads where there are many cells: rates, Newton solves and whole steps have
 // the same bits with one thread as with three.
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <omp.h>
 
 #include "base/parts.h"
+#include "support/test.h"
 #include "support/tree.h"
 #include "support/trees.h"
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Many strongly coupled cells: stiff, so that BDF with the exact solve needs few steps, whatever n.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-// cmocka needs the headers above first
-#include <cmocka.h>
 
 #include <math.h>
 
 #include "support/block.h"
+#include "support/test.h"
 #include "support/tree.h"
 
 static lac_run_result run_tree(const tree_def *def, lac_method method, double rtol,
