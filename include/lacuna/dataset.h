@@ -18,10 +18,10 @@ enum {
 /// One value of a result. NaN and infinity are missing.
 /// @param of  what the table was laid on
 /// @param at  [rank + 1] its place along each dimension; behind them `which` of lac_named
-typedef double lac_getter(const void *of, const size_t *at);
+typedef double (*lac_getter)(const void *of, const size_t *at);
 
 /// The same of a text. @param room  for one that is made here @return NULL: missing
-typedef const char *lac_text_getter(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]);
+typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]);
 
 /// Where a value stands, if no getter gives it.
 typedef enum lac_held {
@@ -53,14 +53,14 @@ typedef struct lac_variable {
                       ///< rows of the same path make a list; NULL: it stands in none
     const char *unit; ///< SI; NULL: 1
     const char *long_name, *comment, *coordinates;
-    const char *dims;      ///< in order, between spaces, the last fastest; NULL: the table's
-    lac_getter *value;     ///< either of these, or what is held
-    lac_text_getter *text; ///<
+    const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
+    lac_getter value;     ///< either of these, or what is held
+    lac_text_getter text; ///< of a text
     lac_held held;
+    unsigned flags;                                ///< LAC_MISSING | ...
     size_t offset;                                 ///< of what is held [bytes]
     bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
                                                    ///< the first of an object in JSON; NULL: true
-    unsigned flags;                                ///< LAC_MISSING | ...
 } lac_variable;
 
 /// What a result is made of.
@@ -95,7 +95,7 @@ lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size
                             lac_error *err);
 
 /// Names the places of a dimension, for objects in JSON.
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *label,
+void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
                        const void *of);
 
 /// What times count from in a file.

@@ -57,8 +57,7 @@ static lac_dim *find_dim(const lac_dataset *dataset, const char *name, size_t si
     return NULL;
 }
 
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter *label,
-                       const void *of)
+void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label, const void *of)
 {
     lac_dim *found = find_dim(dataset, dim, strlen(dim));
     found->label = label;
@@ -117,21 +116,17 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
     const lac_entry entry = {.row = row,
                              .over = "",
                              .of = of,
-                             .name = strdup(named->name),
-                             .long_name = strdup(named->long_name),
                              .unit = named->unit,
                              .comment = named->comment,
                              .which = named->which};
-    lac_status status =
-        entry.name != NULL && entry.long_name != NULL ? LAC_OK : lac_fail_memory(err);
-    if (status == LAC_OK) {
-        status = add_entry(dataset, &entry, err);
-    }
+    lac_status status = add_entry(dataset, &entry, err);
     if (status != LAC_OK) {
-        free(entry.name);
-        free(entry.long_name);
+        return status;
     }
-    return status;
+    lac_entry *added = &dataset->entry[dataset->entries - 1];
+    added->name = strdup(named->name);
+    added->long_name = strdup(named->long_name);
+    return added->name != NULL && added->long_name != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
 void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)

@@ -9,7 +9,7 @@
 
 typedef struct lac_dim {
     lac_extent extent;
-    lac_text_getter *label; ///< NULL: its places have no names
+    lac_text_getter label; ///< NULL: its places have no names
     const void *of;
 } lac_dim;
 

@@ -167,7 +167,7 @@ static size_t take(const group *g, const part *p, const lac_entry **rest, group 
 // Paths are a few parts deep.
 static void write_members(const group *g, lac_json *json)
 {
-    const lac_entry *rest[MOST_ROWS], *taken[MOST_ROWS];
+    const lac_entry *rest[MOST_ROWS] = {NULL}, *taken[MOST_ROWS] = {NULL};
     group left = *g;
     while (left.count > 0) {
         group own;
@@ -180,7 +180,7 @@ static void write_members(const group *g, lac_json *json)
 
 void lac_dataset_json(const lac_dataset *dataset, lac_json *json)
 {
-    const lac_entry *entry[MOST_ROWS];
+    const lac_entry *entry[MOST_ROWS] = {NULL};
     size_t count = 0;
     for (size_t i = 0; i < dataset->entries; i++) {
         if (dataset->entry[i].row->json != NULL) {

@@ -75,13 +75,21 @@ static const lac_variable of_parts[] = {
 static const lac_variable beside[] = {{.name = "best", P(REAL, best)},
                                       {.name = "case_key", P(TEXT, key)}};
 
+// Laid on nothing: a result that is not there.
+static const lac_variable of_missing[] = {
+    {.name = "gone", .json = "gone", R(REAL, number)},
+    {.name = "gone_text", .json = "gone_text", R(TEXT, text)},
+    {.json = "gone_object/one", R(REAL, number)},
+    {.json = "gone_lists[]", .dims = "none", R(REALS, table)},
+};
+
 static lac_dataset *make(void)
 {
     static const lac_variable drawn = {.dims = "column", .value = product, .comment = "unused"};
     const lac_extent dims[] = {{"row", ROWS}, {"column", COLUMNS}, {"none", 0}};
     const lac_laid laid[] = {{LAC_VARIABLES(of_result, "", 0), &made},
                              {LAC_VARIABLES(of_parts, "row", sizeof(part)), made.part},
-                             {LAC_VARIABLES(of_parts, "row", sizeof(part)), NULL}};
+                             {LAC_VARIABLES(of_missing, "", 0), NULL}};
     const lac_named named = {"drawn", "its long name", "s", "its comment", 1};
     const lac_laid own = {LAC_VARIABLES(beside, "", sizeof(part)), made.part};
     lac_dataset *d = NULL;
@@ -114,7 +122,8 @@ static void test_json(void **state)
         "\"pair\":[0.5,null],\"rows\":[{\"columns\":[1,2,null]},{\"columns\":[4,5,6]}],"
         "\"products\":[[5,5.5,6],[10,10.5,11]],\"left_out\":null,\"powers\":{\"a.b\":7,\"c\":8},"
         "\"parts\":[{\"key\":\"a.b\",\"seed\":null,\"good\":true},"
-        "{\"key\":\"c\",\"seed\":9,\"good\":false}]}";
+        "{\"key\":\"c\",\"seed\":9,\"good\":false}],"
+        "\"gone\":null,\"gone_text\":null,\"gone_object\":null,\"gone_lists\":[]}";
     (void)state;
     char *text = NULL;
     size_t size = 0;
