@@ -190,7 +190,7 @@ static lac_status try_scene(const lac_case *c, cli_estimate *estimate, lac_load_
 }
 
 // What is wrong with the scene as a whole stands at no line of the case.
-static void write_errors(cli_json *json, const lac_case_report *report, const char *path,
+static void write_errors(lac_json *json, const lac_case_report *report, const char *path,
                          lac_error *err)
 {
     lac_case_issue issue = {
@@ -203,14 +203,14 @@ static void write_errors(cli_json *json, const lac_case_report *report, const ch
 static void write_json(const lac_case_report *report, const char *path, const char *scene,
                        const cli_estimate *estimate, lac_error *err)
 {
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_boolean(&json, "ok", estimate != NULL);
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_json_boolean(&json, "ok", estimate != NULL);
     write_errors(&json, report, path, err);
     cli_report_json(&json, "warnings", report, true);
-    cli_json_text(&json, "scene", scene);
+    lac_json_text(&json, "scene", scene);
     cli_estimate_json(&json, estimate);
-    cli_json_close(&json, '}');
+    lac_json_close(&json, '}');
 }
 
 static lac_status examine(const cli_request *request, const lac_case *c, lac_case_report *report,

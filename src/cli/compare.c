@@ -213,40 +213,40 @@ static double column_value(const double *column, size_t k)
     return column != NULL ? column[k] : NAN;
 }
 
-static void write_readings(cli_json *json, const cli_compare *compare, const lac_series *series,
+static void write_readings(lac_json *json, const cli_compare *compare, const lac_series *series,
                            const lac_history *run)
 {
-    cli_json_open(json, "readings", '[');
+    lac_json_open(json, "readings", '[');
     for (size_t k = 0; k < series->n && series->n <= FEW_READINGS; k++) {
         double slip = NAN, rate = NAN;
         char date[32];
         bool inside = lac_history_at(run, series->time[k], &slip, &rate);
-        cli_json_open(json, NULL, '{');
+        lac_json_open(json, NULL, '{');
         if (compare->source->dated) {
-            cli_json_text(json, "date", lac_date_format(series->time[k], date, sizeof date));
+            lac_json_text(json, "date", lac_date_format(series->time[k], date, sizeof date));
         }
-        cli_json_number(json, "time_s", series->time[k] - compare->source->start_date);
-        cli_json_number(json, "observed_slip_m", column_value(series->displacement, k));
-        cli_json_number(json, "observed_slip_rate_m_s", column_value(series->velocity, k));
-        cli_json_number(json, "modelled_slip_m", inside ? slip : NAN);
-        cli_json_number(json, "modelled_slip_rate_m_s", inside ? rate : NAN);
-        cli_json_close(json, '}');
+        lac_json_number(json, "time_s", series->time[k] - compare->source->start_date);
+        lac_json_number(json, "observed_slip_m", column_value(series->displacement, k));
+        lac_json_number(json, "observed_slip_rate_m_s", column_value(series->velocity, k));
+        lac_json_number(json, "modelled_slip_m", inside ? slip : NAN);
+        lac_json_number(json, "modelled_slip_rate_m_s", inside ? rate : NAN);
+        lac_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_misfit(cli_json *json, const lac_misfit *misfit)
+static void write_misfit(lac_json *json, const lac_misfit *misfit)
 {
     bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
-    cli_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
-    cli_json_number(json, "slip_rms_m", slips ? misfit->displacement_rms : NAN);
-    cli_json_number(json, "slip_offset_m", slips ? misfit->displacement_offset : NAN);
-    cli_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
-    cli_json_number(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN);
-    cli_json_integer(json, "outside", (int64_t)misfit->outside);
+    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
+    lac_json_number(json, "slip_rms_m", slips ? misfit->displacement_rms : NAN);
+    lac_json_number(json, "slip_offset_m", slips ? misfit->displacement_offset : NAN);
+    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
+    lac_json_number(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN);
+    lac_json_integer(json, "outside", (int64_t)misfit->outside);
 }
 
-static void write_one(cli_json *json, const cli_compare *compare, size_t i, const lac_history *run)
+static void write_one(lac_json *json, const cli_compare *compare, size_t i, const lac_history *run)
 {
     const lac_compare_def *def = &compare->source->compare[i];
     lac_series view;
@@ -255,24 +255,24 @@ static void write_one(cli_json *json, const cli_compare *compare, size_t i, cons
         return;
     }
     lac_series_compare(&view, run, &misfit);
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "label", name_of(def));
-    cli_json_text(json, "path", def->path);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "label", name_of(def));
+    lac_json_text(json, "path", def->path);
     write_misfit(json, &misfit);
-    cli_json_integer(json, "missing", (int64_t)view.missing);
-    cli_json_integer(json, "duplicates", (int64_t)view.duplicates);
+    lac_json_integer(json, "missing", (int64_t)view.missing);
+    lac_json_integer(json, "duplicates", (int64_t)view.duplicates);
     cli_series_warnings(json, &view);
     write_readings(json, compare, &view, run);
-    cli_json_text(json, "attribution", view.attribution);
-    cli_json_close(json, '}');
+    lac_json_text(json, "attribution", view.attribution);
+    lac_json_close(json, '}');
     free(view.time);
 }
 
-void cli_compare_json(cli_json *json, const cli_compare *compare, const lac_history *run)
+void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)
 {
-    cli_json_open(json, "compare", '[');
+    lac_json_open(json, "compare", '[');
     for (size_t i = 0; i < compare->count; i++) {
         write_one(json, compare, i, run);
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }

@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_COMPARE_H
 #define LACUNA_CLI_COMPARE_H
 
-#include "cli/json.h"
 #include "cli/options.h"
+#include "data/json.h"
 #include "lacuna/case.h"
 #include "lacuna/series.h"
 
@@ -26,6 +26,6 @@ void cli_compare_clear(cli_compare *compare);
 void cli_compare_print(const cli_compare *compare, const lac_history *run);
 
 /// The same as a list under `compare`.
-void cli_compare_json(cli_json *json, const cli_compare *compare, const lac_history *run);
+void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run);
 
 #endif

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "cli/completion.h"
-#include "cli/json.h"
 #include "cli/words.h"
+#include "data/json.h"
 
 const char *const cli_shells[] = {"bash", "zsh", "fish", NULL};
 
@@ -79,10 +79,10 @@ lac_status cli_completion(const cli_request *request, lac_error *err)
         (void)fputs(scripts[i], stdout);
         return LAC_OK;
     }
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "shell", cli_shells[i]);
-    cli_json_text(&json, "script", scripts[i]);
-    cli_json_close(&json, '}');
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "shell", cli_shells[i]);
+    lac_json_text(&json, "script", scripts[i]);
+    lac_json_close(&json, '}');
     return LAC_OK;
 }

@@ -234,54 +234,54 @@ static void print_model(const lac_kind *kind, const lac_descriptor *model)
     }
 }
 
-static void write_precursor(cli_json *json, const lac_precursor_kind *kind)
+static void write_precursor(lac_json *json, const lac_precursor_kind *kind)
 {
-    cli_json_text(json, "needs", lac_needs_name(kind->needs));
-    cli_json_open(json, "values", '[');
+    lac_json_text(json, "needs", lac_needs_name(kind->needs));
+    lac_json_open(json, "values", '[');
     for (size_t i = 0; i < kind->value_count; i++) {
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "key", kind->value[i].key);
-        cli_json_text(json, "unit", kind->value[i].unit);
-        cli_json_text(json, "text", kind->value[i].text);
-        cli_json_close(json, '}');
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "key", kind->value[i].key);
+        lac_json_text(json, "unit", kind->value[i].unit);
+        lac_json_text(json, "text", kind->value[i].text);
+        lac_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_forecast(cli_json *json, const lac_forecast_kind *kind)
+static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
 {
     const lac_calibration *c = &kind->calibration;
-    cli_json_integer(json, "needs_points", (int64_t)kind->least);
-    cli_json_number(json, "worst_misfit", kind->worst);
-    cli_json_number(json, "spread", c->spread);
-    cli_json_number(json, "low90", c->low90);
-    cli_json_number(json, "low50", c->low50);
-    cli_json_number(json, "high50", c->high50);
-    cli_json_number(json, "high90", c->high90);
+    lac_json_integer(json, "needs_points", (int64_t)kind->least);
+    lac_json_number(json, "worst_misfit", kind->worst);
+    lac_json_number(json, "spread", c->spread);
+    lac_json_number(json, "low90", c->low90);
+    lac_json_number(json, "low50", c->low50);
+    lac_json_number(json, "high50", c->high50);
+    lac_json_number(json, "high90", c->high90);
 }
 
-static void write_gates(cli_json *json)
+static void write_gates(lac_json *json)
 {
     const lac_forecast_gate *gate;
-    cli_json_open(json, "gates", '[');
+    lac_json_open(json, "gates", '[');
     for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "name", gate->name);
-        cli_json_text(json, "text", gate->text);
-        cli_json_close(json, '}');
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "name", gate->name);
+        lac_json_text(json, "text", gate->text);
+        lac_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_model(cli_json *json, const lac_descriptor *model)
+static void write_model(lac_json *json, const lac_descriptor *model)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", model->name);
-    cli_json_text(json, "summary", model->summary);
-    cli_json_text(json, "reference", model->reference);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "name", model->name);
+    lac_json_text(json, "summary", model->summary);
+    lac_json_text(json, "reference", model->reference);
     cli_parameters_json(json, model->params, model->param_count);
     if (estimator_of(model) != NULL) {
-        cli_json_text(json, "estimator", estimator_of(model));
+        lac_json_text(json, "estimator", estimator_of(model));
     }
     if (precursor_of(model) != NULL) {
         write_precursor(json, precursor_of(model));
@@ -289,39 +289,39 @@ static void write_model(cli_json *json, const lac_descriptor *model)
     if (forecast_of(model) != NULL) {
         write_forecast(json, forecast_of(model));
     }
-    cli_json_close(json, '}');
+    lac_json_close(json, '}');
 }
 
 // One kind with all its models, or only the given one.
-static void write_kind(cli_json *json, const lac_kind *kind, const lac_descriptor *only)
+static void write_kind(lac_json *json, const lac_kind *kind, const lac_descriptor *only)
 {
     const lac_descriptor *model;
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", kind->name);
-    cli_json_text(json, "section", kind->section);
-    cli_json_text(json, "summary", kind->summary);
-    cli_json_boolean(json, "option", kind->option);
-    cli_json_text(json, "command", kind->command);
-    cli_json_open(json, "models", '[');
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "name", kind->name);
+    lac_json_text(json, "section", kind->section);
+    lac_json_text(json, "summary", kind->summary);
+    lac_json_boolean(json, "option", kind->option);
+    lac_json_text(json, "command", kind->command);
+    lac_json_open(json, "models", '[');
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         if (only == NULL || only == model) {
             write_model(json, model);
         }
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
     if (forecasts(kind)) {
         write_gates(json);
     }
-    cli_json_close(json, '}');
+    lac_json_close(json, '}');
 }
 
-static void write_section(cli_json *json, const lac_section *section)
+static void write_section(lac_json *json, const lac_section *section)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", section->name);
-    cli_json_text(json, "summary", section->summary);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "name", section->name);
+    lac_json_text(json, "summary", section->summary);
     cli_parameters_json(json, section->params, section->param_count);
-    cli_json_close(json, '}');
+    lac_json_close(json, '}');
 }
 
 // What is asked about; all NULL: everything.
@@ -333,26 +333,26 @@ typedef struct subject {
 
 static void write_json(const subject *s)
 {
-    cli_json json = {.out = stdout};
+    lac_json json = {.out = stdout};
     bool all = s->kind == NULL && s->section == NULL;
     const lac_kind *kind;
     const lac_section *section;
-    cli_json_open(&json, NULL, '{');
-    cli_json_open(&json, "kinds", '[');
+    lac_json_open(&json, NULL, '{');
+    lac_json_open(&json, "kinds", '[');
     for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
         if (all || kind == s->kind) {
             write_kind(&json, kind, s->model);
         }
     }
-    cli_json_close(&json, ']');
-    cli_json_open(&json, "sections", '[');
+    lac_json_close(&json, ']');
+    lac_json_open(&json, "sections", '[');
     for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
         if (all || section == s->section) {
             write_section(&json, section);
         }
     }
-    cli_json_close(&json, ']');
-    cli_json_close(&json, '}');
+    lac_json_close(&json, ']');
+    lac_json_close(&json, '}');
 }
 
 static void print_text(const subject *s)

@@ -430,29 +430,29 @@ void cli_estimate_print(const cli_estimate *e)
     }
 }
 
-void cli_estimate_json(cli_json *json, const cli_estimate *e)
+void cli_estimate_json(lac_json *json, const cli_estimate *e)
 {
     if (e == NULL) {
-        cli_json_null(json, "estimate");
+        lac_json_null(json, "estimate");
         return;
     }
-    cli_json_open(json, "estimate", '{');
-    cli_json_number(json, "grid_cells", e->grid_cells);
-    cli_json_number(json, "contact_cells", round(e->contact_cells));
-    cli_json_boolean(json, "contact_cells_exact", e->exact);
-    cli_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
-    cli_json_number(json, "memory_bytes", round(e->memory));
-    cli_json_number(json, "cpu_time_least_s", e->cpu_time_least);
-    cli_json_number(json, "cpu_time_most_s", e->cpu_time_most);
-    cli_json_number(json, "cascade_time_s", e->cascade_time);
-    cli_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
-    cli_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
-    cli_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    cli_json_text(json, "faster_fidelity", e->faster);
-    cli_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
-    cli_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
-    cli_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
-    cli_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
-    cli_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
-    cli_json_close(json, '}');
+    lac_json_open(json, "estimate", '{');
+    lac_json_number(json, "grid_cells", e->grid_cells);
+    lac_json_number(json, "contact_cells", round(e->contact_cells));
+    lac_json_boolean(json, "contact_cells_exact", e->exact);
+    lac_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
+    lac_json_number(json, "memory_bytes", round(e->memory));
+    lac_json_number(json, "cpu_time_least_s", e->cpu_time_least);
+    lac_json_number(json, "cpu_time_most_s", e->cpu_time_most);
+    lac_json_number(json, "cascade_time_s", e->cascade_time);
+    lac_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
+    lac_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
+    lac_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
+    lac_json_text(json, "faster_fidelity", e->faster);
+    lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
+    lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
+    lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
+    lac_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
+    lac_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
+    lac_json_close(json, '}');
 }

@@ -2,7 +2,7 @@
 #ifndef LACUNA_CLI_ESTIMATE_H
 #define LACUNA_CLI_ESTIMATE_H
 
-#include "cli/json.h"
+#include "data/json.h"
 #include "lacuna/case.h"
 #include "lacuna/problem.h"
 
@@ -37,6 +37,6 @@ lac_status cli_estimate_make(const lac_case *c, cli_estimate *estimate, lac_erro
 void cli_estimate_print(const cli_estimate *estimate);
 
 /// As an object under `estimate`; NULL writes null.
-void cli_estimate_json(cli_json *json, const cli_estimate *estimate);
+void cli_estimate_json(lac_json *json, const cli_estimate *estimate);
 
 #endif

@@ -213,22 +213,22 @@ void cli_course_print(const cli_precursors_result *r)
     }
 }
 
-void cli_indicators_json(cli_json *json, size_t count, const lac_precursor *indicator)
+void cli_indicators_json(lac_json *json, size_t count, const lac_precursor *indicator)
 {
-    cli_json_open(json, "indicators", '[');
+    lac_json_open(json, "indicators", '[');
     for (size_t k = 0; k < count; k++) {
         const lac_precursor *p = &indicator[k];
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "indicator", p->kind->about.name);
-        cli_json_text(json, "needs", lac_needs_name(p->kind->needs));
-        cli_json_integer(json, "points", (int64_t)p->found.points);
-        cli_json_text(json, "reason", p->found.reason[0] != '\0' ? p->found.reason : NULL);
-        cli_json_open(json, "values", '{');
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "indicator", p->kind->about.name);
+        lac_json_text(json, "needs", lac_needs_name(p->kind->needs));
+        lac_json_integer(json, "points", (int64_t)p->found.points);
+        lac_json_text(json, "reason", p->found.reason[0] != '\0' ? p->found.reason : NULL);
+        lac_json_open(json, "values", '{');
         for (size_t i = 0; i < p->found.count; i++) {
-            cli_json_number(json, p->found.value[i].key, p->found.value[i].value);
+            lac_json_number(json, p->found.value[i].key, p->found.value[i].value);
         }
-        cli_json_close(json, '}');
-        cli_json_close(json, '}');
+        lac_json_close(json, '}');
+        lac_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }

@@ -20,7 +20,7 @@ lac_status cli_cells_read(const cli_watched *watched, cli_cells *out, lac_error 
 void cli_cells_clear(cli_cells *cells);
 
 void cli_indicators_print(size_t count, const lac_precursor *indicator);
-void cli_indicators_json(cli_json *json, size_t count, const lac_precursor *indicator);
+void cli_indicators_json(lac_json *json, size_t count, const lac_precursor *indicator);
 
 /// One number of each indicator at each time of issue at which any has one.
 void cli_course_print(const cli_precursors_result *r);

@@ -12,10 +12,10 @@
 #include "cli/command.h"
 #include "cli/completion.h"
 #include "cli/exits.h"
-#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/signals.h"
 #include "cli/words.h"
+#include "data/json.h"
 #include "lacuna/store_file.h"
 #include "lacuna/version.h"
 
@@ -73,12 +73,12 @@ static void print_version(bool as_json)
         printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
         return;
     }
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "version", LACUNA_VERSION);
-    cli_json_text(&json, "libraries", text);
-    cli_json_text(&json, "netcdf", netcdf);
-    cli_json_close(&json, '}');
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "version", LACUNA_VERSION);
+    lac_json_text(&json, "libraries", text);
+    lac_json_text(&json, "netcdf", netcdf);
+    lac_json_close(&json, '}');
 }
 
 // A file that was not closed is read here, but not by others.

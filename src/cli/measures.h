@@ -2,7 +2,7 @@
 #ifndef LACUNA_CLI_MEASURES_H
 #define LACUNA_CLI_MEASURES_H
 
-#include "cli/json.h"
+#include "data/json.h"
 #include "lacuna/scene.h"
 
 /// Rows on the contact: grid, cells, fraction, pressures, D_box with what weakens it.
@@ -10,6 +10,6 @@ void cli_measures_print(const lac_scene_contact *contact);
 
 /// The same as keys of an open object.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status cli_measures_json(cli_json *json, const lac_scene_contact *contact, lac_error *err);
+lac_status cli_measures_json(lac_json *json, const lac_scene_contact *contact, lac_error *err);
 
 #endif

@@ -3,19 +3,19 @@
 #include <inttypes.h>
 
 #include "cli/command.h"
-#include "cli/json.h"
 #include "cli/words.h"
+#include "data/json.h"
 #include "lacuna/store.h"
 #include "lacuna/store_file.h"
 
 static void print_json(const char *path, const char *status, bool mended)
 {
-    cli_json json = {.out = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "file", path);
-    cli_json_boolean(&json, "mended", mended);
-    cli_json_text(&json, "status", status);
-    cli_json_close(&json, '}');
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "file", path);
+    lac_json_boolean(&json, "mended", mended);
+    lac_json_text(&json, "status", status);
+    lac_json_close(&json, '}');
 }
 
 lac_status cli_mend(const cli_request *request, lac_error *err)

@@ -5,9 +5,9 @@
 
 #include "base/write_text.h"
 #include "cli/command.h"
-#include "cli/json.h"
 #include "cli/templates.h"
 #include "cli/words.h"
+#include "data/json.h"
 
 static const cli_template *find_template(const char *kind, lac_error *err)
 {
@@ -66,11 +66,11 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     }
     lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
-        cli_json json = {.out = stdout};
-        cli_json_open(&json, NULL, '{');
-        cli_json_text(&json, "output", path);
-        cli_json_text(&json, "kind", chosen->kind);
-        cli_json_close(&json, '}');
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        lac_json_text(&json, "output", path);
+        lac_json_text(&json, "kind", chosen->kind);
+        lac_json_close(&json, '}');
     } else if (status == LAC_OK) {
         printf("%s written; next: lacuna run %s\n", path, path);
     }

@@ -115,44 +115,44 @@ static const char *type_name(const lac_param *param)
     return names[param->type];
 }
 
-static void write_limits(cli_json *json, const lac_param *param)
+static void write_limits(lac_json *json, const lac_param *param)
 {
     bool number = is_number(param);
     if (param->type == LAC_CHOICE && !isnan(param->fallback)) {
-        cli_json_text(json, "default", param->choices[(int)param->fallback]);
+        lac_json_text(json, "default", param->choices[(int)param->fallback]);
     } else {
-        cli_json_number(json, "default", number ? param->fallback : NAN);
+        lac_json_number(json, "default", number ? param->fallback : NAN);
     }
-    cli_json_number(json, "min", number && is_bounded(param->min) ? param->min : NAN);
-    cli_json_number(json, "max", number && is_bounded(param->max) ? param->max : NAN);
-    cli_json_boolean(json, "above_min", (param->flags & LAC_ABOVE_MIN) != 0);
+    lac_json_number(json, "min", number && is_bounded(param->min) ? param->min : NAN);
+    lac_json_number(json, "max", number && is_bounded(param->max) ? param->max : NAN);
+    lac_json_boolean(json, "above_min", (param->flags & LAC_ABOVE_MIN) != 0);
 }
 
-static void write_parameter(cli_json *json, const lac_param *param)
+static void write_parameter(lac_json *json, const lac_param *param)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "key", param->key);
-    cli_json_text(json, "type", type_name(param));
-    cli_json_text(json, "unit", is_number(param) ? param->unit : NULL);
-    cli_json_boolean(json, "required", is_required(param));
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "key", param->key);
+    lac_json_text(json, "type", type_name(param));
+    lac_json_text(json, "unit", is_number(param) ? param->unit : NULL);
+    lac_json_boolean(json, "required", is_required(param));
     write_limits(json, param);
-    cli_json_boolean(json, "cellwise", (param->flags & LAC_CELLWISE) != 0);
+    lac_json_boolean(json, "cellwise", (param->flags & LAC_CELLWISE) != 0);
     if (param->type == LAC_CHOICE) {
-        cli_json_open(json, "choices", '[');
+        lac_json_open(json, "choices", '[');
         for (size_t i = 0; param->choices[i] != NULL; i++) {
-            cli_json_text(json, NULL, param->choices[i]);
+            lac_json_text(json, NULL, param->choices[i]);
         }
-        cli_json_close(json, ']');
+        lac_json_close(json, ']');
     }
-    cli_json_text(json, "doc", param->doc);
-    cli_json_close(json, '}');
+    lac_json_text(json, "doc", param->doc);
+    lac_json_close(json, '}');
 }
 
-void cli_parameters_json(cli_json *json, const lac_param *params, size_t count)
+void cli_parameters_json(lac_json *json, const lac_param *params, size_t count)
 {
-    cli_json_open(json, "parameters", '[');
+    lac_json_open(json, "parameters", '[');
     for (size_t i = 0; i < count; i++) {
         write_parameter(json, &params[i]);
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }

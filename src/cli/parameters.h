@@ -2,13 +2,13 @@
 #ifndef LACUNA_CLI_PARAMETERS_H
 #define LACUNA_CLI_PARAMETERS_H
 
-#include "cli/json.h"
+#include "data/json.h"
 #include "lacuna/param.h"
 
 /// Two lines a parameter: key, default, range; what it is.
 void cli_parameters_print(const lac_param *params, size_t count);
 
 /// The list `parameters` of {key, type, unit, default, min, max, ...}.
-void cli_parameters_json(cli_json *json, const lac_param *params, size_t count);
+void cli_parameters_json(lac_json *json, const lac_param *params, size_t count);
 
 #endif

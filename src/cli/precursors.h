@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_PRECURSORS_H
 #define LACUNA_CLI_PRECURSORS_H
 
-#include "cli/json.h"
 #include "cli/series.h"
+#include "data/json.h"
 #include "lacuna/foresee.h"
 #include "lacuna/hindcast.h"
 #include "lacuna/precursor.h"

@@ -51,30 +51,30 @@ void cli_report_print_of(const lac_case_report *report, const cli_request *reque
     }
 }
 
-static void write_issue(cli_json *json, const lac_case_issue *issue)
+static void write_issue(lac_json *json, const lac_case_issue *issue)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "file", issue->file);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "file", issue->file);
     if (issue->line > 0) {
-        cli_json_integer(json, "line", (int64_t)issue->line);
+        lac_json_integer(json, "line", (int64_t)issue->line);
     } else {
-        cli_json_null(json, "line");
+        lac_json_null(json, "line");
     }
-    cli_json_text(json, "key", issue->key);
-    cli_json_text(json, "value", issue->value);
-    cli_json_text(json, "message", issue->message);
-    cli_json_close(json, '}');
+    lac_json_text(json, "key", issue->key);
+    lac_json_text(json, "value", issue->value);
+    lac_json_text(json, "message", issue->message);
+    lac_json_close(json, '}');
 }
 
-void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings)
+void cli_report_json(lac_json *json, const char *key, const lac_case_report *report, bool warnings)
 {
-    cli_json_open(json, key, '[');
+    lac_json_open(json, key, '[');
     for (size_t i = 0; i < report->count; i++) {
         if (report->issue[i].warning == warnings) {
             write_issue(json, &report->issue[i]);
         }
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
 lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,

@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_REPORT_H
 #define LACUNA_CLI_REPORT_H
 
-#include "cli/json.h"
 #include "cli/options.h"
+#include "data/json.h"
 
 /// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
 void cli_report_print(const lac_case_report *report, const cli_request *request);
@@ -13,7 +13,7 @@ void cli_report_print_of(const lac_case_report *report, const cli_request *reque
                          const char *section);
 
 /// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
-void cli_report_json(cli_json *json, const char *key, const lac_case_report *report, bool warnings);
+void cli_report_json(lac_json *json, const char *key, const lac_case_report *report, bool warnings);
 
 /// Adds an error, or a warning, that was found beyond the text of the case.
 /// @return LAC_OK; LAC_ENOMEM

@@ -7,10 +7,10 @@
 #include <time.h>
 
 #include "cli/command.h"
-#include "cli/json.h"
 #include "cli/output.h"
 #include "cli/series.h"
 #include "cli/words.h"
+#include "data/json.h"
 #include "lacuna/report.h"
 #include "lacuna/store.h"
 #include "lacuna/store_file.h"
@@ -182,10 +182,10 @@ static lac_status read_beside(const cli_request *request, lac_series **out, lac_
 static void print_result(const cli_request *request, const char *path)
 {
     if (cli_given(request, CLI_OPT_JSON)) {
-        cli_json json = {.out = stdout};
-        cli_json_open(&json, NULL, '{');
-        cli_json_text(&json, "output", path);
-        cli_json_close(&json, '}');
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        lac_json_text(&json, "output", path);
+        lac_json_close(&json, '}');
     } else {
         cli_row("page", "%s", path);
     }

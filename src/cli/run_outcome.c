@@ -161,86 +161,86 @@ void cli_outcome_print(const cli_outcome *outcome)
     cli_compare_print(outcome->compare, &run);
 }
 
-static void write_failure(cli_json *json, const cli_outcome *outcome)
+static void write_failure(lac_json *json, const cli_outcome *outcome)
 {
     char date[32];
     (void)failure_date(outcome, date, sizeof date);
     if (broke(outcome)) {
-        cli_json_null(json, "failed");
+        lac_json_null(json, "failed");
     } else {
-        cli_json_boolean(json, "failed", outcome->of->run.failed);
+        lac_json_boolean(json, "failed", outcome->of->run.failed);
     }
-    cli_json_number(json, "failure_time_s", failure_time(outcome));
-    cli_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
-    cli_json_text(json, "ended_by", end_reason(outcome));
-    cli_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
-    cli_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
-    cli_json_number(json, "time_s", outcome->of->run.time);
+    lac_json_number(json, "failure_time_s", failure_time(outcome));
+    lac_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
+    lac_json_text(json, "ended_by", end_reason(outcome));
+    lac_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
+    lac_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
+    lac_json_number(json, "time_s", outcome->of->run.time);
 }
 
-static void write_results(cli_json *json, const cli_outcome *outcome)
+static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = outcome->history;
     const lac_run_result *result = &outcome->of->run;
-    cli_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
-    cli_json_number(json, "mean_slip_m", result->mean_slip);
+    lac_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
+    lac_json_number(json, "mean_slip_m", result->mean_slip);
     if (!lac_analysis_has_events(outcome->of->analysis)) {
-        cli_json_null(json, "events"); // else the catalogue says how many
+        lac_json_null(json, "events"); // else the catalogue says how many
     }
-    cli_json_number(json, "balance_residual", result->balance_residual);
-    cli_json_number(json, "rate_drift", result->rate_drift);
-    cli_json_text(json, "fidelity", fidelity(outcome));
-    cli_json_text(json, "formulation", formulation(outcome));
-    cli_json_number(json, "initial_apparent_friction",
+    lac_json_number(json, "balance_residual", result->balance_residual);
+    lac_json_number(json, "rate_drift", result->rate_drift);
+    lac_json_text(json, "fidelity", fidelity(outcome));
+    lac_json_text(json, "formulation", formulation(outcome));
+    lac_json_number(json, "initial_apparent_friction",
                     history->begun ? apparent_friction(&history->first) : NAN);
-    cli_json_number(json, "apparent_friction",
+    lac_json_number(json, "apparent_friction",
                     history->begun ? apparent_friction(&history->last) : NAN);
 }
 
-static void write_cost(cli_json *json, const cli_outcome *outcome)
+static void write_cost(lac_json *json, const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
-    cli_json_integer(json, "steps", result->steps);
-    cli_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
-    cli_json_integer(json, "newton_iterations", result->newton_iterations);
-    cli_json_integer(json, "linear_solves", result->linear_solves);
-    cli_json_integer(json, "error_test_fails", result->error_test_fails);
-    cli_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
-    cli_json_number(json, "wall_time_s", outcome->wall_time);
-    cli_json_number(json, "cpu_time_s", cli_cpu_time());
-    cli_json_integer(json, "peak_memory_bytes", peak_memory());
+    lac_json_integer(json, "steps", result->steps);
+    lac_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
+    lac_json_integer(json, "newton_iterations", result->newton_iterations);
+    lac_json_integer(json, "linear_solves", result->linear_solves);
+    lac_json_integer(json, "error_test_fails", result->error_test_fails);
+    lac_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
+    lac_json_number(json, "wall_time_s", outcome->wall_time);
+    lac_json_number(json, "cpu_time_s", cli_cpu_time());
+    lac_json_integer(json, "peak_memory_bytes", peak_memory());
 }
 
-static void write_accuracy(cli_json *json, const lac_accuracy_pick *pick)
+static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
 {
     if (pick == NULL) {
-        cli_json_null(json, "accuracy");
+        lac_json_null(json, "accuracy");
         return;
     }
-    cli_json_open(json, "accuracy", '{');
-    cli_json_number(json, "asked", pick->asked);
-    cli_json_number(json, "estimated", pick->estimated);
-    cli_json_text(json, "quantity", pick->of);
-    cli_json_number(json, "rtol", pick->rtol);
-    cli_json_text(json, "method", pick->method);
-    cli_json_text(json, "formulation", pick->formulation);
-    cli_json_integer(json, "pilots", pick->pilots);
-    cli_json_integer(json, "pilot_rhs_evaluations", pick->evaluations);
-    cli_json_close(json, '}');
+    lac_json_open(json, "accuracy", '{');
+    lac_json_number(json, "asked", pick->asked);
+    lac_json_number(json, "estimated", pick->estimated);
+    lac_json_text(json, "quantity", pick->of);
+    lac_json_number(json, "rtol", pick->rtol);
+    lac_json_text(json, "method", pick->method);
+    lac_json_text(json, "formulation", pick->formulation);
+    lac_json_integer(json, "pilots", pick->pilots);
+    lac_json_integer(json, "pilot_rhs_evaluations", pick->evaluations);
+    lac_json_close(json, '}');
 }
 
-static void write_analysis(cli_json *json, const lac_analysis *analysis)
+static void write_analysis(lac_json *json, const lac_analysis *analysis)
 {
     const lac_indicator *indicator;
     for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
         for (size_t k = 0; k < indicator->results; k++) {
             const lac_analysis_result *result = &indicator->result[k];
             if (result->text != NULL) {
-                cli_json_text(json, result->key, result->text);
+                lac_json_text(json, result->key, result->text);
             } else if (result->value == rint(result->value) && fabs(result->value) < 1e15) {
-                cli_json_integer(json, result->key, (int64_t)result->value); // 40, not 4e+01
+                lac_json_integer(json, result->key, (int64_t)result->value); // 40, not 4e+01
             } else {
-                cli_json_number(json, result->key, result->value);
+                lac_json_number(json, result->key, result->value);
             }
         }
     }
@@ -248,11 +248,11 @@ static void write_analysis(cli_json *json, const lac_analysis *analysis)
 
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
-    cli_json json = {.out = stdout};
+    lac_json json = {.out = stdout};
     lac_history run = cli_history_view(outcome->history);
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "title", outcome->of->source->title);
-    cli_json_text(&json, "status", outcome->status);
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "title", outcome->of->source->title);
+    lac_json_text(&json, "status", outcome->status);
     write_failure(&json, outcome);
     lac_status status = cli_measures_json(&json, &outcome->of->scene->contact, err);
     write_results(&json, outcome);
@@ -260,11 +260,11 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
     write_analysis(&json, outcome->of->analysis);
     write_cost(&json, outcome);
     if (outcome->resumed != NULL) {
-        cli_json_number(&json, "resumed_at_s", outcome->resumed->time);
-        cli_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
+        lac_json_number(&json, "resumed_at_s", outcome->resumed->time);
+        lac_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
     }
-    cli_json_text(&json, "output", outcome->path);
+    lac_json_text(&json, "output", outcome->path);
     cli_compare_json(&json, outcome->compare, &run);
-    cli_json_close(&json, '}');
+    lac_json_close(&json, '}');
     return status;
 }

@@ -94,13 +94,13 @@ void cli_series_warn(const cli_request *request, const char *path, const lac_ser
     }
 }
 
-void cli_series_warnings(cli_json *json, const lac_series *series)
+void cli_series_warnings(lac_json *json, const lac_series *series)
 {
-    cli_json_open(json, "warnings", '[');
+    lac_json_open(json, "warnings", '[');
     for (size_t i = 0; series != NULL && i < series->doubts; i++) {
-        cli_json_text(json, NULL, series->doubt[i]);
+        lac_json_text(json, NULL, series->doubt[i]);
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
 lac_status cli_series_time(const char *option, const char *text, bool dated, const lac_units *units,

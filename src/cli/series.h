@@ -3,8 +3,8 @@
 #define LACUNA_CLI_SERIES_H
 
 #include "base/units.h"
-#include "cli/json.h"
 #include "cli/options.h"
+#include "data/json.h"
 #include "lacuna/series.h"
 
 /// Reads the request's monitoring file by its options --time, --time-format, --displacement,
@@ -17,7 +17,7 @@ lac_status cli_series_read(const cli_request *request, const char *path, const l
 void cli_series_warn(const cli_request *request, const char *path, const lac_series *series);
 
 /// The same as JSON's list of texts, `warnings`; NULL: a run's, which has none.
-void cli_series_warnings(cli_json *json, const lac_series *series);
+void cli_series_warnings(lac_json *json, const lac_series *series);
 
 /// Reads a time on the series' clock: a date where it is dated, else a quantity such as "10 day".
 /// @param option  for the message

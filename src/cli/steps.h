@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_STEPS_H
 #define LACUNA_CLI_STEPS_H
 
-#include "cli/json.h"
 #include "cli/options.h"
+#include "data/json.h"
 #include "lacuna/scene.h"
 
 /// The history of a contact: what it came to, for the summary.
@@ -28,7 +28,7 @@ lac_status cli_steps_run(const cli_request *request, const lac_case *c,
 void cli_steps_print(const cli_steps *steps);
 
 /// Writes the keys `status`, `history_method` ... and `steps`.
-void cli_steps_json(cli_json *json, const cli_steps *steps);
+void cli_steps_json(lac_json *json, const cli_steps *steps);
 
 void cli_steps_clear(cli_steps *steps);
 

@@ -244,64 +244,64 @@ void cli_steps_print(const cli_steps *steps)
     print_cycles(steps, &columns[WORK]);
 }
 
-static void write_step(cli_json *json, const lac_history_record *r, const lac_grid *grid)
+static void write_step(lac_json *json, const lac_history_record *r, const lac_grid *grid)
 {
     const lac_tangential_report *shear = &r->shear;
-    cli_json_open(json, NULL, '{');
-    cli_json_number(json, "p_N", normal_force(r, grid));
-    cli_json_number(json, "q_N", shear_x(r, grid));
-    cli_json_number(json, "q_y_N", shear_y(r, grid));
-    cli_json_number(json, "shift_m", shear->shift[0]);
-    cli_json_number(json, "shift_y_m", shear->shift[1]);
-    cli_json_integer(json, "contact_cells", (int64_t)shear->contact_cells);
-    cli_json_integer(json, "stick_cells", (int64_t)shear->stick_cells);
-    cli_json_integer(json, "slip_cells", (int64_t)shear->slip_cells);
-    cli_json_number(json, "dissipation_J", shear->dissipation);
-    cli_json_number(json, "cumulative_dissipation_J", r->dissipated);
+    lac_json_open(json, NULL, '{');
+    lac_json_number(json, "p_N", normal_force(r, grid));
+    lac_json_number(json, "q_N", shear_x(r, grid));
+    lac_json_number(json, "q_y_N", shear_y(r, grid));
+    lac_json_number(json, "shift_m", shear->shift[0]);
+    lac_json_number(json, "shift_y_m", shear->shift[1]);
+    lac_json_integer(json, "contact_cells", (int64_t)shear->contact_cells);
+    lac_json_integer(json, "stick_cells", (int64_t)shear->stick_cells);
+    lac_json_integer(json, "slip_cells", (int64_t)shear->slip_cells);
+    lac_json_number(json, "dissipation_J", shear->dissipation);
+    lac_json_number(json, "cumulative_dissipation_J", r->dissipated);
     if (r->cycle_start == SIZE_MAX) {
-        cli_json_null(json, "cycle_start");
+        lac_json_null(json, "cycle_start");
     } else {
-        cli_json_integer(json, "cycle_start", (int64_t)r->cycle_start);
+        lac_json_integer(json, "cycle_start", (int64_t)r->cycle_start);
     }
-    cli_json_number(json, "cycle_dissipation_J", r->cycle_dissipation);
-    cli_json_number(json, "cycle_shift_m", r->cycle_shift);
-    cli_json_number(json, "highest_ratio", highest(r, grid));
-    cli_json_number(json, "highest_x_m", r->highest[0]);
-    cli_json_number(json, "highest_y_m", r->highest[1]);
-    cli_json_integer(json, "iterations", shear->iterations);
-    cli_json_integer(json, "products", shear->products);
-    cli_json_integer(json, "contact_iterations", r->contact_iterations);
-    cli_json_number(json, "residual", shear->residual);
-    cli_json_close(json, '}');
+    lac_json_number(json, "cycle_dissipation_J", r->cycle_dissipation);
+    lac_json_number(json, "cycle_shift_m", r->cycle_shift);
+    lac_json_number(json, "highest_ratio", highest(r, grid));
+    lac_json_number(json, "highest_x_m", r->highest[0]);
+    lac_json_number(json, "highest_y_m", r->highest[1]);
+    lac_json_integer(json, "iterations", shear->iterations);
+    lac_json_integer(json, "products", shear->products);
+    lac_json_integer(json, "contact_iterations", r->contact_iterations);
+    lac_json_number(json, "residual", shear->residual);
+    lac_json_close(json, '}');
 }
 
-static void write_first_slip(cli_json *json, const cli_steps *steps)
+static void write_first_slip(lac_json *json, const cli_steps *steps)
 {
     const lac_first_slip *first = &steps->result.first_slip;
     if (!steps->result.loaded) {
-        cli_json_null(json, "first_slip");
+        lac_json_null(json, "first_slip");
         return;
     }
-    cli_json_open(json, "first_slip", '{');
-    cli_json_number(json, "q_over_fp", first->factor);
-    cli_json_number(json, "q_N", first->load * lac_grid_area(&steps->grid));
-    cli_json_number(json, "x_m", steps->result.first_place[0]);
-    cli_json_number(json, "y_m", steps->result.first_place[1]);
-    cli_json_number(json, "shift_m", first->shift[0]);
-    cli_json_number(json, "shift_y_m", first->shift[1]);
-    cli_json_close(json, '}');
+    lac_json_open(json, "first_slip", '{');
+    lac_json_number(json, "q_over_fp", first->factor);
+    lac_json_number(json, "q_N", first->load * lac_grid_area(&steps->grid));
+    lac_json_number(json, "x_m", steps->result.first_place[0]);
+    lac_json_number(json, "y_m", steps->result.first_place[1]);
+    lac_json_number(json, "shift_m", first->shift[0]);
+    lac_json_number(json, "shift_y_m", first->shift[1]);
+    lac_json_close(json, '}');
 }
 
-void cli_steps_json(cli_json *json, const cli_steps *steps)
+void cli_steps_json(lac_json *json, const cli_steps *steps)
 {
-    cli_json_text(json, "status", steps->status);
-    cli_json_text(json, "history_method", "direct");
-    cli_json_number(json, "friction_coefficient", steps->friction);
-    cli_json_integer(json, "planned_steps", (int64_t)steps->result.planned);
+    lac_json_text(json, "status", steps->status);
+    lac_json_text(json, "history_method", "direct");
+    lac_json_number(json, "friction_coefficient", steps->friction);
+    lac_json_integer(json, "planned_steps", (int64_t)steps->result.planned);
     write_first_slip(json, steps);
-    cli_json_open(json, "steps", '[');
+    lac_json_open(json, "steps", '[');
     for (size_t i = 0; i < steps->result.steps; i++) {
         write_step(json, &steps->record[i], &steps->grid);
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }

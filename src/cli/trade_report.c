@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/trade.h"
 #include "cli/words.h"
+#include "data/json.h"
 #include "lacuna/store.h"
 
 enum { SENTENCE = 1024, SETTINGS = 512 };
@@ -246,84 +246,84 @@ void cli_trade_print(const cli_trade_job *job)
     cli_row("file", "%s", job->path);
 }
 
-static void write_settings(cli_json *json, const cli_trade_job *job, size_t run)
+static void write_settings(lac_json *json, const cli_trade_job *job, size_t run)
 {
-    cli_json_open(json, "settings", '{');
+    lac_json_open(json, "settings", '{');
     for (size_t d = 0; d < job->plan.dials; d++) {
         const char *label = job->settings[run].label[d];
         char *end;
         const double value = strtod(label, &end);
         if (*label != '\0' && *end == '\0') {
-            cli_json_number(json, job->plan.dial[d].dial->key, value);
+            lac_json_number(json, job->plan.dial[d].dial->key, value);
         } else {
-            cli_json_text(json, job->plan.dial[d].dial->key, label);
+            lac_json_text(json, job->plan.dial[d].dial->key, label);
         }
     }
-    cli_json_close(json, '}');
+    lac_json_close(json, '}');
 }
 
-static void write_run(cli_json *json, const char *key, const cli_trade_job *job, size_t run)
+static void write_run(lac_json *json, const char *key, const cli_trade_job *job, size_t run)
 {
     const lac_trade_measure *m = &job->measure[run];
     const bool done = m->end == LAC_TRADE_DONE;
     char options[SETTINGS];
-    cli_json_open(json, key, '{');
+    lac_json_open(json, key, '{');
     write_settings(json, job, run);
-    cli_json_text(json, "command", command_of(job, run));
-    cli_json_text(json, "options", cli_trade_options(job, run, options, sizeof options));
-    cli_json_text(json, "end", end_word(m->end));
-    cli_json_text(json, "message", m->message[0] != '\0' ? m->message : NULL);
-    cli_json_number(json, "value", done ? m->value[job->verdict.quantity] : NAN);
-    cli_json_number(json, "error", job->verdict.error[run]);
-    cli_json_number(json, "error_uncertainty", job->verdict.uncertainty);
-    cli_json_number(json, "wall_time_s", m->wall_time);
-    cli_json_number(json, "cpu_time_s", m->cpu_time);
-    cli_json_integer(json, "peak_memory_bytes", m->memory);
-    cli_json_integer(json, "output_bytes", m->output);
-    cli_json_integer(json, "steps", m->steps);
-    cli_json_integer(json, "rhs_evaluations", m->evaluations);
-    cli_json_integer(json, "n_cells", m->cells);
-    cli_json_boolean(json, "on_front", job->verdict.on_front[run]);
-    cli_json_close(json, '}');
+    lac_json_text(json, "command", command_of(job, run));
+    lac_json_text(json, "options", cli_trade_options(job, run, options, sizeof options));
+    lac_json_text(json, "end", end_word(m->end));
+    lac_json_text(json, "message", m->message[0] != '\0' ? m->message : NULL);
+    lac_json_number(json, "value", done ? m->value[job->verdict.quantity] : NAN);
+    lac_json_number(json, "error", job->verdict.error[run]);
+    lac_json_number(json, "error_uncertainty", job->verdict.uncertainty);
+    lac_json_number(json, "wall_time_s", m->wall_time);
+    lac_json_number(json, "cpu_time_s", m->cpu_time);
+    lac_json_integer(json, "peak_memory_bytes", m->memory);
+    lac_json_integer(json, "output_bytes", m->output);
+    lac_json_integer(json, "steps", m->steps);
+    lac_json_integer(json, "rhs_evaluations", m->evaluations);
+    lac_json_integer(json, "n_cells", m->cells);
+    lac_json_boolean(json, "on_front", job->verdict.on_front[run]);
+    lac_json_close(json, '}');
 }
 
-static void write_refused(cli_json *json, const cli_trade_job *job)
+static void write_refused(lac_json *json, const cli_trade_job *job)
 {
-    cli_json_open(json, "refused", '[');
+    lac_json_open(json, "refused", '[');
     for (size_t i = 0; i < job->plan.runs; i++) {
         if (job->measure[i].end == LAC_TRADE_REFUSED) {
-            cli_json_text(json, NULL, job->measure[i].message);
+            lac_json_text(json, NULL, job->measure[i].message);
         }
     }
-    cli_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
 void cli_trade_json(const cli_trade_job *job)
 {
-    cli_json json = {.out = stdout};
+    lac_json json = {.out = stdout};
     char text[SENTENCE];
     const lac_trade_verdict *v = &job->verdict;
     const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "title", job->source->title);
-    cli_json_text(&json, "quantity", about->name);
-    cli_json_text(&json, "unit", about->unit);
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "title", job->source->title);
+    lac_json_text(&json, "quantity", about->name);
+    lac_json_text(&json, "unit", about->unit);
     write_run(&json, "reference", job, v->reference);
-    cli_json_open(&json, "runs", '[');
+    lac_json_open(&json, "runs", '[');
     for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX; i = next_row(job, i)) {
         write_run(&json, NULL, job, i);
     }
-    cli_json_close(&json, ']');
+    lac_json_close(&json, ']');
     write_refused(&json, job);
     if (v->recommended != SIZE_MAX) {
         write_run(&json, "recommended", job, v->recommended);
     } else {
-        cli_json_null(&json, "recommended");
+        lac_json_null(&json, "recommended");
     }
-    cli_json_text(&json, "recommendation", cli_trade_sentence(job, text, sizeof text));
-    cli_json_number(&json, "wall_time_s", cli_clock() - job->started);
-    cli_json_text(&json, "output", job->path);
-    cli_json_close(&json, '}');
+    lac_json_text(&json, "recommendation", cli_trade_sentence(job, text, sizeof text));
+    lac_json_number(&json, "wall_time_s", cli_clock() - job->started);
+    lac_json_text(&json, "output", job->path);
+    lac_json_close(&json, '}');
 }
 
 static void fill_row(const cli_trade_job *job, size_t run, char *settings, lac_trade_row *row)

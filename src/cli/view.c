@@ -12,12 +12,12 @@
 #include <unistd.h>
 
 #include "base/date.h"
-#include "cli/json.h"
 #include "cli/libraries.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/view_http.h"
 #include "cli/words.h"
+#include "data/json.h"
 #include "lacuna/report.h"
 #include "lacuna/version.h"
 
@@ -167,24 +167,24 @@ static char *write_answer(const cli_view *view, const standing *is, const page_d
 {
     char *text = NULL;
     size_t size;
-    cli_json json = {.out = open_memstream(&text, &size)};
+    lac_json json = {.out = open_memstream(&text, &size)};
     if (json.out == NULL) {
         return NULL;
     }
-    cli_json_open(&json, NULL, '{');
-    cli_json_open(&json, "run", '{');
-    cli_json_text(&json, "state", is->state);
-    cli_json_integer(&json, "version", (int64_t)data->version);
-    cli_json_number(&json, "time", is->now.time);
-    cli_json_number(&json, "end", is->now.end);
-    cli_json_number(&json, "rate", isfinite(is->now.mean_rate) ? is->now.mean_rate : 0.0);
-    cli_json_integer(&json, "steps", is->now.steps);
-    cli_json_boolean(&json, "last", last);
-    cli_json_boolean(&json, "missing", !view->closed && (is->missing || view->dropped));
-    cli_json_text(&json, "message", is->why.message);
-    cli_json_close(&json, '}');
+    lac_json_open(&json, NULL, '{');
+    lac_json_open(&json, "run", '{');
+    lac_json_text(&json, "state", is->state);
+    lac_json_integer(&json, "version", (int64_t)data->version);
+    lac_json_number(&json, "time", is->now.time);
+    lac_json_number(&json, "end", is->now.end);
+    lac_json_number(&json, "rate", isfinite(is->now.mean_rate) ? is->now.mean_rate : 0.0);
+    lac_json_integer(&json, "steps", is->now.steps);
+    lac_json_boolean(&json, "last", last);
+    lac_json_boolean(&json, "missing", !view->closed && (is->missing || view->dropped));
+    lac_json_text(&json, "message", is->why.message);
+    lac_json_close(&json, '}');
     if (has_it) {
-        cli_json_close(&json, '}');
+        lac_json_close(&json, '}');
     } else {
         (void)fprintf(json.out, ",%s", data->json + 1); // its brace is open already
     }
