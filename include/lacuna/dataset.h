@@ -42,7 +42,8 @@ enum {
     LAC_SINGLE = 8,    ///< of one value and yet a variable of a file; else a global attribute
     LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
     LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
-    LAC_TRUTH = 64     ///< 0 or 1, in JSON false or true
+    LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
+    LAC_EMPTY = 128    ///< in a file also without values, its dimension without end
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -83,18 +84,18 @@ lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error 
 /// Frees a dataset, not what it was laid on; NULL is fine.
 void lac_dataset_free(lac_dataset *dataset);
 
-/// A dimension. Variables over one of length 0 are left out.
+/// A dimension. Variables over one of length 0 are left out of a file, but for LAC_EMPTY.
 typedef struct lac_extent {
     const char *name;
     size_t length;
 } lac_extent;
 
-/// Adds dimensions.
+/// Adds dimensions, before the variables over them.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err);
 
-/// Names the places of a dimension, for objects in JSON.
+/// Names the places of a dimension that was added, for objects in JSON.
 void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
                        const void *of);
 
@@ -120,7 +121,8 @@ typedef struct lac_laid {
 } lac_laid;
 
 /// Adds the variables of tables.
-/// @return LAC_OK; LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (a row names a dimension that was not added, or too many; a name in
+///         JSON is longer than 63 bytes; more than 256 variables in all); LAC_ENOMEM
 lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err);
 
 /// A variable whose name the result gives.
@@ -131,11 +133,11 @@ typedef struct lac_named {
 } lac_named;
 
 /// Adds one. @param row  all else that is told of it
-/// @return LAC_OK; LAC_ENOMEM
+/// @return as lac_dataset_add
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err);
 
-/// Gives the variable that was added last attributes in a file.
+/// Gives the variable that was added last, if any, attributes in a file.
 /// @param laid  rows of one value, with the variable's `which`
 void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
 

@@ -43,8 +43,8 @@ static const cli_command commands[] = {
     {"trade", "CASE", "error against cost, and the settings to choose",
      "Runs the case at other settings, each in a process of its own, and lays error against CPU "
      "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
-     "precision; of a cascade contacts, shifts, field; of a contact levels, history. To -o FILE, "
-     "else CASE-trade.nc here; tools/plot_trade.py draws it.\n",
+     "precision; of a cascade contacts, shifts, field; of a contact levels. To -o FILE, else "
+     "CASE-trade.nc here; tools/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
     {"report", "RUN.nc", "a run as one HTML page to look at",

@@ -35,6 +35,9 @@ void lac_dataset_free(lac_dataset *dataset)
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err)
 {
+    if (n == 0) {
+        return LAC_OK;
+    }
     lac_dim *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
     if (grown == NULL) {
         return lac_fail_memory(err);
@@ -60,8 +63,10 @@ static lac_dim *find_dim(const lac_dataset *dataset, const char *name, size_t si
 void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label, const void *of)
 {
     lac_dim *found = find_dim(dataset, dim, strlen(dim));
-    found->label = label;
-    found->of = of;
+    if (found != NULL) {
+        found->label = label;
+        found->of = of;
+    }
 }
 
 void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
@@ -78,8 +83,42 @@ lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start)
 
 const char *lac_dataset_summary(const lac_dataset *dataset) { return dataset->summary; }
 
+static const char *dims_of(const lac_entry *entry)
+{
+    return entry->row->dims != NULL ? entry->row->dims : entry->over;
+}
+
+// Whether all that the row names is there, and short enough for those who walk it.
+static lac_status check_row(const lac_dataset *dataset, const lac_entry *entry, lac_error *err)
+{
+    size_t rank = 0;
+    const char *name = entry->row->name != NULL ? entry->row->name : "";
+    for (const char *at = dims_of(entry); *at != '\0'; at += at[0] == ' ') {
+        const size_t size = strcspn(at, " ");
+        if (find_dim(dataset, at, size) == NULL || ++rank > LAC_MOST_DIMS) {
+            return lac_fail(err, LAC_EINPUT, "dataset: %s: \"%s\" is no dimension, or one too many",
+                            name, at);
+        }
+        at += size;
+    }
+    for (const char *at = entry->row->json; at != NULL && *at != '\0'; at += at[0] == '/') {
+        const size_t size = strcspn(at, "/");
+        if (size >= LAC_JSON_NAME) {
+            return lac_fail(err, LAC_EINPUT, "dataset: \"%s\" is too long a path", at);
+        }
+        at += size;
+    }
+    return dataset->entries < LAC_MOST_ROWS
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT, "dataset: more than %d variables", LAC_MOST_ROWS);
+}
+
 static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_error *err)
 {
+    const lac_status status = check_row(dataset, entry, err);
+    if (status != LAC_OK) {
+        return status;
+    }
     if (dataset->entries == dataset->room) {
         const size_t room = 2 * dataset->room + 32;
         lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);
@@ -131,13 +170,15 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
 
 void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
 {
-    dataset->entry[dataset->entries - 1].attributes = *laid;
+    if (dataset->entries > 0) {
+        dataset->entry[dataset->entries - 1].attributes = *laid;
+    }
 }
 
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
                       const lac_dim *dim[LAC_MOST_DIMS])
 {
-    const char *at = entry->row->dims != NULL ? entry->row->dims : entry->over;
+    const char *at = dims_of(entry);
     size_t rank = 0;
     for (; *at != '\0'; at += at[0] == ' ') {
         const size_t size = strcspn(at, " ");
@@ -244,6 +285,7 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
     const lac_dim *dim[LAC_MOST_DIMS];
     size_t first[LAC_MOST_DIMS + 1] = {0};
     const size_t next = out->next;
+    bool there = true;
     *out = (lac_item){.row = entry->row,
                       .name = entry->name != NULL ? entry->name : entry->row->name,
                       .long_name = entry->name != NULL ? entry->long_name : entry->row->long_name,
@@ -258,9 +300,10 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
         out->dim[d] = dim[d]->extent.name;
         out->length[d] = dim[d]->extent.length;
         out->count *= dim[d]->extent.length;
+        there = there && (dim[d]->extent.length > 0 || (entry->row->flags & LAC_EMPTY) != 0);
     }
     first[out->rank] = entry->which;
-    return out->name != NULL && out->count > 0 && lac_entry_has(entry, first);
+    return out->name != NULL && there && lac_entry_has(entry, first);
 }
 
 bool lac_dataset_next(const lac_dataset *dataset, lac_item *item)

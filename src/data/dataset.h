@@ -7,6 +7,11 @@
 #include "data/json.h"
 #include "lacuna/dataset.h"
 
+enum {
+    LAC_MOST_ROWS = 256, ///< of a dataset
+    LAC_JSON_NAME = 64   ///< bytes of a part of a path in JSON
+};
+
 typedef struct lac_dim {
     lac_extent extent;
     lac_text_getter label; ///< NULL: its places have no names

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as members of a JSON object: each row says by its path where its values stand.
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,8 +15,6 @@ typedef struct group {
     size_t at[LAC_MOST_DIMS + 1];
 } group;
 
-enum { NAME = 64, MOST_ROWS = 256 };
-
 static const char *path_of(const group *g, size_t row)
 {
     return g->entry[row]->row->json + g->from;
@@ -25,7 +22,7 @@ static const char *path_of(const group *g, size_t row)
 
 // A part of a path, up to its '/' or end.
 typedef struct part {
-    char name[NAME];
+    char name[LAC_JSON_NAME];
     size_t length; // with the brackets
     size_t lists;  // pairs of []
     bool object;   // {}: labels and values
@@ -36,7 +33,6 @@ static part read_part(const char *path)
 {
     part p = {.length = strcspn(path, "/")};
     const size_t name = strcspn(path, "/[{");
-    assert(name < NAME);
     memcpy(p.name, path, name);
     p.object = path[name] == '{';
     p.lists = p.object ? 0 : (p.length - name) / 2;
@@ -167,7 +163,7 @@ static size_t take(const group *g, const part *p, const lac_entry **rest, group 
 // Paths are a few parts deep.
 static void write_members(const group *g, lac_json *json)
 {
-    const lac_entry *rest[MOST_ROWS] = {NULL}, *taken[MOST_ROWS] = {NULL};
+    const lac_entry *rest[LAC_MOST_ROWS] = {NULL}, *taken[LAC_MOST_ROWS] = {NULL};
     group left = *g;
     while (left.count > 0) {
         group own;
@@ -180,11 +176,10 @@ static void write_members(const group *g, lac_json *json)
 
 void lac_dataset_json(const lac_dataset *dataset, lac_json *json)
 {
-    const lac_entry *entry[MOST_ROWS] = {NULL};
+    const lac_entry *entry[LAC_MOST_ROWS] = {NULL};
     size_t count = 0;
     for (size_t i = 0; i < dataset->entries; i++) {
         if (dataset->entry[i].row->json != NULL) {
-            assert(count < MOST_ROWS);
             entry[count++] = &dataset->entry[i];
         }
     }

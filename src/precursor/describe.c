@@ -70,9 +70,9 @@ static const lac_variable rows[] = {
                        "falls (attribute falling); the integral of the velocity where only that "
                        "was given"),
     TIME("velocity_time", "velocity_reading", velocity_time, "time of the velocity",
-         .flags = LAC_TIME),
+         .flags = LAC_TIME | LAC_EMPTY),
     LAC_ROW("velocity", "velocity_reading", "m s-1", "velocity", G(velocity),
-            .comment = "looks back only"),
+            .comment = "looks back only", .flags = LAC_EMPTY),
     TIME("issue_time", "issue", issue_time, "time at which the forecasts are issued",
          .comment = "nothing later was known to them", .flags = LAC_TIME),
     TIME("window_start", "issue", window_start, "start of what was fitted",

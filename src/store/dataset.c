@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as a netCDF-4 file, written in one go.
-#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -139,12 +138,15 @@ static lac_status put_meanings(const writer *w, const lac_item *item, int id, la
 {
     char meanings[MEANINGS] = "", room[LAC_TEXT_ROOM];
     int values[MOST_MEANINGS];
-    assert(item->count <= MOST_MEANINGS);
     for (size_t i = 0; i < item->count; i++) {
         const size_t used = strlen(meanings);
+        const char *text = lac_item_text(item, i, room);
+        if (i == MOST_MEANINGS || used + strlen(text) + 2 > sizeof meanings) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s has too many meanings", w->file->path,
+                            item->name);
+        }
         values[i] = (int)i;
-        (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "",
-                       lac_item_text(item, i, room));
+        (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "", text);
     }
     int code = nc_put_att_int(w->file->id, id, "flag_values", NC_INT, item->count, values);
     code = code == NC_NOERR ? nc_put_var_int(w->file->id, id, values) : code;

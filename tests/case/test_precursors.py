@@ -90,8 +90,10 @@ class Precursors(unittest.TestCase):
         self.write("one.csv", "t,d\n1,1\n")
         self.write("weak.csv", "t,d\n" + "".join(f"{i},{i**3}e-310\n" for i in range(1, 51)))  # all power underflows
         for name in ("one.csv", "weak.csv"):
-            said = self.call(name, "--displacement", "d:m", "--time-format", "day").stdout
+            said = self.call(name, "--displacement", "d:m", "--time-format", "day", "-o", name + ".nc").stdout
             self.assertNotRegex(said, r"\bnan\b")
+        with netCDF4.Dataset(os.path.join(self.folder, "one.csv.nc")) as data:
+            self.assertEqual(data["velocity"].shape, (0,))
 
     def test_wrong_options(self):
         with open(os.path.join(self.folder, "damaged.nc"), "wb") as file:

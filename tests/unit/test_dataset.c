@@ -199,9 +199,61 @@ static void test_file(void **state)
     lac_dataset_free(d);
 }
 
+static void test_what_cannot_be(void **state)
+{
+    static const lac_variable wrong[] = {
+        {.name = "a", .dims = "nosuch", .value = product},
+        {.name = "b", .dims = "row row row row", .value = product},
+        {.json = "a_name_of_sixty_four_bytes_______________________________________",
+         .value = product},
+    };
+    (void)state;
+    const lac_extent row = {"row", 1};
+    lac_error err = {""};
+    lac_dataset *d = NULL;
+    assert_int_equal(lac_dataset_create("wrong", &d, &err), LAC_OK);
+    assert_int_equal(lac_dataset_dims(d, &row, 0, &err), LAC_OK);
+    assert_int_equal(lac_dataset_dims(d, &row, 0, &err), LAC_OK);
+    assert_int_equal(lac_dataset_dims(d, &row, 1, &err), LAC_OK);
+    lac_dataset_label(d, "nosuch", key_of, &made);
+    lac_dataset_attributes(d, &(lac_laid){LAC_VARIABLES(beside, "", 0), made.part});
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        const lac_laid laid = {{.row = &wrong[i], .rows = 1, .over = ""}, &made};
+        assert_int_equal(lac_dataset_add(d, &laid, 1, &err), LAC_EINPUT);
+    }
+    const lac_laid many = {LAC_VARIABLES(of_parts, "row", 0), made.part};
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < 256 && status == LAC_OK; i++) {
+        status = lac_dataset_add(d, &many, 1, &err);
+    }
+    assert_int_equal(status, LAC_EINPUT);
+    assert_non_null(strstr(err.message, "256"));
+    lac_dataset_free(d);
+}
+
+static void test_empty_and_kept(void **state)
+{
+    static const lac_variable rows[] = {
+        LAC_ROW("kept", "kept", "m", "", .value = product, .flags = LAC_EMPTY),
+        LAC_ROW("left", "left", "m", "", .value = product)};
+    (void)state;
+    const lac_extent dims[] = {{"kept", 0}, {"left", 0}};
+    const lac_laid laid = {LAC_VARIABLES(rows, "", 0), &made};
+    lac_error err = {""};
+    lac_dataset *d = NULL;
+    lac_item item = {0};
+    assert_int_equal(lac_dataset_create("empty", &d, &err), LAC_OK);
+    assert_int_equal(lac_dataset_dims(d, dims, 2, &err), LAC_OK);
+    assert_int_equal(lac_dataset_add(d, &laid, 1, &err), LAC_OK);
+    assert_true(lac_dataset_find(d, "kept", &item) && item.count == 0);
+    assert_false(lac_dataset_find(d, "left", &item));
+    lac_dataset_free(d);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_json), cmocka_unit_test(test_items),
-                                       cmocka_unit_test(test_file)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_json), cmocka_unit_test(test_items), cmocka_unit_test(test_file),
+        cmocka_unit_test(test_what_cannot_be), cmocka_unit_test(test_empty_and_kept)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

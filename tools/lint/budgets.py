@@ -16,7 +16,7 @@ import source
 
 BUDGETS = {
     "lines of src and include": 75900,
-    "lines that only present results": 22850,
+    "lines that only present results": 22870,
     "public headers": 46,
     "exported names": 374,
     "circles of includes": 4,
