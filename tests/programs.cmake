@@ -178,7 +178,8 @@ endif()
 
 # The library's allocations fail one after the other.
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
-                                 memory/report.c memory/trade.c memory/failing_malloc.c)
+                                 memory/report.c memory/trade.c memory/failing_malloc.c
+                                 support/contact_file.c)
 target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})

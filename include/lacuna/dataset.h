@@ -73,8 +73,8 @@ typedef struct lac_variables {
     bool pointers;    ///< along the first dimension stand pointers to what holds
 } lac_variables;
 
-/// Named variables with units, dimensions and attributes: what a result is written from, as netCDF,
-/// JSON or page. It holds no values: they are asked for where they are needed.
+/// Named variables with units, dimensions and attributes: what a result is written from, as netCDF
+/// or JSON. It holds no values: they are asked for where they are needed.
 typedef struct lac_dataset lac_dataset;
 
 /// @param summary  one sentence on what it is, for a file

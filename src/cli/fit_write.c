@@ -10,36 +10,18 @@
 #include "base/hidden.h"
 #include "base/write_text.h"
 #include "cli/fit.h"
-#include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/run_outcome.h"
 #include "cli/series.h"
 #include "data/dataset.h"
-
-static lac_status store(const cli_request *request, const cli_fit_view *view,
-                        const lac_dataset *dataset, lac_error *err)
-{
-    char libraries[256];
-    const lac_case *source = view->outcome.source;
-    char *text = lac_case_text(source);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_provenance provenance =
-        cli_provenance(request, source, text, cli_libraries(libraries, sizeof libraries));
-    provenance.seed = source->fit.seed;
-    lac_status status = lac_store_dataset(view->output, cli_given(request, CLI_OPT_FORCE),
-                                          &provenance, dataset, err);
-    free(text);
-    return status;
-}
 
 lac_status cli_fit_store(const cli_request *request, const cli_fit_view *view, lac_error *err)
 {
     lac_dataset *dataset = NULL;
     lac_status status = lac_fit_describe(&view->outcome, &dataset, err);
     if (status == LAC_OK) {
-        status = store(request, view, dataset, err);
+        const lac_case *source = view->outcome.source;
+        status = cli_store_dataset(request, source, source->fit.seed, view->output, dataset, err);
     }
     lac_dataset_free(dataset);
     return status;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "cli/inputs.h"
+#include "cli/libraries.h"
 #include "cli/signals.h"
 #include "lacuna/scene.h"
 
@@ -106,4 +107,21 @@ lac_provenance cli_provenance(const cli_request *request, const lac_case *c, con
     lac_provenance provenance = lac_case_provenance(c, case_text);
     cli_sign(request, libraries, &provenance);
     return provenance;
+}
+
+lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
+                             const char *path, const lac_dataset *dataset, lac_error *err)
+{
+    char libraries[256];
+    char *text = lac_case_text(c);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_provenance provenance =
+        cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));
+    provenance.seed = seed != INT64_MIN ? seed : provenance.seed;
+    lac_status status =
+        lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);
+    free(text);
+    return status;
 }

@@ -30,4 +30,10 @@ void cli_sign(const cli_request *request, const char *libraries, lac_provenance 
 lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
                               const char *libraries);
 
+/// Writes the file of a case's result; --force replaces one that is there.
+/// @param seed  of the result; INT64_MIN: the case's own
+/// @return as lac_store_dataset
+lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
+                             const char *path, const lac_dataset *dataset, lac_error *err);
+
 #endif

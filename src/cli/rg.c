@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "cli/command.h"
-#include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/report.h"
@@ -44,21 +43,6 @@ static lac_rg_outcome outcome_of(const rg_job *job)
                             .rg = &job->rg,
                             .file = job->request->argument[0],
                             .cells = job->stored ? &job->cells : NULL};
-}
-
-static lac_status write_file(const rg_job *job, const lac_dataset *dataset, lac_error *err)
-{
-    char libraries[256];
-    char *text = lac_case_text(job->source);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_provenance provenance =
-        cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
-    lac_status status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE),
-                                          &provenance, dataset, err);
-    free(text);
-    return status;
 }
 
 static void print_result(const rg_job *job)
@@ -119,7 +103,7 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     LAC_TRY(cli_blame(job.source, follow(&job, err), err));
     outcome = outcome_of(&job);
     LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
-    LAC_TRY(write_file(&job, dataset, err));
+    LAC_TRY(cli_store_dataset(request, job.source, INT64_MIN, job.path, dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         print_json(&job, dataset);
     } else {

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "cli/libraries.h"
 #include "cli/output.h"
 #include "cli/trade.h"
 #include "cli/words.h"
@@ -347,13 +346,9 @@ static void fill_row(const cli_trade_job *job, size_t run, char *settings, lac_t
 static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_row *row,
                               char (*settings)[SETTINGS], lac_error *err)
 {
-    char reference[SETTINGS], sentence[SENTENCE], recommended[SETTINGS], libraries[256];
+    char reference[SETTINGS], sentence[SENTENCE], recommended[SETTINGS];
     const lac_trade_verdict *v = &job->verdict;
     const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
-    char *text = lac_case_text(job->source);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
     size_t n = 0;
     for (size_t i = next_row(job, SIZE_MAX); i != SIZE_MAX && n < rows; i = next_row(job, i)) {
         fill_row(job, i, settings[n], &row[n]);
@@ -372,16 +367,12 @@ static lac_status write_store(const cli_trade_job *job, size_t rows, lac_trade_r
         .sentence = cli_trade_sentence(job, sentence, sizeof sentence),
         .runs = n,
         .row = row};
-    const lac_provenance provenance =
-        cli_provenance(job->request, job->source, text, cli_libraries(libraries, sizeof libraries));
     lac_dataset *dataset = NULL;
     lac_status status = lac_trade_describe(&view, &dataset, err);
     if (status == LAC_OK) {
-        status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance,
-                                   dataset, err);
+        status = cli_store_dataset(job->request, job->source, INT64_MIN, job->path, dataset, err);
     }
     lac_dataset_free(dataset);
-    free(text);
     return status;
 }
 

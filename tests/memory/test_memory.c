@@ -12,6 +12,7 @@
 #include "memory/report.h"
 #include "memory/trade.h"
 #include "memory/whole_run.h"
+#include "support/contact_file.h"
 #include "support/test.h"
 
 // A joint of 8 x 8 cells, pressed and sheared in every way
@@ -191,12 +192,11 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     lac_domain *domain = NULL;
     lac_scene_rg rg = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
-    const lac_provenance provenance = {.title = "cascading", .case_text = cascading, .seed = 1};
     const lac_snapshot_choice last = {0};
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
     LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
-    LAC_TRY(store_contact(&contact, path, &provenance, err));
+    LAC_TRY(contact_file(&contact, path, true, cascading, err));
     LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
     const lac_rg_cells given = {cells.domain, cells.shear, cells.time};

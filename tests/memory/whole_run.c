@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "lacuna/lacuna.h"
+#include "support/contact_file.h"
 #include "support/test.h"
 
 static const char text[] =
@@ -94,19 +95,6 @@ static const char measured[] =
     "material: {shear_modulus: 1e9, poisson: 0.2}\n"
     "load: {normal: {pressure: 1e6}}\n";
 
-lac_status store_contact(const lac_scene_contact *contact, const char *path,
-                         const lac_provenance *provenance, lac_error *err)
-{
-    const lac_contact_outcome outcome = {.contact = contact, .status = "complete"};
-    lac_dataset *dataset = NULL;
-    lac_status status = lac_contact_describe(&outcome, &dataset, err);
-    if (status == LAC_OK) {
-        status = lac_store_dataset(path, true, provenance, dataset, err);
-    }
-    lac_dataset_free(dataset);
-    return status;
-}
-
 // Case to netCDF file, through a contact and all that is measured of it.
 lac_status whole_contact(const char *path, lac_error *err)
 {
@@ -121,9 +109,8 @@ lac_status whole_contact(const char *path, lac_error *err)
     LAC_TRY(lac_case_read_text("case.yaml", measured, sizeof measured - 1, &ask, &c, &report, err));
     LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
     LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
-    const lac_provenance provenance = {.title = "measured", .seed = 1};
     assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
-    LAC_TRY(store_contact(&contact, path, &provenance, err));
+    LAC_TRY(contact_file(&contact, path, true, NULL, err));
 out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);

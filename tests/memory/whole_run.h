@@ -3,17 +3,12 @@
 #define LACUNA_MEMORY_WHOLE_RUN_H
 
 #include "lacuna/error.h"
-#include "lacuna/scene.h"
 
 /// All that `lacuna run` and `lacuna contact` do, into a file or into some that begin like it.
 /// @return LAC_OK; LAC_ENOMEM, LAC_EIO ... where an allocation failed
 lac_status whole_run(const char *path, lac_error *err);
 lac_status whole_recording(const char *path, lac_error *err);
 lac_status whole_contact(const char *path, lac_error *err);
-
-/// A contact's file.
-lac_status store_contact(const lac_scene_contact *contact, const char *path,
-                         const lac_provenance *provenance, lac_error *err);
 lac_status whole_resumed(const char *path, lac_error *err);
 
 #endif

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "lacuna/scene.h"
+#include "support/contact_file.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"
 #include "support/test.h"
@@ -342,19 +343,6 @@ static void levels_are_named(void **state)
     (void)nc_close(id);
 }
 
-static lac_status store_contact(const lac_scene_contact *contact, const char *path)
-{
-    const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
-    const lac_contact_outcome outcome = {.contact = contact, .status = "complete"};
-    lac_dataset *dataset = NULL;
-    lac_status status = lac_contact_describe(&outcome, &dataset, NULL);
-    if (status == LAC_OK) {
-        status = lac_store_dataset(path, false, &provenance, dataset, NULL);
-    }
-    lac_dataset_free(dataset);
-    return status;
-}
-
 static void contact_maps_come_back(void **state)
 {
     (void)state;
@@ -386,8 +374,8 @@ static void contact_maps_come_back(void **state)
                                  .report = report,
                                  .counted = true,
                                  .boxes = boxes};
-    assert_int_equal(store_contact(&contact, path), LAC_OK);
-    assert_int_equal(store_contact(&contact, path), LAC_EINPUT);
+    assert_int_equal(contact_file(&contact, path, false, NULL, NULL), LAC_OK);
+    assert_int_equal(contact_file(&contact, path, false, NULL, NULL), LAC_EINPUT);
     expect_attribute(path, "status", "complete");
     expect_attribute(path, "iterations", "17");
     expect_attribute(path, "d_box", "1.5");
@@ -406,7 +394,7 @@ static void contact_maps_come_back(void **state)
     // a domain without a surface
     path = scratch_path(&folder, "domain.nc");
     contact = (lac_scene_contact){.grid = grid, .pressure = pressure};
-    assert_int_equal(store_contact(&contact, path), LAC_OK);
+    assert_int_equal(contact_file(&contact, path, false, NULL, NULL), LAC_OK);
     assert_int_equal(nc_open(path, NC_NOWRITE, &id), NC_NOERR);
     assert_int_equal(nc_inq_varid(id, "heights", &var), NC_ENOTVAR);
     (void)nc_close(id);

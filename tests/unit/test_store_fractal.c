@@ -7,6 +7,7 @@
 #include <netcdf.h>
 
 #include "lacuna/scene.h"
+#include "support/contact_file.h"
 #include "support/scratch.h"
 #include "support/test.h"
 
@@ -28,19 +29,6 @@ static int tear_down(void **state)
 
 static double pressure[4] = {1.0, 0.0, 2.0, 0.0};
 static const lac_grid grid = {2, 2, 0.5, 0.5, true};
-
-static lac_status store(const lac_scene_contact *contact, const char *path)
-{
-    const lac_provenance provenance = {.title = "A map", .seed = INT64_MIN};
-    const lac_contact_outcome outcome = {.contact = contact, .status = "complete"};
-    lac_dataset *dataset = NULL;
-    lac_status status = lac_contact_describe(&outcome, &dataset, NULL);
-    if (status == LAC_OK) {
-        status = lac_store_dataset(path, false, &provenance, dataset, NULL);
-    }
-    lac_dataset_free(dataset);
-    return status;
-}
 
 // The scaling of three resolutions, with Delta_S = 1.5.
 static lac_scaling scaling_of_three(void)
@@ -103,7 +91,7 @@ static void measures_come_back(void **state)
                             .sizes = 2,
                             .size = {{0.1, 4e6, 1.5, 1.25, 1.75}, {10.0, 1e6, 0.5, 0.25, 0.75}}};
     const char *path = scratch_path(&folder, "fractal.nc");
-    assert_int_equal(store(&contact, path), LAC_OK);
+    assert_int_equal(contact_file(&contact, path, false, NULL, NULL), LAC_OK);
     int file = 0;
     assert_int_equal(nc_open(path, NC_NOWRITE, &file), NC_NOERR);
     expect_values(file, "resolution", 3, (const double[]){1.0, 0.5, 0.25});
@@ -140,7 +128,7 @@ static void what_was_not_measured_is_left_out(void **state)
     const char *path = scratch_path(&folder, "bare.nc");
     int file = 0;
     int id = 0;
-    assert_int_equal(store(&contact, path), LAC_OK);
+    assert_int_equal(contact_file(&contact, path, false, NULL, NULL), LAC_OK);
     assert_int_equal(nc_open(path, NC_NOWRITE, &file), NC_NOERR);
     assert_int_equal(nc_inq_dimid(file, "resolution", &id), NC_EBADDIM);
     assert_int_equal(nc_inq_dimid(file, "cluster_octave", &id), NC_EBADDIM);

@@ -15,8 +15,8 @@ import sys
 import source
 
 BUDGETS = {
-    "lines of src and include": 75900,
-    "lines that only present results": 22870,
+    "lines of src and include": 75880,
+    "lines that only present results": 22851,
     "public headers": 46,
     "exported names": 374,
     "circles of includes": 4,
