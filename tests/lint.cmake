@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What the sources must look like; label `lint`. Each check is shown to fail by lint.selftest.
-set(lint ${PROJECT_SOURCE_DIR}/tools/lint)
+set(lint ${PROJECT_SOURCE_DIR}/tools/dev/lint)
 
 function(lacuna_lint name)
   add_test(NAME lint.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
@@ -51,7 +51,7 @@ endif()
 find_program(SHELLCHECK NAMES shellcheck)
 if(SHELLCHECK)
   lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
-              tools/memcheck tools/bench tools/instruction-counts tools/dev/on-debian .ci/run cmake/prerm)
+              tools/dev/memcheck tools/bench tools/dev/instruction-counts tools/dev/on-debian .ci/run tools/cmake/prerm)
 endif()
 
 # Every unit of the compilation database; the options that gcc alone knows are dropped.

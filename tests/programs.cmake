@@ -52,7 +52,7 @@ list(TRANSFORM groups PREPEND outputs_ OUTPUT_VARIABLE case_outputs)
 list(APPEND case_outputs outputs_contact outputs_rg)
 
 # The tables of docs/case.md are the program's.
-add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/case_tables.py --check
+add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/dev/case_tables.py --check
          --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/case.md)
 set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
 
@@ -115,7 +115,7 @@ set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
 # How many of its runs go side by side.
-target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/memory.c)
+target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
 
 # Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
 set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)
@@ -126,12 +126,12 @@ if(NOT LACUNA_SANITIZE)
   add_library(count_bytes MODULE memory/count_bytes.c)
   target_compile_options(count_bytes PRIVATE ${warnings})
   target_link_libraries(count_bytes PRIVATE ${CMAKE_DL_LIBS})
-  add_test(NAME case.costs COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/costs.py --check
+  add_test(NAME case.costs COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/studies/costs.py --check
            --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
   set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # Under 20 ms of CPU from start to end, where the machine is quiet.
-    add_test(NAME speed.block COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/costs.py --quick
+    add_test(NAME speed.block COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/studies/costs.py --quick
              --lacuna $<TARGET_FILE:lacuna_program>)
     set_tests_properties(speed.block PROPERTIES LABELS speed RUN_SERIAL TRUE
                          SKIP_RETURN_CODE 77 ENVIRONMENT ${case_environment})
@@ -180,7 +180,7 @@ endif()
 add_executable(unit_test_memory memory/test_memory.c memory/whole_run.c memory/forecast.c
                                  memory/report.c memory/trade.c memory/failing_malloc.c
                                  support/contact_file.c)
-target_include_directories(unit_test_memory PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_include_directories(unit_test_memory PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(unit_test_memory PRIVATE lacuna lacuna_options lacuna_dependencies
                       ${CMOCKA_LIBRARY})
 target_link_options(unit_test_memory PRIVATE

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicators of a case stand between a run and what keeps its records: they see each record
 // first and add their own quantities to it.
-#include "lacuna/analysis.h"
+#include "analysis/analysis.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 #ifndef LACUNA_ANALYSIS_CATALOGUE_H
 #define LACUNA_ANALYSIS_CATALOGUE_H
 
-#include "lacuna/contact.h"
-#include "lacuna/run.h"
-#include "lacuna/tape.h"
+#include "base/tape.h"
+#include "contact/contact.h"
+#include "run/run.h"
 
 /// An event on its way.
 typedef struct lac_open_event {

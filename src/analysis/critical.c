@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "lacuna/analysis.h"
+#include "analysis/analysis.h"
 
 lac_critical_fraction lac_critical_fraction_of(const lac_rg_result *result, const char *how,
                                                double beta)

@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_KINDS_H
 #define LACUNA_ANALYSIS_KINDS_H
 
-#include "lacuna/analysis.h"
+#include "analysis/analysis.h"
 
 extern const lac_indicator_kind lac_indicator_rg, lac_indicator_events;
 

@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_NEIGHBOURS_H
 #define LACUNA_ANALYSIS_NEIGHBOURS_H
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 enum { LAC_NEIGHBOURS = 8 };
 

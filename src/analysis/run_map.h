@@ -3,8 +3,8 @@
 #define LACUNA_ANALYSIS_RUN_MAP_H
 
 #include "analysis/slip_blocks.h"
-#include "lacuna/rg_study.h"
-#include "lacuna/tape.h"
+#include "base/tape.h"
+#include "rg/rg_study.h"
 
 enum { LAC_RUN_MAP_STATES = 64 };
 

@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_SLIP_BLOCKS_H
 #define LACUNA_ANALYSIS_SLIP_BLOCKS_H
 
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 
 /// Blocks of each level all of whose contact cells slip, kept up to date cell by cell. Levels
 /// between which no blocks merge share a tier.

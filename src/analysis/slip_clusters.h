@@ -2,8 +2,8 @@
 #ifndef LACUNA_ANALYSIS_SLIP_CLUSTERS_H
 #define LACUNA_ANALYSIS_SLIP_CLUSTERS_H
 
-#include "lacuna/contact.h"
-#include "lacuna/tape.h"
+#include "base/tape.h"
+#include "contact/contact.h"
 
 /// A cell in its cluster: the way to the root is a sum of steps, so that clusters round a periodic
 /// edge keep their shape.

@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_SLIPPING_H
 #define LACUNA_ANALYSIS_SLIPPING_H
 
-#include "lacuna/analysis.h"
+#include "analysis/analysis.h"
 
 /// Which cells slip, from one record to the next.
 typedef struct lac_slipping {

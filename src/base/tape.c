@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A state that is saved and loaded by the same calls: each piece goes to the tape or comes from it.
-#include "lacuna/tape.h"
+#include "base/tape.h"
 
 #include <stdlib.h>
 #include <string.h>

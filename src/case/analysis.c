@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "case/sections.h"
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 static const char from_friction[] = "from-friction";
 

@@ -4,8 +4,8 @@
 
 #include "base/nearest.h"
 #include "base/units.h"
+#include "case/case.h"
 #include "case/tree.h"
-#include "lacuna/case.h"
 
 enum {
     LAC_KEY_LENGTH = 200,  ///< of a dotted key in a message

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The kinds of models that a case can choose or that a command has, a row each.
+#include "analysis/analysis.h"
 #include "case/schema.h"
 #include "case/sections.h"
-#include "lacuna/analysis.h"
-#include "lacuna/precursor.h"
-#include "lacuna/surface.h"
+#include "precursor/precursor.h"
+#include "surface/surface.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 

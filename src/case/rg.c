@@ -5,7 +5,7 @@
 
 #include "base/rg_rows.h"
 #include "case/sections.h"
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 #define FIELD(name) offsetof(lac_case, name)
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cells in contact, listed in Morton order, in which the cells of any block stand side by side.
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 #include <math.h>
 #include <stdlib.h>

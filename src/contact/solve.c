@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "contact/contact.h"
 #include "contact/solve.h"
-#include "lacuna/contact.h"
 
 #define TWO_PI 6.283185307179586476925286766559
 

@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "base/filter.h"
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 // The solver works on numbers of order one: heights and gaps in units of the rms height h_rms,
 // wavenumbers kappa = |q| length, pressures in units of E* h_rms / (2 length), so that

@@ -6,7 +6,7 @@
 
 #include "base/rng.h"
 #include "base/rows.h"
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *occupied,
                             lac_error *err)

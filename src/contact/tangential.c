@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A joint sheared step by step under Coulomb friction: each step starts from what the last left.
-#include "lacuna/tangential.h"
+#include "contact/tangential.h"
 
 #include <float.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 #include "base/fft.h"
-#include "lacuna/grid.h"
+#include "base/grid.h"
 
 /// Two equal elastic half-spaces sheared against each other, on one grid. Lengths are in units of
 /// the longest side, so that displacements come out in units of traction * length / (pi (1-nu) E*).

@@ -2,8 +2,8 @@
 #ifndef LACUNA_CONTACT_TANGENTIAL_STATE_H
 #define LACUNA_CONTACT_TANGENTIAL_STATE_H
 
+#include "contact/tangential.h"
 #include "contact/tangential_space.h"
-#include "lacuna/tangential.h"
 
 struct lac_tangential {
     lac_tangential_def def;

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/sampler.h"
+#include "fit/sampler.h"
 
 // R-hat of m chains of n draws each, chain after chain.
 static double rhat_of(const double *x, size_t m, size_t n)

@@ -5,7 +5,7 @@
 
 #include "base/date.h"
 #include "data/describe.h"
-#include "lacuna/fit.h"
+#include "fit/fit.h"
 
 enum { NAME = 256, TITLE = 300 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case as a method of forecasting: fitted to what was read, then run on.
-#include "lacuna/foresee.h"
+#include "fit/foresee.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#include "lacuna/fit.h"
-#include "lacuna/sensitivity.h"
+#include "fit/fit.h"
+#include "run/sensitivity.h"
 
 // A copy of the case that can take other values, and the scene made of it.
 typedef struct lac_fit_variant {

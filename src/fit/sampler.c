@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws from a given density by an ensemble of walkers, the same for any number of threads.
-#include "lacuna/sampler.h"
+#include "fit/sampler.h"
 
 #include <math.h>
 #include <omp.h>

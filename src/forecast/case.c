@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The row of the method whose fit is lac_foresee's: it stands here for whoever lists the methods.
-#include "lacuna/forecast.h"
+#include "forecast/forecast.h"
 
 const lac_forecast_kind lac_forecast_case = {
     .about = {.name = "case",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What keeps a forecast from being issued, in the order in which it is asked: window.c and
 // outlook.c.
-#include "lacuna/forecast.h"
+#include "forecast/forecast.h"
 
 static const lac_forecast_gate gates[] = {
     {"resets", "of any method: more than one reading in twenty would be a reset of the sensor "

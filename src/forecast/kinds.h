@@ -2,7 +2,7 @@
 #ifndef LACUNA_FORECAST_KINDS_H
 #define LACUNA_FORECAST_KINDS_H
 
-#include "lacuna/forecast.h"
+#include "forecast/forecast.h"
 
 extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast_slo,
     lac_forecast_saito, lac_forecast_log, lac_forecast_voight, lac_forecast_block,

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "forecast/hindcast.h"
 #include "forecast/kinds.h"
-#include "lacuna/hindcast.h"
 
 // Readings that issue k of `issues` <= n may see; the last sees all.
 static size_t seen(size_t n, size_t issues, size_t k)

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/hindcast.h"
+#include "forecast/hindcast.h"
 
 enum { LEVELS = 5 };
 

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "fractal/fractal.h"
 #include "fractal/line_fit.h"
-#include "lacuna/fractal.h"
 
 enum { FEW_CELLS = 500, LEAST_SIDES = 3 };
 static const double dense_fraction = 0.3;

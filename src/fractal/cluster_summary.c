@@ -2,7 +2,7 @@
 // Contact clusters in a few numbers: how many there are of each size, the mean, the largest.
 #include <math.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 
 static size_t octave_of(uint32_t size)
 {

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 
 // One cluster while they are put in order.
 typedef struct rank {

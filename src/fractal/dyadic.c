@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 
 // Cells come in Morton order, so that those of a block follow each other.
 static double blocks_at(const lac_domain *domain, size_t level)

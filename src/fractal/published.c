@@ -2,7 +2,7 @@
 // What has been published of the size effect on rock joints: statements of texts, not results.
 #include <math.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 
 #define BORRI_BRUNETTO "Borri-Brunetto, Carpinteri and Chiaia 2004, fig. 4: Bandis et al. 1981, "
 #define CARPINTERI_PAGGI "Carpinteri and Paggi 2009, Chaos Solitons Fractals 39:540"

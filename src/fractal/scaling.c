@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "fractal/fractal.h"
 #include "fractal/line_fit.h"
-#include "lacuna/fractal.h"
 
 enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 

@@ -2,7 +2,7 @@
 // Strength of specimens of another size, by the fractal dimension of the contact that was measured.
 #include <math.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 
 static lac_status check(const lac_size_def *def, lac_error *err)
 {

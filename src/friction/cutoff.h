@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 /// One variable, u or w, as the strength sees it beyond a cut-off.
 typedef struct lac_softened {

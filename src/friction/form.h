@@ -2,7 +2,7 @@
 #ifndef LACUNA_FRICTION_FORM_H
 #define LACUNA_FRICTION_FORM_H
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 /// Strength over cells first ... first + n - 1; docs/theory/friction.md eqs. 1 to 4.
 /// @param values  f, f_u and f_w are set; g is left alone

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A friction law on many cells: parameters of each cell, and what kernels read instead of them.
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 #include <assert.h>
 #include <float.h>

@@ -3,7 +3,7 @@
 #define LACUNA_FRICTION_LAW_H
 
 #include "base/rows.h"
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening,
     lac_friction_composite;

@@ -2,7 +2,7 @@
 #ifndef LACUNA_FRICTION_SETTLE_H
 #define LACUNA_FRICTION_SETTLE_H
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 /// Rates of all cells of a balance at once, where no cell has a cut-off.
 /// @param u       [n] where to begin, then ln|v| of those that settled

@@ -2,7 +2,7 @@
 #ifndef LACUNA_HIERARCHY_BLOCKS_H
 #define LACUNA_HIERARCHY_BLOCKS_H
 
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 
 enum { LAC_MAX_LEVELS = 32 }; ///< grid coordinates have 32 bits
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks over the contact cells, level by level; levels between which nothing merges share memory.
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 
 #include <stdlib.h>
 

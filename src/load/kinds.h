@@ -3,7 +3,7 @@
 #define LACUNA_LOAD_KINDS_H
 
 #include "base/rows.h"
-#include "lacuna/load.h"
+#include "load/load.h"
 
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57

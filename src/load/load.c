@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The loads of a case, made ready from what it names, and their sum at any time.
-#include "lacuna/load.h"
+#include "load/load.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/load.h"
+#include "load/load.h"
 
 /// A quantity and its rate at one time.
 typedef struct lac_signal {

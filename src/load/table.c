@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "lacuna/series.h"
+#include "series/series.h"
 
 enum { LONGEST = 256 };
 

@@ -2,7 +2,7 @@
 #ifndef LACUNA_LOAD_TABLE_H
 #define LACUNA_LOAD_TABLE_H
 
-#include "lacuna/load.h"
+#include "load/load.h"
 
 struct lac_units;
 

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 // One contact cell with a time of its own; docs/theory/fidelity-events.md.
 typedef struct lac_micro_cell {

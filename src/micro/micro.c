@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells with steps of their own: what is due first goes on alone; docs/theory/fidelity-events.md.
-#include "lacuna/micro.h"
+#include "micro/micro.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 #ifndef LACUNA_MICRO_TREE_H
 #define LACUNA_MICRO_TREE_H
 
-#include "lacuna/micro.h"
 #include "micro/cell.h"
+#include "micro/micro.h"
 
 // A block of two cells or more, or the root. Blocks with a single child are left out.
 typedef struct lac_micro_node {

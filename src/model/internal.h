@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/problem.h"
+#include "model/problem.h"
 
 struct lac_problem {
     size_t n;

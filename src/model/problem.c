@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A problem put together and checked: cells, friction, loads, and the traction at t = 0.
-#include "lacuna/problem.h"
+#include "model/problem.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 
 // The events that had ended by `now`, in the order of their starts.
 typedef struct past_events {

@@ -5,7 +5,7 @@
 
 #include "base/date.h"
 #include "data/describe.h"
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 
 enum { NAME = 80, LONG_NAME = 160, MOST_VALUES = 64 };
 

@@ -2,7 +2,7 @@
 #ifndef LACUNA_PRECURSOR_KINDS_H
 #define LACUNA_PRECURSOR_KINDS_H
 
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 
 extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodicity,
     lac_precursor_b_value, lac_precursor_b_positive, lac_precursor_event_rate, lac_precursor_moment,

@@ -2,7 +2,7 @@
 // Statistics of the indicators: b-values, trends, and how likely chance alone gives as much.
 #include <math.h>
 
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 
 static const double log10_e = 0.43429448190325182765, ln_10 = 2.30258509299404568402;
 

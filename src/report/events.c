@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 #include "report/run.h"
 
 enum { MOST_EVENTS = 3000, STEPS = 160 };

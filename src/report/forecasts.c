@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/hindcast.h"
+#include "forecast/hindcast.h"
 #include "report/run.h"
 
 enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page of a run: HTML in which two marks are replaced by the run's title and data.
-#include "lacuna/report.h"
+#include "report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 #ifndef LACUNA_REPORT_RUN_H
 #define LACUNA_REPORT_RUN_H
 
-#include "lacuna/report.h"
-#include "lacuna/store_file.h"
+#include "report/report.h"
 #include "report/text.h"
+#include "store/store_file.h"
 
 /// Columns over time that a page may show.
 enum lac_page_columns {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/motion.h"
 #include "report/run.h"
+#include "series/motion.h"
 
 enum { MOST_READINGS = 3000 };
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "lacuna/rg_map.h"
+#include "rg/rg_map.h"
 
 enum { MOST_POINTS = 64, MOST_SHARING = 16 };
 static const double ln2 = 0.69314718055994530941723212145818;

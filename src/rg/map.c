@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "lacuna/rg_map.h"
+#include "rg/rg_map.h"
 
 static const double lowest = 0.05; // below, and above 1 - lowest, counts are too few to tell
 static const double ln2 = 0.69314718055994530941723212145818;

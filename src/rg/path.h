@@ -2,7 +2,7 @@
 #ifndef LACUNA_RG_PATH_H
 #define LACUNA_RG_PATH_H
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 #define LAC_RG_WITHIN_SOLVED 1e-6 // of Q/Q_nom: contacts are solved to 1e-8
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "rg/path.h"
 #include "rg/size_effect.h"
 #include "rg/study.h"

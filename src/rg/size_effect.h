@@ -2,7 +2,7 @@
 #ifndef LACUNA_RG_SIZE_EFFECT_H
 #define LACUNA_RG_SIZE_EFFECT_H
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 /// What is known of a block on the way along a path.
 typedef struct lac_rg_block_state {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_RG_STUDY_INTERNAL_H
 #define LACUNA_RG_STUDY_INTERNAL_H
 
-#include "lacuna/rg_study.h"
+#include "rg/rg_study.h"
 
 /// What one joint gave with its blocks at one place.
 typedef struct lac_rg_sample {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_RG_TREE_H
 #define LACUNA_RG_TREE_H
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 enum { LAC_RG_LEVELS = 40 };
 

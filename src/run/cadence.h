@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 // Keeps track of when something is due next.
 typedef struct lac_clock {

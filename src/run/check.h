@@ -2,7 +2,7 @@
 #ifndef LACUNA_RUN_CHECK_H
 #define LACUNA_RUN_CHECK_H
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 // Whether a run can be asked for like this.
 lac_status lac_check_def(const lac_run_def *def, lac_error *err);

@@ -2,7 +2,7 @@
 // Settings of a run where none are given, and the formulation that suits method and friction.
 #include <math.h>
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 lac_run_def lac_run_default(void)
 {

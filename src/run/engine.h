@@ -2,7 +2,7 @@
 #ifndef LACUNA_RUN_ENGINE_H
 #define LACUNA_RUN_ENGINE_H
 
-#include "lacuna/run.h"
+#include "run/run.h"
 #include "run/vector.h"
 
 // Which of an engine's two methods has the stretch since the last restart.

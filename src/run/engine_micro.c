@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/micro.h"
+#include "micro/micro.h"
 #include "run/check.h"
 #include "run/engine.h"
 

@@ -2,8 +2,8 @@
 #ifndef LACUNA_RUN_FOLLOW_H
 #define LACUNA_RUN_FOLLOW_H
 
-#include "lacuna/sensitivity.h"
 #include "run/engine.h"
+#include "run/sensitivity.h"
 
 // A problem on its way with its sensitivities. The state is y and, behind it, the mean slip; time
 // is origin + t, t the integrator's own, which begins anew where the loads break.

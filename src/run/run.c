@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The course of a run: steps, outputs, breaks of the loads, checkpoints, and why it ends.
-#include "lacuna/run.h"
+#include "run/run.h"
 
 #include <math.h>
 #include <stdlib.h>

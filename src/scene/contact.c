@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/surface.h"
 #include "scene/internal.h"
+#include "surface/surface.h"
 
 // The faces do not touch: by how much.
 static lac_status fail_apart(const lac_contact_def *def, lac_error *err)

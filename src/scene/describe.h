@@ -2,7 +2,7 @@
 #ifndef LACUNA_SCENE_DESCRIBE_H
 #define LACUNA_SCENE_DESCRIBE_H
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 
 /// Adds the box-counting dimension of a contact to its dataset.
 /// @return LAC_OK; LAC_ENOMEM

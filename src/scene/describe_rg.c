@@ -4,7 +4,7 @@
 
 #include "base/rg_rows.h"
 #include "data/describe.h"
-#include "lacuna/scene_rg.h"
+#include "scene/scene_rg.h"
 
 // Of the outcome o, its study s; of beta at[0] the result r, of which the first has what is common.
 #define O const lac_rg_outcome *o = of

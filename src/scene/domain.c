@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/store_cells.h"
-#include "lacuna/surface.h"
 #include "scene/internal.h"
+#include "store/store_cells.h"
+#include "surface/surface.h"
 
 // How far what the pressures of a file carry may be from the load that the case states.
 static const double same_load = 1e-6;

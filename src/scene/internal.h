@@ -2,7 +2,7 @@
 #ifndef LACUNA_SCENE_INTERNAL_H
 #define LACUNA_SCENE_INTERNAL_H
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 
 // What is kept of a contact besides its domain.
 typedef enum lac_scene_keep {

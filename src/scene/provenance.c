@@ -2,7 +2,7 @@
 // What a file says of the case it was made from.
 #include <string.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 
 // The seed of the surface or domain, wherever its table keeps it.
 static int64_t find_seed(const lac_slot *slot)

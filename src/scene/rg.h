@@ -2,7 +2,7 @@
 #ifndef LACUNA_SCENE_RG_INTERNAL_H
 #define LACUNA_SCENE_RG_INTERNAL_H
 
-#include "lacuna/scene_rg.h"
+#include "scene/scene_rg.h"
 
 // One interface under the cascade.
 typedef struct lac_scene_joint {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case made into what a run needs: contact, friction of every cell, loads, start, problem.
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/store_map.h"
 #include "scene/internal.h"
+#include "store/store_map.h"
 
 // Tries of a truncated factor; fewer than one in a hundred kept is refused as good as always.
 enum { MOST_DRAWS = 1000 };

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "series/motion.h"
+#include "series/clean.h"
 
 // In noises, unless said.
 static const double gap = 5.0; // median intervals

@@ -2,7 +2,7 @@
 // How far a modelled motion is from readings, by its slip and rate at their times.
 #include <math.h>
 
-#include "lacuna/series.h"
+#include "series/series.h"
 
 // The last point at or before t; t lies within the history.
 static size_t find_point(const lac_history *h, double t)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated.
-#include "series/motion.h"
+#include "series/clean.h"
 
 #include <float.h>
 #include <math.h>

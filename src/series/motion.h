@@ -2,28 +2,75 @@
 #ifndef LACUNA_SERIES_MOTION_H
 #define LACUNA_SERIES_MOTION_H
 
-#include "lacuna/motion.h"
+#include <stdbool.h>
+#include <stddef.h>
 
-/// Median of n values, which are reordered; NaN where n = 0.
-double lac_median(size_t n, double *values);
+#include "lacuna/error.h"
 
-/// Noise, intervals and gaps of the motion's readings, into it.
-/// @pre   resolution is set
-/// @param work  [n]
-void lac_motion_measure(lac_motion *motion, double *work);
+/// How velocities come from displacements. None looks ahead.
+typedef enum lac_smoothing {
+    LAC_SMOOTH_NONE = 0, ///< as given; else secants between readings, at the middle of the interval
+    LAC_SMOOTH_AVERAGE,  ///< means of the last `points` of these, at the mean of their times
+    LAC_SMOOTH_WINDOW,   ///< least-squares slope of the readings of the last `window` seconds, at
+                         ///< the mean of their times
+    LAC_SMOOTH_SAVGOL,   ///< slope at its end of the polynomial of `order` through the last
+                         ///< `points` readings (Savitzky-Golay with the window behind)
+} lac_smoothing;
 
-/// Whether the readings fall by more than their noise.
-/// @param work  [n]
-bool lac_motion_falls(const lac_motion *motion, double *work);
+typedef struct lac_motion_def {
+    lac_smoothing smoothing;
+    size_t points, order;
+    double window; ///< [s]
+    bool raw;      ///< keep outliers and resets as they are
+} lac_motion_def;
 
-/// Drops outliers and takes resets out.
-/// @return whether so many resets are believed
-bool lac_motion_clean(lac_motion *motion);
+/// What was read, up to the present. Values that are NaN are not there.
+typedef struct lac_readings {
+    size_t n;
+    const double *time;         ///< [n] strictly increasing [s]
+    const double *displacement; ///< [n] [m]; NULL: none
+    const double *velocity;     ///< [n] [m/s]; NULL: none
+    const double *sigma;        ///< [n] standard error of the displacement [m]; NULL: not known
+    double displacement_digit;  ///< what the last digit of a displacement counts [m]; 0: a double's
+    double velocity_digit;      ///< the same of a velocity [m/s]
+} lac_readings;
 
-/// Velocities, as the definition says.
-/// @param readings  what was given
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_motion_differentiate(const lac_motion_def *def, const lac_readings *readings,
-                                    lac_motion *motion, lac_error *err);
+/// The motion of a slope as forecasts see it.
+typedef struct lac_motion {
+    size_t n;
+    double *time;         ///< [n] [s]
+    double *displacement; ///< [n] [m] outliers dropped, resets taken out, turned where it falls
+    double *sigma;        ///< [n] [m], NaN where not known
+    size_t velocities;
+    double *velocity_time; ///< [velocities] [s]
+    double *velocity;      ///< [velocities] [m/s]
+    double *rounding;      ///< [velocities] how far the last digits may move each [m/s]
+    double noise;      ///< standard deviation of one displacement, at least its resolution [m]; NaN
+                       ///< where it cannot be told
+    double resolution; ///< last digit of a displacement, or of a double [m]
+    bool falling;      ///< what was read falls: settlement, line of sight; all is of its negative
+    double interval, longest_gap; ///< median and largest interval of the readings [s]
+    size_t gaps;                  ///< intervals longer than 5 times the median
+    size_t outliers, resets;
+    size_t disbelieved; ///< resets there would be, too many to believe: the readings are as given
+    bool integrated;    ///< the displacement is the integral of the velocity
+} lac_motion;
+
+/// Cleans readings and derives velocities. A reading is an outlier where it leaves the line between
+/// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
+/// than 10 times the noise and a fifth of the way so far is a reset of the sensor, across which the
+/// slope is taken to have gone on as before, or an outlier while it is the last reading. The noise
+/// is that of `sigma`, else 1.4826 times the median distance of readings from the line between
+/// their neighbours, each over its own error; never less than the resolution of the numbers. More
+/// resets than one reading in twenty (one is always believed) are not: all stays as it was read.
+/// Readings that fall are turned: where the sum of their steps, none counted as more than five
+/// median ones, is below 0 by more than 3 errors of a difference of two readings.
+/// @return LAC_OK; LAC_EINPUT where the definition makes no sense; LAC_ENOMEM
+/// @cost  O(n log n)
+lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
+                             lac_motion **out, lac_error *err);
+
+/// Frees a motion; NULL is fine.
+void lac_motion_free(lac_motion *motion);
 
 #endif

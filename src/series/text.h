@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "lacuna/series.h"
+#include "series/series.h"
 
 /// Reads as lac_series_read from a stream (the fuzzer's way in); def->path names it in messages.
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,

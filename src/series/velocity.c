@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/least_squares.h"
-#include "series/motion.h"
+#include "series/clean.h"
 
 static void add(lac_motion *m, double time, double velocity, double rounding)
 {

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "simulation/simulation.h"
+#include "simulation/internal.h"
 
 enum { RUNGS = 10, EXPLICIT_RUNGS = 3 };
 

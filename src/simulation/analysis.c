@@ -4,8 +4,8 @@
 #include <stdio.h>
 
 #include "base/rg_rows.h"
-#include "lacuna/scene_rg.h"
-#include "simulation/simulation.h"
+#include "scene/scene_rg.h"
+#include "simulation/internal.h"
 
 static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/simulation.h"
+#include "simulation/simulation.h"
 
 // "key.path=value" cut at its first "=". The keys are the caller's to free.
 static lac_status cut(const char *set, lac_override *out, lac_error *err)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The one way from a case to what came out of its run.
-#include "simulation/simulation.h"
+#include "simulation/internal.h"
 
 #include <math.h>
 #include <omp.h>

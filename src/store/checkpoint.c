@@ -13,7 +13,7 @@
 
 #include "base/part.h"
 #include "lacuna/version.h"
-#include "store/store.h"
+#include "store/internal.h"
 
 typedef struct head {
     char mark[8];

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/date.h"
-#include "store/store.h"
+#include "store/internal.h"
 
 enum {
     RECORD_CHUNK = 512,      // records a chunk: 4 kB, what a sync rewrites of each variable

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store/store.h"
+#include "store/internal.h"
 
 enum { EVENT_CHUNK = 512, TIME = 0 };
 

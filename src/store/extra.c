@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "store/store.h"
+#include "store/internal.h"
 
 enum { RECORD_CHUNK = 512 };
 

@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-#include "lacuna/store_events.h"
 #include "store/nc.h"
+#include "store/store_events.h"
 
 /// A file being read.
 typedef struct lac_input {

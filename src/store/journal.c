@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "base/part.h"
-#include "lacuna/tape.h"
+#include "base/tape.h"
 #include "store/nc.h"
 
 enum {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fields over the cells of an interface, made elsewhere.
-#include "lacuna/store_map.h"
+#include "store/store_map.h"
 
 #include <errno.h>
 #include <fcntl.h>

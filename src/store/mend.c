@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "base/part.h"
-#include "lacuna/store_file.h"
 #include "store/input.h"
+#include "store/store_file.h"
 
 enum {
     GIVEN_BACK_MAX = 2 * 2048, // HDF5's two blocks of free space: of structure, of small data

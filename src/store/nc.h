@@ -6,8 +6,8 @@
 #include <netcdf.h>
 #include <sys/types.h>
 
-#include "lacuna/store.h"
-#include "lacuna/store_file.h"
+#include "store/store.h"
+#include "store/store_file.h"
 
 /// A netCDF-4 file being made. It is built under a name of its own in the folder of `path` and
 /// takes that path only when it is published, so that a file that cannot be made destroys nothing.

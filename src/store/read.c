@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
-#include "lacuna/store_cells.h"
 #include "store/columns.h"
 #include "store/input.h"
+#include "store/store_cells.h"
 
 // deflate packs at most this many bytes into one.
 enum { DEFLATE_MAX = 1032 };

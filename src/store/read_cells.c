@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The contact cells of a file of a run or a contact, with the tractions of one snapshot.
-#include "lacuna/store_cells.h"
+#include "store/store_cells.h"
 
 #include <math.h>
 #include <stdio.h>

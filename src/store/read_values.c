@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "lacuna/store_events.h"
 #include "store/input.h"
+#include "store/store_events.h"
 
 static lac_status measure(const lac_input *in, int id, const char *name, lac_stored_values *out,
                           lac_error *err)

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A run kept in memory. Its variables are those that a file would have, from the same tables.
-#include "lacuna/recording.h"
+#include "store/recording.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/store.h"
 #include "store/columns.h"
-#include "store/recording.h"
+#include "store/recording_internal.h"
+#include "store/store.h"
 
 // An array that grows, and what it is.
 typedef struct variable {

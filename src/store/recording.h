@@ -2,33 +2,83 @@
 #ifndef LACUNA_STORE_RECORDING_H
 #define LACUNA_STORE_RECORDING_H
 
-#include "lacuna/recording.h"
+#include "store/store_checkpoint.h"
+#include "transfer/transfer.h"
 
-/// The text under which a recording keeps the comment of a variable.
-#define LAC_RECORDING_COMMENT "%s:comment"
-enum { LAC_RECORDING_NAME = 128 };
+/// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
+typedef struct lac_recording lac_recording;
 
-/// Adds values to a variable. @return LAC_OK; LAC_ENOMEM
-lac_status lac_recording_append(lac_recording *recording, size_t index, const double *values,
-                                size_t n, lac_error *err);
+typedef struct lac_recording_def {
+    const lac_domain *domain;       ///< NULL: nothing of the cells
+    const lac_hierarchy *hierarchy; ///< NULL: no levels
+    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
+    unsigned fields;                ///< LAC_FIELD_* of store.h, of snapshots
+    size_t extras;
+    const lac_extra *extra; ///< [extras] what records carry beyond
+    bool events;            ///< a catalogue of events comes along
+    bool passing;           ///< only what lac_recording_move moves: nothing of levels and places
+} lac_recording_def;
 
-/// Makes room for lac_recording_pour. @return LAC_OK; LAC_ENOMEM
-lac_status lac_recording_reserve(lac_recording *recording, const lac_recording *from, size_t index,
-                                 lac_error *err);
+/// One variable. What it points to holds until the recording is written to or freed.
+typedef struct lac_recorded {
+    const char *name, *unit, *long_name; ///< as in a file; times are seconds since the start
+    const char *dimensions; ///< in order, between spaces: "time", "snapshot cell"; "": one value
+    const double *values;   ///< [count] the last dimension fastest; NaN: missing
+    size_t count;
+} lac_recorded;
 
-/// Moves a variable's values behind those of another recording; where that has none, the array.
-void lac_recording_pour(lac_recording *recording, lac_recording *from, size_t index);
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
 
-/// Says which record is the last one: the same instant again says nothing new.
-void lac_recording_resume(lac_recording *recording, double origin, double local);
+/// Frees a recording; NULL is fine.
+void lac_recording_free(lac_recording *recording);
 
-/// Shortens a variable. @param count  values that are left, not more than there are
-void lac_recording_cut(lac_recording *recording, size_t index, size_t count);
+/// The sink that fills it; it makes no checkpoints.
+lac_sink lac_recording_sink(lac_recording *recording);
 
-/// A variable's values, to be changed in place.
-double *lac_recording_values(lac_recording *recording, size_t index);
+/// Sets the extra quantities that run over nothing.
+/// @param once  values in their order; NaN: missing
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
-/// How many places a variable has along its first dimension; 1 where it runs over nothing.
-size_t lac_recorded_places(const lac_recording *recording, const lac_recorded *seen);
+/// Adds one value that runs over nothing.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
+                             const char *long_name, double value, lac_error *err);
+
+/// Sets a text that a file has among its global attributes; one of that name is replaced.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
+                              lac_error *err);
+
+/// Such a text; NULL where there is none.
+const char *lac_recording_text_of(const lac_recording *recording, const char *name);
+
+/// Moves all records, snapshots and events behind those of another recording. The one that is left
+/// empty goes on as it would have: the instant of its last record again says nothing new.
+/// @param recording  of the same def, but for `passing`; nothing else fills it
+/// @return LAC_OK; LAC_ENOMEM: what was to be moved is dropped
+/// @cost   where `recording` has none yet that of some pointers, and it cannot fail; else a copy
+lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err);
+
+/// Keeps some places along a dimension, and drops the others for good.
+/// @param dimension  "time" (records), "snapshot" or "event"
+/// @param keep       a byte a place, 0: drop it
+void lac_recording_thin(lac_recording *recording, const char *dimension, const uint8_t *keep);
+
+/// Puts what the file of a run holds up to its checkpoint before all that comes, of the snapshots
+/// about 40: for a run that goes on.
+/// @param recording  without a record yet
+/// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
+lac_status lac_recording_load(lac_recording *recording, const char *path,
+                              const lac_kept_checkpoint *checkpoint, lac_error *err);
+
+/// The index-th variable.
+/// @return false past the end
+bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out);
+
+/// The variable of a name.
+/// @return false where there is none
+bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
 
 #endif

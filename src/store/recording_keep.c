@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/store_file.h"
-#include "store/recording.h"
+#include "store/recording_internal.h"
+#include "store/store_file.h"
 
 // Each dimension along which a run goes on has a variable that tells its times.
 static const char *const axes[][2] = {

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/date.h"
-#include "store/store.h"
+#include "store/internal.h"
 
 static lac_status put_date(const lac_store *s, const char *name, double seconds, lac_error *err)
 {

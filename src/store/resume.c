@@ -9,7 +9,7 @@
 
 #include "base/date.h"
 #include "store/input.h"
-#include "store/store.h"
+#include "store/internal.h"
 
 enum { BLOCK = 1 << 16 }; // values copied at once, or one row
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sink of a run: records buffered and written in batches, snapshots at once.
-#include "store/store.h"
+#include "store/internal.h"
 
 #include <assert.h>
 #include <errno.h>

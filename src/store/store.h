@@ -2,90 +2,150 @@
 #ifndef LACUNA_STORE_STORE_H
 #define LACUNA_STORE_STORE_H
 
-#include "store/columns.h"
+#include "contact/tangential.h"
+#include "fractal/fractal.h"
+#include "lacuna/dataset.h"
+#include "store/store_checkpoint.h"
+#include "surface/surface.h"
 
-struct lac_store {
-    lac_nc file;
-    unsigned fields;
-    size_t cells;
-    char time_unit[64];
-    bool dated;
-    double start_date, now; ///< seconds since 1970
-    int columns[LAC_COLUMNS], field_ids[LAC_FIELDS], snapshot_time;
-    lac_row *rows;            ///< [capacity] not yet written
-    size_t buffered, written; ///< records in `rows`, in the file
-    size_t capacity;
-    size_t pending;                 ///< given to netCDF and not yet synced [bytes]
-    size_t snapshots;               ///< in the file
-    size_t unsynced, sync_every;    ///< records and snapshots
-    double last_origin, last_local; ///< of the newest record
-    bool has_last;
+/// Per-cell fields that a run may keep.
+enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
+
+/// Who made a file, from what. Texts may be NULL: the attribute is then left out.
+typedef struct lac_provenance {
+    const char *title, *institution, *references;
+    const char *case_text; ///< the whole resolved case
+    const char *fidelity;  ///< what a run resolved in time; NULL: there is no run
+    const char *accuracy;  ///< what pilot runs picked for which error; NULL: nothing
+    double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
+    const char *command_line;                  ///< for `history`
+    const char *libraries;                     ///< names and versions
+    int64_t seed;                              ///< of the surface or domain; INT64_MIN: none
+    double now; ///< seconds since 1970, UTC: the library reads no clock
+} lac_provenance;
+
+typedef struct lac_store_def {
+    const char *path;
+    bool force; ///< replace an existing file
+    lac_provenance provenance;
+    bool dated;        ///< the run starts at a date
+    double start_date; ///< seconds since 1970 of t = 0
+    const lac_domain *domain;
+    const lac_hierarchy *hierarchy;
+    const lac_transfer *transfer; ///< of the run, for the stiffness of its levels; NULL: not said
+    unsigned fields;              ///< LAC_FIELD_*; 0: no snapshots
+    bool single;                  ///< records and fields but times are written as floats
+    int64_t compression;          ///< deflate level of the snapshots, 0 to 9
+    int64_t sync_every;           ///< records between syncs
     size_t extras;
-    const lac_extra *extra; ///< [extras] what an analysis adds
-    int *extra_ids;         ///< [extras]
-    size_t levels, width;   ///< of the hierarchy; values that it adds to a record
-    double *values;         ///< [capacity][width] not yet written
-    lac_event *events;      ///< [capacity] not yet written; NULL: no catalogue
-    int event_ids[LAC_EVENT_COLUMNS];
-    size_t events_buffered, events_written;
-    char *libraries, *case_text; ///< owned; for the checkpoint
-    double begun; ///< when the file, or the one it goes on from, was made; seconds since 1970
-    bool has_checkpoint; ///< one of this run is beside the file
-};
+    const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
+    bool events;            ///< a catalogue of events comes along
+    const char *inputs;     ///< what a checkpoint keeps of the files that the run reads; NULL
+    const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
+} lac_store_def;
 
-/// Room for a catalogue of events; `capacity` is set.
-lac_status lac_store_create_events(lac_store *store, lac_error *err);
+/// A netCDF-4 file being written; docs/format.md.
+typedef struct lac_store lac_store;
 
-/// Its dimension and variables.
-lac_status lac_store_define_events(lac_store *store, lac_error *err);
+/// Creates the file with its metadata and status `running`. With `resume` it takes the place of
+/// the one that is there once it holds that one's records and snapshots up to the checkpoint.
+/// @return LAC_OK; LAC_EINPUT where the file exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err);
 
-/// Writes the buffered events.
-lac_status lac_store_write_events(lac_store *store, lac_error *err);
+/// The sink that writes into the store; valid until the store is finished or freed.
+lac_sink lac_store_sink(lac_store *store);
 
-/// Counts what was buffered or written; syncs the file when there is enough of it.
-lac_status lac_store_count(lac_store *store, lac_error *err);
+/// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
+/// the wall time, and closes the file. A complete one needs its checkpoint no more, which is
+/// removed. The store still has to be freed.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
+                            double wall_time, lac_error *err);
 
-/// Disk space for what netCDF is given. @param bytes  uncompressed
-lac_status lac_store_reserve(lac_store *store, size_t bytes, lac_error *err);
+/// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
+void lac_store_free(lac_store *store);
 
-/// The sink's `event`. @param context  the store
-lac_status lac_store_put_event(void *context, const lac_event *event, lac_error *err);
-lac_status lac_store_put_once(void *context, const double *once, lac_error *err);
+/// Writes a dataset to a netCDF-4 file of its own; docs/format.md.
+/// @return as lac_store_create
+lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
+                             const lac_dataset *dataset, lac_error *err);
 
-/// Makes the store the continuation of the file at its path; what it holds up to the checkpoint is
-/// copied.
-/// @return LAC_OK; LAC_EIO (not a file of Lacuna, damaged, full disk); LAC_ENOMEM
-lac_status lac_store_take_over(lac_store *store, const lac_kept_checkpoint *from, lac_error *err);
+/// One solved step of a history of normal and shear load.
+typedef struct lac_history_record {
+    double pressure; ///< mean over the nominal area [Pa]
+    lac_tangential_report shear;
+    double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
+    double dissipated;  ///< frictional work since the start [J]
+    size_t cycle_start; ///< the step to whose controls this one comes back, 0 the start; SIZE_MAX:
+                        ///< to none
+    double cycle_dissipation;                     ///< frictional work since then [J]; NaN: to none
+    double cycle_shift;                           ///< shift that is left over [m]; NaN: to none
+    int64_t contact_iterations, contact_products; ///< of the normal contact; 0: pressure held
+} lac_history_record;
 
-/// Writes the checkpoint beside the file, whole or not at all: one that is there stays until then.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_store_put_checkpoint(const lac_store *store, const lac_checkpoint *checkpoint,
+/// A step cell by cell, [ny * nx] each.
+typedef struct lac_history_maps {
+    const double *pressure;              ///< [Pa]
+    const double *traction[2], *slip[2]; ///< along x and y [Pa], [m]
+    const uint8_t *state;                ///< lac_cell_state
+} lac_history_maps;
+
+/// What a file of a history holds of the cells.
+typedef enum lac_history_keep { LAC_KEEP_ALL, LAC_KEEP_LAST, LAC_KEEP_NONE } lac_history_keep;
+
+typedef struct lac_history_store_def {
+    const char *path;
+    bool force; ///< replace an existing file
+    lac_provenance provenance;
+    const lac_dataset *contact; ///< where the history starts
+    const lac_grid *grid;       ///< of it
+    double friction;            ///< Coulomb's coefficient [1]
+    lac_history_keep keep;
+    bool pressed; ///< the pressures change on the way
+} lac_history_store_def;
+
+/// The file of a solved contact with the steps of its history, which are written as they come;
+/// docs/format.md.
+typedef struct lac_history_store lac_history_store;
+
+/// Creates the file with the contact and status `running`.
+/// @return as lac_store_create
+lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
                                     lac_error *err);
 
-/// Removes what checkpoint there is beside a file.
-void lac_store_remove_checkpoint(const char *path);
+/// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, which has both
+/// written.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,
+                                  lac_error *err);
 
-/// Room for what an analysis adds; `capacity` is set.
-lac_status lac_store_create_extras(lac_store *store, const lac_store_def *def, lac_error *err);
+/// Writes the cells of the step added last.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
+                                  lac_error *err);
 
-/// Its variables, the dimensions being there.
-lac_status lac_store_define_extras(lac_store *store, lac_error *err);
+/// Adds a number to the global attributes, NaN: does not; before the end.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_history_store_number(lac_history_store *store, const char *name, double value,
+                                    lac_error *err);
 
-/// Its values of the record that is buffered next. @param values  [width]; NULL: none
-void lac_store_keep_extras(lac_store *store, const double *values);
+/// Writes `status` ("complete", "failed", "interrupted") and closes the file. The store still has
+/// to be freed.
+/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err);
 
-/// Writes those of the buffered records.
-lac_status lac_store_write_extras(const lac_store *store, lac_error *err);
+/// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
+void lac_history_store_free(lac_history_store *store);
 
-void lac_store_clear_extras(lac_store *store);
+/// Reads one variable over `time` from a run's file, bounded by the file's own dimension.
+/// @param values  [n] allocated here, the caller frees
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, no such variable, damaged); LAC_ENOMEM
+lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
+                          lac_error *err);
 
-/// Everything of a run's file that is known before the first record.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_store_define(lac_store *store, const lac_store_def *def, lac_error *err);
-
-/// Global attributes of how the run ended.
-/// @param result  NULL: not known
-lac_status lac_store_put_result(const lac_store *store, const char *status,
-                                const lac_run_result *result, double wall_time, lac_error *err);
+/// Reads a global text attribute.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
+                                    lac_error *err);
 
 #endif

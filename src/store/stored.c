@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One way to read a run, whether it is in a file or still in memory.
-#include "lacuna/store_file.h"
+#include "store/store_file.h"
 
 #include <limits.h>
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #include "base/netcdf.h"
 #include "store/input.h"
-#include "store/recording.h"
+#include "store/recording_internal.h"
 
 struct lac_stored_file {
     lac_input in;

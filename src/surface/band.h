@@ -3,8 +3,8 @@
 #define LACUNA_SURFACE_BAND_H
 
 #include "base/fft.h"
+#include "base/grid.h"
 #include "base/rng.h"
-#include "lacuna/grid.h"
 
 /// Wavelengths of an interface, as a source states them.
 typedef struct lac_waves {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_SURFACE_FACE_H
 #define LACUNA_SURFACE_FACE_H
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 /// A file of measured heights, and what a case says of it.
 typedef struct lac_face_def {

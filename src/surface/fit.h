@@ -2,7 +2,7 @@
 #ifndef LACUNA_SURFACE_FIT_H
 #define LACUNA_SURFACE_FIT_H
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 /// Choices of the parameters of `file`, in the order of their words.
 enum { LAC_NODATA_REFUSE, LAC_NODATA_NEAREST, LAC_NODATA_MEAN, LAC_NODATA_MASK };

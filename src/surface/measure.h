@@ -2,7 +2,7 @@
 #ifndef LACUNA_SURFACE_MEASURE_H
 #define LACUNA_SURFACE_MEASURE_H
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 /// As lac_surface_measure, with the default range narrowed to where the spectrum is known to be a
 /// power law.

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 /// A file in memory: every reader works on bytes at hand, never on what a header promises.
 typedef struct lac_bytes {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_SURFACE_REGISTRY_H
 #define LACUNA_SURFACE_REGISTRY_H
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 /// Random self-affine heights by spectral synthesis.
 extern const lac_surface_source lac_surface_self_affine;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A surface by whichever source a case names, once its parameters and the grid are checked.
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 #include <math.h>
 #include <string.h>

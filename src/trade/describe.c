@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a trade came to, as tables: the variables of its file, a row a run.
 #include "data/describe.h"
-#include "lacuna/trade.h"
+#include "trade/trade.h"
 
 #define HELD(kind, field) LAC_HELD(kind, lac_trade_row, field)
 #define NUMBER(name, unit, long_name, field) \

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/trade.h"
+#include "trade/trade.h"
 
 static void put(lac_dial_value *out, const char *label, const char *yaml)
 {

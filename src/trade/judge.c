@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/trade.h"
+#include "trade/trade.h"
 
 double lac_richardson_error(double coarse, double middle, double fine, double ratio)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/trade.h"
+#include "trade/trade.h"
 
 static const lac_dial *find(const char *name, size_t length)
 {

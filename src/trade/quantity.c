@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "lacuna/trade.h"
+#include "trade/trade.h"
 
 static const lac_quantity_about quantities[] = {
     [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure", false},

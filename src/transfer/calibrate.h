@@ -2,7 +2,7 @@
 #ifndef LACUNA_TRANSFER_CALIBRATE_H
 #define LACUNA_TRANSFER_CALIBRATE_H
 
-#include "lacuna/transfer.h"
+#include "transfer/transfer.h"
 
 /// Stiffness of one level as the elastic half-space has it on a domain.
 typedef struct lac_calibration {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TRANSFER_COMPLIANCE_H
 #define LACUNA_TRANSFER_COMPLIANCE_H
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 #include "transfer/kernels.h"
 
 /// The elastic half-spaces on both sides of a contact domain: traction of the contact cells ->

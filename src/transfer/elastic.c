@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/rows.h"
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
 #include "transfer/kinds.h"

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TRANSFER_ELASTIC_SOLVE_H
 #define LACUNA_TRANSFER_ELASTIC_SOLVE_H
 
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 #include "transfer/compliance.h"
 
 /// How the operator of the half-spaces is had: docs/theory/transfer.md, "The elastic transfer".

@@ -3,7 +3,7 @@
 #define LACUNA_TRANSFER_KERNELS_H
 
 #include "base/fft.h"
-#include "lacuna/grid.h"
+#include "base/grid.h"
 
 /// The rock on both sides of an interface.
 typedef struct lac_rock {

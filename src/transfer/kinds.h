@@ -2,7 +2,7 @@
 #ifndef LACUNA_TRANSFER_KINDS_H
 #define LACUNA_TRANSFER_KINDS_H
 
-#include "lacuna/transfer.h"
+#include "transfer/transfer.h"
 
 extern const lac_transfer_kind lac_hierarchy_kind;
 extern const lac_transfer_kind lac_elastic_kind;

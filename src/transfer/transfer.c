@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stress transfer that a case names; where it names none, cells do not feel each other.
-#include "lacuna/transfer.h"
+#include "transfer/transfer.h"
 
 #include "transfer/kinds.h"
 

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analysis/analysis.h"
 #include "analysis/slip_clusters.h"
-#include "lacuna/analysis.h"
 #include "support/cost.h"
 #include "support/tree.h"
 

@@ -11,7 +11,7 @@
 #include <time.h>
 
 #include "base/fft.h"
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 #include "support/benchmark_surface.h"
 #include "support/cost.h"
 

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/transfer.h"
 #include "support/cost.h"
 #include "support/trees.h"
 #include "transfer/elastic_solve.h"
+#include "transfer/transfer.h"
 
 enum { SIDE = 256 };
 static const double solve_tolerance = 1e-6, apply_tolerance = 1e-9;
@@ -144,7 +144,7 @@ static void bench(const char *name, lac_domain *domain)
     scene_free(&s);
 }
 
-// The stiffness of every level on the contacts of tools/fidelity.py.
+// The stiffness of every level on the contacts of tools/studies/fidelity.py.
 static void levels(double fraction)
 {
     scene s = scene_of(cascade_of(64, 2 + log2(fraction) / 6, 1));

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/cost.h"
 #include "support/slider.h"
 #include "support/tree.h"

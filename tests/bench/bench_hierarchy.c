@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 #include "support/cost.h"
 
 typedef struct arrays {

@@ -8,9 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "lacuna/rg_study.h"
-#include "lacuna/surface.h"
+#include "rg/rg_study.h"
 #include "support/cost.h"
+#include "surface/surface.h"
 
 static void must(lac_status status, const lac_error *err)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/fft.h"
-#include "lacuna/tangential.h"
+#include "contact/tangential.h"
 #include "support/benchmark_surface.h"
 #include "support/cost.h"
 

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "lacuna/case.h"
-#include "lacuna/precursor.h"
+#include "case/case.h"
+#include "precursor/precursor.h"
 #include "support/test.h"
 
 #define CASES LACUNA_SOURCE_DIR "/cases"

@@ -39,11 +39,11 @@ LONG = (
     (r"lacuna trade ", "runs a case tens of times: case.test_trade trades small ones"),
     (r"lacuna fit .*cases/(fit/block|fit/century)", "samples for a minute: case.test_fit, case.fit.*"),
     (r"lacuna rg .*rg\.seeds=", "an ensemble: case.test_rg has a small one"),
-    (r".*tools/plot_trade\.py", "draws what a long one makes: case.test_trade"),
-    (r".*tools/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
-    (r".*tools/(events_statistics|fidelity|fidelity_events|figure1|figure3|accuracy)\.py", "a study"),
-    (r".*tools/(hindcasts|recovery|trade_table|rg_rules|costs)\.py", "a study"),
-    (r".*tools/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
+    (r".*tools/plot/plot_trade\.py", "draws what a long one makes: case.test_trade"),
+    (r".*tools/\w+/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
+    (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|figure1|figure3|accuracy)\.py", "a study"),
+    (r".*tools/\w+/(hindcasts|recovery|trade_table|rg_rules|costs)\.py", "a study"),
+    (r".*tools/\w+/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
 )
 # What changes the machine, does all that CI does, or serves until it is ended.
 OUTSIDE = (r"git clone ", r"sudo ", r"apt ", r"/usr/bin/python3 -m http\.server ")
@@ -61,7 +61,7 @@ def parse(self, *words, **named):
     sys.exit(0)
 argparse.ArgumentParser.parse_args = parse
 sys.argv = sys.argv[1:]
-sys.path.insert(0, "tools")
+sys.path.insert(0, "tools/plot")
 runpy.run_path(sys.argv[0], run_name="__main__")
 """
 
@@ -120,7 +120,7 @@ def wrong_cmake(words):
     if preset and preset not in presets()["buildPresets" if build else "configurePresets"]:
         return f"no preset {preset}"
     target = word_after(words, "--target")
-    custom = source_text("CMakeLists.txt", "cmake/*.cmake", "tests/*.txt", "tests/*.cmake")
+    custom = source_text("CMakeLists.txt", "tools/cmake/*.cmake", "tests/*.txt", "tests/*.cmake")
     if target and f"add_custom_target({target} " not in custom:
         return f"no target {target}"
     for option in [word for word in words if word.startswith("-DLACUNA")]:
@@ -208,7 +208,7 @@ def wrong_names(text, folder):
         elif words[0] == "ctest":
             found = wrong_ctest(words)
         elif words[0] == "cpack":
-            found = None if "include(CPack)" in source_text("CMakeLists.txt", "cmake/*") else "no cpack"
+            found = None if "include(CPack)" in source_text("CMakeLists.txt", "tools/cmake/*") else "no cpack"
         elif words[0] == "man":
             page = os.path.join(SOURCE, "docs", "man", f"{words[1]}.1.scd")
             found = None if os.path.exists(page) else f"no {page}"
@@ -238,7 +238,7 @@ def runs(command):
         return False
     if command.kind == "text":
         return re.match(r"lacuna (describe|check) ", text)
-    return re.match(r"(lacuna|ncdump|source|for|/usr/bin/python3|tools/\w+\.py) ", text)
+    return re.match(r"(lacuna|ncdump|source|for|/usr/bin/python3|tools/\w+/\w+\.py) ", text)
 
 
 class Folder:
@@ -331,13 +331,13 @@ class Commands(unittest.TestCase):
 
     def test_first_lines_of_tools(self):
         """Options that a tool's first lines name are options of it."""
-        for path in glob.glob(os.path.join(SOURCE, "tools", "*.py")):
+        for path in glob.glob(os.path.join(SOURCE, "tools", "*", "*.py")):
             text = doc_commands.read(path)
             head = re.search(r'"""(.*?)"""', text, re.DOTALL).group(1)
             named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", head))
             own = set(re.findall(r'"(--[a-z][\w-]*)"', text))
             if named - own:  # given by what it imports, or to lacuna
-                own |= set(re.findall(r'"(--[a-z][\w-]*)"', source_text("tools/*.py")))
+                own |= set(re.findall(r'"(--[a-z][\w-]*)"', source_text("tools/*/*.py")))
                 own |= options_of("run") | options_of("precursors") | options_of("trade")
             self.assertFalse(named - own, path)
 

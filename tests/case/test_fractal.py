@@ -275,7 +275,7 @@ class Options(Case):
 class Tools(Case):
     def test_area_scaling(self):
         done = self.call("--program", PROGRAM, *SMALL, "--loads", "0.01", "0.1",
-                         program=[sys.executable, os.path.join(SOURCE, "tools/area_scaling.py")])
+                         program=[sys.executable, os.path.join(SOURCE, "tools/studies/area_scaling.py")])
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = done.stdout.splitlines()
         self.assertEqual(len(lines), 4)
@@ -283,7 +283,7 @@ class Tools(Case):
         self.assertEqual(cells[:5], ["0.01", "0.104736", "0.086121", "0.068253", "0.055264"])
         self.assertEqual(len(cells), len(lines[0].split("|")) - 2)
         done = self.call("--program", PROGRAM, "--set", "interface.levels=6",
-                         program=[sys.executable, os.path.join(SOURCE, "tools/area_scaling.py")])
+                         program=[sys.executable, os.path.join(SOURCE, "tools/studies/area_scaling.py")])
         self.assertEqual(done.returncode, 1)
         self.assertIn("halve", done.stderr)
 
@@ -295,14 +295,14 @@ class Tools(Case):
         picture = os.path.join(self.folder, "figure.png")
         done = self.call("--program", PROGRAM, "-o", picture, "--set", "interface.levels=7",
                          "--coarsest", "16",
-                         program=[sys.executable, os.path.join(SOURCE, "tools/figure1.py")])
+                         program=[sys.executable, os.path.join(SOURCE, "tools/plot/figure1.py")])
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("Delta_S", done.stdout)
         with open(picture, "rb") as file:
             self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
         self.assertGreater(os.path.getsize(picture), 50000)
         done = self.call("--program", PROGRAM, "-o", picture, "--set", "interface.levels=6",
-                         program=[sys.executable, os.path.join(SOURCE, "tools/figure1.py")])
+                         program=[sys.executable, os.path.join(SOURCE, "tools/plot/figure1.py")])
         self.assertEqual(done.returncode, 1)
         self.assertIn("halve", done.stderr)
 

@@ -278,7 +278,7 @@ class Keys(unittest.TestCase):
 
     def test_options(self):
         """Options that pages quote are of the program, of a tool, or of what builds and tests."""
-        tools = [path for pattern in ("tools/*", "tools/dev/*", "tools/lint/*", "tests/support/*.py")
+        tools = [path for pattern in ("tools/*", "tools/plot/*", "tools/studies/*", "tools/dev/*", "tools/dev/lint/*", "tests/support/*.py")
                  for path in glob.glob(os.path.join(SOURCE, pattern)) if os.path.isfile(path)]
         others = "\n".join(doc_commands.read(path) for path in tools)
         known = self.options | set(re.findall(r"(?<![\w-])--[a-z][\w-]*", others))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The notebook runs, and tools/lacuna_plot.py draws what a run holds and the paper's figures.
+"""The notebook runs, and tools/plot/lacuna_plot.py draws what a run holds and the paper's figures.
 
 usage: test_pictures.py PROGRAM SOURCE_FOLDER [unittest options]
 """
@@ -68,7 +68,7 @@ class Plots(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        sys.path.insert(0, os.path.join(SOURCE, "tools"))
+        sys.path.insert(0, os.path.join(SOURCE, "tools", "plot"))
         import lacuna_plot
         from figures import STYLE, plt
 
@@ -257,7 +257,7 @@ class Plots(unittest.TestCase):
         return status, out.getvalue().split(), wrong.getvalue()
 
     def test_as_a_program(self):
-        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/lacuna_plot.py"), "--program", PROGRAM, self.paths["brief"], "-o",
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/plot/lacuna_plot.py"), "--program", PROGRAM, self.paths["brief"], "-o",
                                FOLDER], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.split(), [os.path.join(FOLDER, f"brief-{name}.pdf") for name in ("motion", "solver")])

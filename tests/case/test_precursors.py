@@ -528,7 +528,7 @@ class Precursors(unittest.TestCase):
 
     def hindcasts(self):
         data = os.path.join(SOURCE, "..", "shared", "data", "monitoring")
-        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/hindcasts.py"),
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/studies/hindcasts.py"),
                                "--program", PROGRAM, "--data", data], text=True,
                               capture_output=True, check=True)
         return [[cell.strip() for cell in line.split("|")] for line in done.stdout.splitlines()]

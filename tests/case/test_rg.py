@@ -347,7 +347,7 @@ class Cascade(unittest.TestCase):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
     def tool(self, name, *words, status=0):
-        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", name), *words,
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", "plot", name), *words,
                                "--program", PROGRAM], text=True, capture_output=True,
                               cwd=self.folder, check=False)
         self.assertEqual(done.returncode, status, done.stderr)
@@ -378,7 +378,7 @@ class Cascade(unittest.TestCase):
         self.assertIn("must be of table, variants", done.stderr)
         with open(os.path.join(self.folder, "netCDF4.py"), "w", encoding="utf-8") as file:
             file.write("raise ModuleNotFoundError('no such module', name='netCDF4')\n")
-        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/rg_table.py")], text=True,
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools/plot/rg_table.py")], text=True,
                               env={**os.environ, "PYTHONPATH": self.folder}, capture_output=True,
                               timeout=20, check=False)
         self.assertEqual((done.returncode, done.stdout), (2, ""))
@@ -473,7 +473,7 @@ class Bridge(unittest.TestCase):
         self.assertAlmostEqual(self.critical("rg.seeds=3"), sum(expected) / 3, delta=1e-9)
 
     def test_the_tool_makes_its_table(self):
-        tool = os.path.join(SOURCE, "tools/bridge.py")
+        tool = os.path.join(SOURCE, "tools/studies/bridge.py")
         done = subprocess.run([sys.executable, tool, "contrast", "--runs", "2", "--program", PROGRAM],
                               text=True, capture_output=True, cwd=self.folder, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)

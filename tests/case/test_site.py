@@ -50,7 +50,7 @@ class Site(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-site-test-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
-        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", "docs_site.py"),
+        done = subprocess.run([sys.executable, os.path.join(SOURCE, "tools", "dev", "docs_site.py"),
                                "--output", cls.folder], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise AssertionError(done.stdout + done.stderr)
@@ -119,7 +119,7 @@ class Site(unittest.TestCase):
             found = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(found)
             return found
-        lint, site = module("tools", "lint", "docs.py"), module("tools", "docs_site.py")
+        lint, site = module("tools", "dev", "lint", "docs.py"), module("tools", "dev", "docs_site.py")
         for heading in ("A block's mass", "θ and v: `a < b`", "1. The file", "x - y"):
             self.assertEqual(lint.anchor(heading), site.anchor(heading))
 

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/test.h"
 
 #define HISTORY(keys) \

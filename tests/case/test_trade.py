@@ -129,10 +129,10 @@ class Trade(Program):
                          {(f" {rtol:6} ", f"{method} ") for rtol in ("0.001", "0.0001") for method in ("bdf", "erk")})
 
     def test_picture(self):
-        """tools/plot_trade.py draws the file."""
+        """tools/plot/plot_trade.py draws the file."""
         self.trade(BLOCK, *DIALS)
         done = subprocess.run(
-            [sys.executable, os.path.join(SOURCE, "tools/plot_trade.py"), self.out],
+            [sys.executable, os.path.join(SOURCE, "tools/plot/plot_trade.py"), self.out],
             capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(self.out[:-3] + ".png", "rb") as picture:
@@ -411,14 +411,14 @@ class Trade(Program):
 class Table(Program):
     def table(self, *args, status=0):
         done = subprocess.run(
-            [sys.executable, os.path.join(SOURCE, "tools/trade_table.py"), "--lacuna", PROGRAM,
+            [sys.executable, os.path.join(SOURCE, "tools/studies/trade_table.py"), "--lacuna", PROGRAM,
              "--keep", os.path.join(self.folder, "keep"), *args],
             capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, status, done.stderr)
         return done.stdout
 
     def test_page(self):
-        """tools/trade_table.py renews the rows that it measures and leaves the others."""
+        """tools/studies/trade_table.py renews the rows that it measures and leaves the others."""
         page = os.path.join(self.folder, "page.md")
         kept = "| friction/aging.yaml | failure | 1 | 3e-06 | 4e-05 | x | y | 25, 0 | then |"
         with open(page, "w", encoding="utf-8") as file:
@@ -482,7 +482,7 @@ class Accuracy(Program):
         """The tool that shows asked against achieved error, on scenes of all kinds: three of its list, the others new to it."""
         scenes = ["friction/tails.yaml", "load/ramp.yaml", "domain/file.yaml", "load/sine.yaml", "load/step.yaml", "friction/weakening.yaml",
                   "friction/size.yaml", "transfer/none.yaml", "momentum/slope.yaml", "domain/cascade.yaml", "measured.yaml"]
-        tool = [sys.executable, os.path.join(SOURCE, "tools/accuracy.py"), "--lacuna", PROGRAM, "--asked", "0.01", "--"]
+        tool = [sys.executable, os.path.join(SOURCE, "tools/studies/accuracy.py"), "--lacuna", PROGRAM, "--asked", "0.01", "--"]
         done = subprocess.run([*tool, *scenes], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual({line.split()[1] for line in done.stdout.splitlines()[2:]}, set(scenes))

@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "case/sections.h"
-#include "lacuna/fit.h"
-#include "lacuna/store.h"
-#include "lacuna/surface.h"
+#include "fit/fit.h"
+#include "store/store.h"
 #include "support/slot.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 #define VALID LACUNA_SOURCE_DIR "/tests/case/valid"
 

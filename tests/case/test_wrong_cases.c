@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/case.h"
+#include "case/case.h"
 #include "support/test.h"
 
 #define WRONG LACUNA_SOURCE_DIR "/tests/case/wrong"

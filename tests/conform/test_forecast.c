@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "lacuna/hindcast.h"
+#include "forecast/hindcast.h"
 #include "support/test.h"
 
 enum { N = 18, CUT = 13 };

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "lacuna/load.h"
+#include "load/load.h"
 #include "support/scratch.h"
 #include "support/slot.h"
 #include "support/test.h"

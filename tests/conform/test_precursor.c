@@ -9,8 +9,8 @@
 
 #include "base/rng.h"
 #include "base/units.h"
-#include "lacuna/hindcast.h"
-#include "lacuna/precursor.h"
+#include "forecast/hindcast.h"
+#include "precursor/precursor.h"
 #include "support/test.h"
 
 enum { N = 44, LEVELS = 3, EVENTS = 400, ISSUES = 4, SURROGATES = 19 };

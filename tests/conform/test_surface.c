@@ -7,8 +7,8 @@
 #include <omp.h>
 
 #include "base/fft.h"
-#include "lacuna/surface.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 static const double size = 64.0; // of the interface [m]
 

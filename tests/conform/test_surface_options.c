@@ -7,8 +7,8 @@
 #include <omp.h>
 
 #include "base/fft.h"
-#include "lacuna/surface.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 static const double side = 64.0;
 static const double two_pi = 6.283185307179586476925286766559;

@@ -7,9 +7,9 @@
 #include <math.h>
 #include <omp.h>
 
-#include "lacuna/surface.h"
 #include "support/height_files.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 enum { LOW_PASS, POINT, BLOCK_MEAN, MOST = 96 * 80 };
 

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/transfer.h"
 #include "support/test.h"
 #include "support/trees.h"
+#include "transfer/transfer.h"
 
 enum { TREES = 60, MAX_CELLS = 400, SMALL = 60 };
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/run.h"
+#include "run/run.h"
 #include "support/half_space.h"
 #include "support/test.h"
 #include "support/tree.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/units.h"
-#include "lacuna/motion.h"
+#include "series/motion.h"
 #include "series/text.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

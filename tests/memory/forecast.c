@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-#include "lacuna/hindcast.h"
-#include "lacuna/precursor.h"
-#include "lacuna/store.h"
+#include "forecast/hindcast.h"
+#include "precursor/precursor.h"
+#include "store/store.h"
 
 enum { N = 16, EVENTS = 30 };
 

@@ -7,10 +7,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "lacuna/fit.h"
-#include "lacuna/report.h"
+#include "fit/fit.h"
 #include "memory/failing_malloc.h"
 #include "memory/whole_run.h"
+#include "report/report.h"
 #include "support/test.h"
 
 enum { READINGS = 8, TIMES = 3, DRAWS = 4 };

@@ -6,12 +6,15 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "lacuna/lacuna.h"
+#include "fit/foresee.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
 #include "memory/report.h"
 #include "memory/trade.h"
 #include "memory/whole_run.h"
+#include "precursor/precursor.h"
+#include "scene/scene_rg.h"
+#include "simulation/simulation.h"
 #include "support/contact_file.h"
 #include "support/test.h"
 

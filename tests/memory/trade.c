@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/simulation.h"
-#include "lacuna/store.h"
-#include "lacuna/trade.h"
+#include "simulation/simulation.h"
+#include "store/store.h"
+#include "trade/trade.h"
 
 static const char block[] = "lacuna: 1\n"
                             "load: {normal: {pressure: 1e6}}\n"

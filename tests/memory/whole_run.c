@@ -6,7 +6,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "lacuna/lacuna.h"
+#include "fit/foresee.h"
+#include "precursor/precursor.h"
+#include "scene/scene_rg.h"
+#include "simulation/simulation.h"
 #include "support/contact_file.h"
 #include "support/test.h"
 

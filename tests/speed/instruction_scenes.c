@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Three small runs whose instructions are counted (tools/instruction-counts), and what the counts
-// depend on besides Lacuna.
+// Three small runs whose instructions are counted (tools/dev/instruction-counts), and what the
+// counts depend on besides Lacuna.
 //   instruction_scenes made-with | cycle | creep | events
 #include <gnu/libc-version.h>
 #include <math.h>

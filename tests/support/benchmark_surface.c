@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 static int generate(int name, size_t n, double *heights)
 {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_BLOCK_H
 #define LACUNA_TESTS_BLOCK_H
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 // One sliding block: a problem of a single cell of 1 m2.
 typedef struct block_def {

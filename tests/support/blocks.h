@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_BLOCKS_H
 #define LACUNA_TESTS_BLOCKS_H
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 
 enum { BLOCKS_CELLS = 64, BLOCKS_LEVELS = 12 };
 

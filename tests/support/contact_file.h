@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_SUPPORT_CONTACT_FILE_H
 #define LACUNA_TESTS_SUPPORT_CONTACT_FILE_H
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 
 /// Writes the file of a contact, as `lacuna contact` does.
 /// @param force      replace a file that is there

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_HALF_SPACE_H
 #define LACUNA_TESTS_HALF_SPACE_H
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 /// Rock on both sides of an interface, for references that share no code with the library.
 typedef struct rock_def {

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "lacuna/surface.h"
+#include "surface/surface.h"
 
 // The map of the tests of height files: 3 columns, 2 rows; y upwards.
 //    4 5 6   y = 1

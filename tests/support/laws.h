@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 
 // Laws on made-up cells, for the conformance kit.
 

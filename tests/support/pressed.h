@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 enum { MOST = 96 * 96 };
 

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 
 /// Sets of cells of known dimension, one byte a cell: 1 in the set, 0 outside.
 

@@ -2,7 +2,7 @@
 #ifndef TEST_SUPPORT_SETTLE_COPIES_H
 #define TEST_SUPPORT_SETTLE_COPIES_H
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 #include "support/vmath_copies.h"
 
 typedef size_t test_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_SHEARED_H
 #define LACUNA_TESTS_SHEARED_H
 
-#include "lacuna/tangential.h"
+#include "contact/tangential.h"
 
 /// A joint on the unit square, E* = 1, in normal contact, and the history of its shear.
 typedef struct sheared {

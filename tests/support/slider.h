@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_SLIDER_H
 #define LACUNA_TESTS_SLIDER_H
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 // The spring slider of the earthquake-cycle codes, as cases/peers/spring-slider.yaml has it.
 typedef struct slider {

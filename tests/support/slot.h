@@ -2,7 +2,7 @@
 #ifndef TEST_SUPPORT_SLOT_H
 #define TEST_SUPPORT_SLOT_H
 
-#include "lacuna/load.h"
+#include "load/load.h"
 
 /// Sets a real or choice parameter of a slot by its key; fails the program where there is none.
 void test_slot_set(lac_slot *slot, const char *key, double value);

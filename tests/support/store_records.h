@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_STORE_RECORDS_H
 #define LACUNA_TESTS_STORE_RECORDS_H
 
-#include "lacuna/store.h"
+#include "store/store.h"
 
 /// The i-th record of a series in which no two values are alike; the first has no step.
 lac_record record_of(size_t i);

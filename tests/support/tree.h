@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_TREE_H
 #define LACUNA_TESTS_TREE_H
 
-#include "lacuna/run.h"
+#include "run/run.h"
 
 // Many cells on a random lacunar tree: each block of 2^levels cells a side keeps each of its
 // children with probability `keep`, at least one.

@@ -2,7 +2,7 @@
 #ifndef LACUNA_TESTS_TREES_H
 #define LACUNA_TESTS_TREES_H
 
-#include "lacuna/hierarchy.h"
+#include "hierarchy/hierarchy.h"
 
 /// A domain whose cells are those with mask != 0 (all where mask is NULL), pressure 1 Pa, cells of
 /// 1 m. Stops the test where it cannot be made.

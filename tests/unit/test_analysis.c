@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "analysis/analysis.h"
 #include "analysis/slip_blocks.h"
 #include "analysis/slip_clusters.h"
 #include "base/rng.h"
-#include "lacuna/analysis.h"
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/test.h"
 
 typedef struct place {

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#include "lacuna/surface.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 static const double two_pi = 6.283185307179586476925286766559;
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/rg_study.h"
+#include "rg/rg_study.h"
 #include "support/test.h"
 
 enum { MOST = 12, PAIRS = 3 };

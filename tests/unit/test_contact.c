@@ -5,9 +5,9 @@
 #include <math.h>
 
 #include "contact/solve.h"
-#include "lacuna/surface.h"
 #include "support/pressed.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 static void wrong_input_is_refused(void **state)
 {

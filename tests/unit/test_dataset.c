@@ -10,7 +10,7 @@
 
 #include "data/dataset.h"
 #include "data/describe.h"
-#include "lacuna/store.h"
+#include "store/store.h"
 #include "support/test.h"
 
 enum { ROWS = 2, COLUMNS = 3 };

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 #include "support/test.h"
 
 static void morton_interleaves_bits(void **state)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/pressed.h"
 #include "support/test.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/test.h"
 
 // Eight times the size at 2 - Delta_S = 1/3 halves the strength.

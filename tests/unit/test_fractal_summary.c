@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/sets.h"
 #include "support/test.h"
 

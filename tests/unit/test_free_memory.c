@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/memory.h"
+#include "cli/common/memory.h"
 #include "support/test.h"
 
 enum { MB = 1 << 20 };

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 #include "support/slot.h"
 #include "support/test.h"
 

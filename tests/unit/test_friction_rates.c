@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "base/rng.h"
-#include "lacuna/friction.h"
+#include "friction/friction.h"
 #include "support/settle_copies.h"
 #include "support/test.h"
 

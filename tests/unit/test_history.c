@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/test.h"
 
 // Side 2 m, f P = 500 Pa: Q is 2000 N where it slides.

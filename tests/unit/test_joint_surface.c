@@ -6,8 +6,8 @@
 #include <math.h>
 
 #include "base/fft.h"
-#include "lacuna/surface.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 enum { N = 128 };
 static const lac_grid grid = {N, N, 0.5, 0.5, true};

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#include "lacuna/report.h"
-#include "lacuna/store_file.h"
+#include "report/report.h"
+#include "store/store_file.h"
 #include "support/test.h"
 
 enum { CELLS = 4 };

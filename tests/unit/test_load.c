@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lacuna/load.h"
+#include "load/load.h"
 #include "support/slot.h"
 #include "support/test.h"
 

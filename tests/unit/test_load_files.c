@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/load.h"
+#include "load/load.h"
 #include "support/scratch.h"
 #include "support/slot.h"
 #include "support/test.h"

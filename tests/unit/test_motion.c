@@ -6,7 +6,7 @@
 
 #include "base/least_squares.h"
 #include "base/rng.h"
-#include "lacuna/motion.h"
+#include "series/motion.h"
 #include "support/test.h"
 
 enum { MOST = 400 };

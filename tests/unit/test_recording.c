@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "lacuna/simulation.h"
+#include "simulation/simulation.h"
 #include "support/test.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"

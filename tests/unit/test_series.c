@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/units.h"
-#include "lacuna/series.h"
+#include "series/series.h"
 #include "support/scratch.h"
 #include "support/test.h"
 

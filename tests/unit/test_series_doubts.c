@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "base/units.h"
-#include "lacuna/series.h"
+#include "series/series.h"
 #include "series/text.h"
 #include "support/scratch_group.h"
 #include "support/test.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "lacuna/lacuna.h"
+#include "simulation/simulation.h"
 #include "support/test.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"

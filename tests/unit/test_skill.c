@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/hindcast.h"
+#include "forecast/hindcast.h"
 #include "support/test.h"
 
 enum { MOST = 16 };

@@ -9,8 +9,8 @@
 #include <stdio.h>
 
 #include "base/rng.h"
-#include "lacuna/store_map.h"
 #include "scene/internal.h"
+#include "store/store_map.h"
 #include "support/slot.h"
 #include "support/test.h"
 

@@ -6,7 +6,7 @@
 #include <netcdf.h>
 #include <sys/stat.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/contact_file.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"

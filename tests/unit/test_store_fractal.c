@@ -6,7 +6,7 @@
 #include <math.h>
 #include <netcdf.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/contact_file.h"
 #include "support/scratch.h"
 #include "support/test.h"

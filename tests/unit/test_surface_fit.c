@@ -5,10 +5,10 @@
 
 #include <math.h>
 
-#include "lacuna/surface.h"
 #include "support/height_files.h"
 #include "support/scratch.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 static scratch files;
 

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
+#include "contact/tangential.h"
 #include "contact/tangential_solve.h"
-#include "lacuna/tangential.h"
 #include "support/test.h"
 
 enum { SIDE = 8, CELLS = SIDE * SIDE };

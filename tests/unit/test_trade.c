@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/trade.h"
 #include "support/test.h"
+#include "trade/trade.h"
 
 static void assert_near(double found, double expected, double error)
 {

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 #include "support/slot.h"
 #include "support/test.h"
 #include "support/tree.h"

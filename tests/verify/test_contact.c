@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 #include "support/benchmark_surface.h"
 #include "support/npy.h"
 #include "support/test.h"

@@ -7,7 +7,7 @@
 #include <omp.h>
 #include <stdbool.h>
 
-#include "lacuna/contact.h"
+#include "contact/contact.h"
 #include "support/benchmark_surface.h"
 #include "support/test.h"
 

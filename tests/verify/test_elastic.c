@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/transfer.h"
 #include "support/half_space.h"
 #include "support/test.h"
 #include "support/trees.h"
+#include "transfer/transfer.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "lacuna/sensitivity.h"
+#include "run/sensitivity.h"
 #include "support/block.h"
 #include "support/test.h"
 #include "support/tree.h"

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "lacuna/fit.h"
+#include "fit/fit.h"
 #include "support/test.h"
 
 enum { READINGS = 24 };

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lacuna/forecast.h"
+#include "forecast/forecast.h"
 #include "support/test.h"
 
 enum { N = 60 };

@@ -8,9 +8,9 @@
 
 #include <math.h>
 
-#include "lacuna/fractal.h"
-#include "lacuna/surface.h"
+#include "fractal/fractal.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 enum { COARSEST = 64, MOST = 8 };
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "base/rng.h"
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/sets.h"
 #include "support/test.h"
 

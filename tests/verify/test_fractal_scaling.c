@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lacuna/fractal.h"
+#include "fractal/fractal.h"
 #include "support/benchmark_surface.h"
 #include "support/test.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/scene.h"
+#include "scene/scene.h"
 #include "support/fault.h"
 #include "support/test.h"
 #include "support/trees.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "lacuna/precursor.h"
+#include "precursor/precursor.h"
 #include "support/test.h"
 
 enum { N = 5000, CATALOGUES = 40 };

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "lacuna/rg_map.h"
+#include "rg/rg_map.h"
 #include "support/test.h"
 #include "support/trees.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 #include "support/test.h"
 #include "support/trees.h"
 

@@ -5,10 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lacuna/rg.h"
-#include "lacuna/surface.h"
+#include "rg/rg.h"
 #include "support/test.h"
 #include "support/trees.h"
+#include "surface/surface.h"
 
 enum { SIDE = 64, CELLS = SIDE * SIDE };
 static const double friction = 0.6;

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/rg.h"
-#include "lacuna/rg_map.h"
+#include "rg/rg.h"
+#include "rg/rg_map.h"
 #include "support/test.h"
 #include "support/trees.h"
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/rg_study.h"
+#include "rg/rg_study.h"
 #include "support/test.h"
 #include "support/trees.h"
 

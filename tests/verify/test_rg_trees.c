@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/rg.h"
+#include "rg/rg.h"
 #include "support/blocks.h"
 #include "support/test.h"
 #include "support/trees.h"

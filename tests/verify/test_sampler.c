@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "lacuna/sampler.h"
+#include "fit/sampler.h"
 #include "support/test.h"
 
 // Normal in two dimensions: means 1 and -2, deviations 0.01 and 100, correlation 0.95.

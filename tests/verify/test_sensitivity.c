@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lacuna/sensitivity.h"
+#include "run/sensitivity.h"
 #include "support/block.h"
 #include "support/slot.h"
 #include "support/test.h"

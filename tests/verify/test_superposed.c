@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "lacuna/tangential.h"
+#include "contact/tangential.h"
 #include "support/sheared.h"
 #include "support/test.h"
 

@@ -5,9 +5,9 @@
 
 #include <math.h>
 
-#include "lacuna/surface.h"
 #include "support/height_files.h"
 #include "support/test.h"
+#include "surface/surface.h"
 
 enum { N = 256, SEEDS = 60 };
 static const double two_pi = 6.283185307179586476925286766559;

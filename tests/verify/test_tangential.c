@@ -6,7 +6,7 @@
 #include <math.h>
 #include <omp.h>
 
-#include "lacuna/tangential.h"
+#include "contact/tangential.h"
 #include "support/sheared.h"
 #include "support/test.h"
 

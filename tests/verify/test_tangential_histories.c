@@ -5,8 +5,8 @@
 
 #include <math.h>
 
+#include "contact/tangential.h"
 #include "contact/tangential_space.h"
-#include "lacuna/tangential.h"
 #include "support/sheared.h"
 #include "support/test.h"
 

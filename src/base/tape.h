@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_TAPE_H
+#define LACUNA_BASE_TAPE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// A state written to memory or read back: one function that passes every piece of it, in one
+/// order, serves both ways.
+typedef struct lac_tape {
+    bool loading;         ///< pieces are read from `bytes`; else added to them
+    bool no_memory;       ///< to save in, or for what is loaded
+    bool short_of;        ///< while loading: the bytes ended, or did not fit
+    const char *refused;  ///< name of what keeps no state; NULL: nothing
+    unsigned char *bytes; ///< owned by whoever saves
+    size_t size;          ///< [bytes]
+    size_t at;            ///< read so far
+    size_t room;          ///< allocated
+} lac_tape;
+
+/// Passes a piece: copied to the tape, or from it. After a failure nothing happens any more.
+void lac_tape_pass(lac_tape *tape, void *piece, size_t size);
+
+/// Whether everything went well so far.
+static inline bool lac_tape_good(const lac_tape *tape)
+{
+    return !tape->no_memory && !tape->short_of && tape->refused == NULL;
+}
+
+#endif

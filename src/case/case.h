@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CASE_CASE_H
+#define LACUNA_CASE_CASE_H
+
+#include "analysis/analysis.h"
+#include "case/spread.h"
+#include "run/run.h"
+
+/// One thing that is wrong with a case.
+typedef struct lac_case_issue {
+    char *file, *key, *value, *message; ///< message: what is allowed; value "" where none
+    size_t line;                        ///< 1-based; 0 where it comes from --set
+    bool warning;                       ///< said by `check`, but the case runs
+} lac_case_issue;
+
+/// All that is wrong with a case, in the order of the file.
+typedef struct lac_case_report {
+    size_t count, errors;
+    lac_case_issue *issue;
+} lac_case_report;
+
+void lac_case_report_clear(lac_case_report *report);
+
+/// Writes `FILE:LINE: KEY: "VALUE" MESSAGE` (parts that are empty left out).
+const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size);
+
+typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
+
+typedef enum lac_boundary { LAC_PERIODIC = 0, LAC_FREE } lac_boundary;
+
+/// Which grid an interface is: 2^levels cells a side, or cells_x by cells_y.
+typedef struct lac_interface_def {
+    double size;              ///< length along x [m]
+    double width;             ///< length along y [m]; NaN: that of square cells
+    int64_t levels;           ///< INT64_MIN where cells_x is given
+    int64_t cells_x, cells_y; ///< INT64_MIN where absent; cells_y is then cells_x
+    int shape;                ///< lac_shape
+    int boundary;             ///< lac_boundary
+} lac_interface_def;
+
+/// The grid of an interface. Cells are square unless a width says otherwise; on a line they are a
+/// metre wide.
+lac_grid lac_interface_grid(const lac_interface_def *def);
+
+typedef struct lac_material_def {
+    double shear_modulus; ///< [Pa]; NaN: no material
+    double poisson;       ///< [1]
+    double shear_speed;   ///< [m/s]; NaN: from the density, or no damping
+    double density;       ///< [kg/m3]; NaN
+} lac_material_def;
+
+/// The mass of the block that slides.
+typedef struct lac_inertia_def {
+    double thickness;     ///< [m]; NaN where the mass is given
+    double mass_per_area; ///< over the nominal area [kg/m2]; NaN where the thickness is given
+    double columns;       ///< part that stands on the cells as columns of their own [1]
+} lac_inertia_def;
+
+typedef struct lac_slot_list {
+    size_t count;
+    lac_slot *item;
+} lac_slot_list;
+
+typedef struct lac_compare_def {
+    char *path;                             ///< already relative to the working folder
+    char *time;                             ///< column
+    char *displacement, *displacement_unit; ///< NULL: none
+    char *velocity, *velocity_unit;
+    char *label; ///< what to call it; NULL
+} lac_compare_def;
+
+/// How the shear force spreads over the cells in `rg`.
+typedef enum lac_rg_field { LAC_RG_ELASTIC = 0, LAC_RG_EQUAL, LAC_RG_UNIFORM } lac_rg_field;
+
+/// Where the critical force of an elastic joint is looked for.
+typedef enum lac_rg_search { LAC_RG_SERIES = 0, LAC_RG_SOLVE } lac_rg_search;
+
+enum { LAC_MOST_BETAS = 32 };
+
+/// What is held about a parameter before the data, on the coordinate that is sampled.
+typedef enum lac_prior {
+    LAC_PRIOR_FLAT = 0, ///< uniform within the range
+    LAC_PRIOR_NORMAL,   ///< normal about a centre, within the range
+} lac_prior;
+
+/// A number of the case that `lacuna fit` estimates.
+typedef struct lac_fit_parameter {
+    char *key;        ///< dotted, such as friction.aging.dc
+    const char *unit; ///< SI
+    bool log;         ///< the coordinate is ln(value), else the value
+    bool ranged;      ///< the case gives the range; else it is the parameter's own
+    double low, high; ///< of the value [unit]
+    int prior;        ///< lac_prior
+    double centre;    ///< median or mean, as a value [unit]; NaN where flat
+    double sigma;     ///< on the coordinate
+} lac_fit_parameter;
+
+enum { LAC_MOST_FITTED = 16 };
+
+/// How the errors of successive displacements hang together.
+typedef enum lac_fit_errors { LAC_ERRORS_WHITE = 0, LAC_ERRORS_AR1 } lac_fit_errors;
+
+/// What `lacuna fit` does; docs/theory/fitting.md.
+typedef struct lac_fit_def {
+    bool named; ///< the case has the section
+    size_t count;
+    lac_fit_parameter *parameter; ///< [count]
+    char *time;                   ///< column
+    char *time_format;            ///< as lac_series_def has it; NULL
+    char *displacement, *displacement_unit;
+    char *velocity, *velocity_unit;
+    char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none
+    double displacement_error; ///< [m]; NaN: estimated (with a column sigma: its factor is)
+    double velocity_error;     ///< of ln(velocity) [1]; NaN: estimated
+    int errors;                ///< lac_fit_errors, of displacements
+    int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
+    int64_t starts; ///< places at which the least squares begin
+    int64_t walkers, steps, burn, rounds, seed;
+} lac_fit_def;
+
+/// What `lacuna rg` does with the interface.
+typedef struct lac_rg_def {
+    bool named;       ///< the case has the section
+    int rule;         ///< lac_rg_rule
+    int field;        ///< lac_rg_field
+    int path;         ///< lac_rg_search
+    int64_t contacts; ///< solved along the path of an elastic joint
+    int64_t shifts;   ///< places of the grid of blocks
+    int64_t seeds;    ///< surfaces or domains: the case's seed and those that follow it
+    int64_t loads;    ///< Q/Q_nom along the path
+    double friction;  ///< Coulomb's f [1]
+    size_t betas;     ///< 0: from the friction law
+    double beta[LAC_MOST_BETAS];
+} lac_rg_def;
+
+/// Steps of a history whose fields are kept.
+typedef enum lac_history_fields {
+    LAC_HISTORY_ALL = 0,
+    LAC_HISTORY_LAST,
+    LAC_HISTORY_NONE
+} lac_history_fields;
+
+/// One entry of a history; NaN: stays as it was. Of each axis (0: x, 1: y) at most one is given.
+typedef struct lac_history_step {
+    double pressure; ///< mean over the nominal area [Pa]
+    double ratio[2]; ///< shear load over f P [1]
+    double shear[2]; ///< mean traction over the nominal area [Pa]
+    double shift[2]; ///< of one body against the other [m]
+    int64_t count;   ///< equal increments to get there
+} lac_history_step;
+
+/// A static history of normal and shear load.
+typedef struct lac_history_def {
+    int method;      ///< 0: direct, the only one
+    int fields;      ///< lac_history_fields
+    double friction; ///< Coulomb's coefficient f [1]
+    size_t count;    ///< 0: no history
+    lac_history_step *step;
+} lac_history_def;
+
+/// A case: text turned into one def per stage. Everything is SI and checked.
+typedef struct lac_case {
+    char *path;
+    char *title, *references, *institution; ///< NULL where absent
+    lac_interface_def interface;
+    lac_slot surface, domain;         ///< at most one is set
+    lac_spread_list interface_spread; ///< key pressure, of a domain's cells
+    lac_material_def material;
+    lac_inertia_def inertia; ///< thickness and mass NaN: none
+    lac_slot normal;
+    lac_slot_list shear, pore;
+    lac_history_def history;
+    lac_slot friction; ///< `about` is NULL where a static case names none
+    lac_spread_list friction_spread;
+    lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
+    lac_spread_list initial_spread; ///< keys slip_rate and state
+    lac_slot transfer;
+    bool dated;
+    double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
+    lac_run_def run;   ///< `end` is NaN where a static case names none
+    int formulation;   ///< lac_formulation, never AUTO once read
+    double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
+                       ///< picked [1]; NaN: as given
+    bool method_given, formulation_given;
+    double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
+    int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure
+    char *output_file;        ///< NULL: named after the case
+    unsigned fields;          ///< LAC_FIELD_* of store.h
+    int64_t compression;
+    int single; ///< 1: what is written of slips, rates, forces is of single precision
+    lac_rg_def rg;
+    lac_fit_def fit;
+    lac_slot_list analysis; ///< indicators to follow
+    size_t compare_count;
+    lac_compare_def *compare;
+} lac_case;
+
+/// One `--set key.path=value`.
+typedef struct lac_override {
+    const char *key;   ///< dotted, list items by index
+    const char *value; ///< YAML
+} lac_override;
+
+/// What a case is read for. What it holds must be right for any purpose; what it must hold differs.
+typedef enum lac_case_purpose {
+    LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
+    LAC_FOR_CONTACT, ///< statics: none of those
+    LAC_FOR_RG,      ///< statics, and what the cascade needs
+    LAC_FOR_FIT,     ///< what a run needs, and `fit`
+    LAC_FOR_CELLS,   ///< the cascade on cells that are known: statics, its beta and its friction
+    LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
+} lac_case_purpose;
+
+/// How a case is to be read.
+typedef struct lac_case_request {
+    lac_case_purpose purpose;
+    const lac_override *overrides; ///< [count] applied in order
+    size_t count;
+} lac_case_request;
+
+/// Reads a case file, applies the overrides, checks everything.
+/// @param path     the file; "-" is not special
+/// @param request  NULL: for a run, nothing overridden
+/// @param out      the case; NULL where it has errors
+/// @param report   all errors and warnings; the caller clears it, whatever the status
+/// @return LAC_OK; LAC_EINPUT (see report); LAC_EIO (cannot be read); LAC_ENOMEM
+lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
+                         lac_case_report *report, lac_error *err);
+
+/// As lac_case_read, from memory (the fuzzer's way in).
+/// @param name  stands for the path in messages and for relative paths
+lac_status lac_case_read_text(const char *name, const char *text, size_t size,
+                              const lac_case_request *request, lac_case **out,
+                              lac_case_report *report, lac_error *err);
+
+/// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
+double lac_inertia_mass(const lac_case *c);
+
+/// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
+/// its law, loads and transfer lac_run_events_follows tells.
+bool lac_case_admits_events(const lac_case *c);
+
+/// Frees a case; NULL is fine.
+void lac_case_free(lac_case *c);
+
+/// The resolved case as YAML that reads back to the same case: every value in SI with its unit,
+/// defaults filled in.
+/// @return text the caller frees; NULL where memory is short
+char *lac_case_text(const lac_case *c);
+
+/// A real number of a case, where it is and what it may be.
+typedef struct lac_case_value {
+    double *at;
+    const lac_param *param;
+} lac_case_value;
+
+/// Finds a real parameter that the case holds by its dotted key: of the models it names (list items
+/// by index), of interface and material, initial.slip_rate, initial.state (where a time) and
+/// initial.state.ratio_to_steady.
+/// @return false where there is none
+bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
+
+/// Whether the models' parameters, taken together, are sound: what no single range says.
+/// @return NULL, or what is wrong
+const char *lac_case_fault(const lac_case *c);
+
+/// Puts a folder before every relative path of a case, which is then to be written elsewhere.
+/// @param folder  ends in a slash
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
+
+/// A kind of model that a case can choose, or that a command has: for `describe` and for slots.
+typedef struct lac_kind {
+    const char *name;    ///< "friction", "transfer", "surface" ...
+    const char *section; ///< where in a case it stands: "friction", "load.shear"
+    const char *summary;
+    bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
+                 ///< not as {MODEL: {...}}
+    const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
+    const lac_descriptor *(*at)(size_t index); ///< NULL past the end
+} lac_kind;
+
+/// The index-th kind, NULL past the end.
+const lac_kind *lac_kind_at(size_t index);
+
+/// A section of plain parameters (interface, material, time, solver ...): for `describe`.
+typedef struct lac_section {
+    const char *name;
+    const char *summary;
+    const lac_param *params;
+    size_t param_count;
+} lac_section;
+
+/// The index-th section, NULL past the end.
+const lac_section *lac_section_at(size_t index);
+
+#endif

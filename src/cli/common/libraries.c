@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The versions of the libraries in use, as they tell them themselves at run time: the one file
+// besides each library's home that includes its header, and for nothing else. UDUNITS and
+// Random123 do not tell theirs.
+#include "cli/common/libraries.h"
+
+#include <fftw3.h>
+#include <gsl/gsl_version.h>
+#include <netcdf.h>
+#include <stdio.h>
+#include <string.h>
+#include <sundials/sundials_version.h>
+#include <yaml.h>
+
+const char *cli_libraries(char *text, size_t size)
+{
+    char sundials[32] = "";
+    (void)SUNDIALSGetVersion(sundials, (int)sizeof sundials);
+    const char *fftw = strchr(fftw_version, '-'); // "fftw-3.3.10-sse2-avx"
+    fftw = fftw == NULL ? fftw_version : fftw + 1;
+    (void)snprintf(text, size, "SUNDIALS %s, FFTW %.*s, GSL %s, libyaml %s, UDUNITS 2, Random123",
+                   sundials, (int)strcspn(fftw, "-"), fftw, gsl_version, yaml_get_version_string());
+    return text;
+}
+
+const char *cli_netcdf_version(char *text, size_t size)
+{
+    const char *version = nc_inq_libvers(); // "4.9.0 of Aug 20 2022 ..."
+    (void)snprintf(text, size, "%.*s", (int)strcspn(version, " "), version);
+    return text;
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the program starts: help, the command that was asked for, and the exit status.
+#include <errno.h>
+#include <fcntl.h>
+#include <gsl/gsl_errno.h>
+#include <inttypes.h>
+#include <omp.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/common/clean.h"
+#include "cli/common/command.h"
+#include "cli/common/completion.h"
+#include "cli/common/exits.h"
+#include "cli/common/libraries.h"
+#include "cli/common/signals.h"
+#include "cli/common/words.h"
+#include "data/json.h"
+#include "lacuna/version.h"
+#include "store/store_file.h"
+
+// The exit status of a result: the one place that says so.
+static int exit_status(lac_status status)
+{
+    switch (status) {
+    case LAC_OK:
+        return CLI_EXIT_DONE;
+    case LAC_EINPUT:
+        return CLI_EXIT_WRONG;
+    case LAC_EIO:
+        return CLI_EXIT_FILE;
+    case LAC_EINTERRUPT:
+        return CLI_EXIT_INTERRUPTED;
+    case LAC_ENUMERIC:
+    case LAC_ENOMEM:
+        break;
+    }
+    return CLI_EXIT_FAILED;
+}
+
+static void print_help(void)
+{
+    const cli_command *command;
+    puts("Lacuna: creep, acceleration and failure of rough rock joints.\n"
+         "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
+    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+        printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
+    }
+    puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
+    cli_options_help(CLI_OPT_COMMON);
+    puts("example: lacuna new && lacuna run case.yaml\n"
+         "Exit status: 0 done, 1 computation broke, 2 request wrong, 3 file, 4 interrupted");
+}
+
+static void print_command_help(const cli_command *command)
+{
+    printf("usage: lacuna %s %s [OPTIONS]\n\n%s\n", command->name, command->arguments,
+           command->summary);
+    cli_wrap("", command->notes);
+    puts("");
+    cli_options_help(command->options & ~(unsigned)CLI_OPT_COMMON);
+    printf("Of all commands, in lacuna --help: --json -q -v --threads, and exit statuses.\n"
+           "example: %s\n",
+           command->example);
+}
+
+static void print_version(bool as_json)
+{
+    char text[256], netcdf[32];
+    (void)cli_libraries(text, sizeof text);
+    (void)cli_netcdf_version(netcdf, sizeof netcdf);
+    if (!as_json) {
+        printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
+        return;
+    }
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "version", LACUNA_VERSION);
+    lac_json_text(&json, "libraries", text);
+    lac_json_text(&json, "netcdf", netcdf);
+    lac_json_close(&json, '}');
+}
+
+// A file that was not closed is read here, but not by others.
+static void say_what_is_cut(const cli_request *request)
+{
+    const bool resumed = cli_given(request, CLI_OPT_RESUME) && request->output != NULL;
+    const char *path = resumed ? request->output : request->argument[0];
+    if (request->command->run == cli_mend || cli_given(request, CLI_OPT_QUIET) || path == NULL) {
+        return;
+    }
+    lac_store_loss loss;
+    if (lac_store_is_damaged(path, &loss)) {
+        cli_note("warning: %s.journal: is damaged: its last %" PRIu64 " bytes, from byte %" PRIu64
+                 " on, cannot be read; %s is read %s, which may lack what was synced",
+                 path, loss.unread, loss.at, path,
+                 loss.own >= (int64_t)loss.records ? "without it" : "up to there");
+    } else if (lac_store_is_cut(path)) {
+        cli_note("warning: %s: its writer was stopped before it had closed it; all that it left is "
+                 "read; lacuna mend %s makes it readable for every program",
+                 path, path);
+    }
+}
+
+static lac_status dispatch(const cli_request *request, lac_error *err)
+{
+    if (cli_given(request, CLI_OPT_VERSION)) {
+        print_version(cli_given(request, CLI_OPT_JSON));
+        return LAC_OK;
+    }
+    if (cli_given(request, CLI_OPT_HELP)) {
+        if (request->command == NULL) {
+            print_help();
+        } else {
+            print_command_help(request->command);
+        }
+        return LAC_OK;
+    }
+    say_what_is_cut(request);
+    // One thread unless asked for more: two that share a busy core are slower than one.
+    omp_set_num_threads(request->threads > 0 ? request->threads : 1);
+    return request->command->run(request, err);
+}
+
+// A standard stream that was closed would be taken by the first file opened: occupy it, so that
+// using it is an error instead.
+static void occupy_standard_streams(void)
+{
+    for (int fd = 0; fd <= 2; fd++) {
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
+            (void)open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
+// What could not be printed shows up here at the latest.
+static lac_status flush_results(lac_error *err)
+{
+    errno = 0;
+    bool failed = ferror(stdout) != 0;
+    if (fflush(stdout) != 0 || failed) {
+        return lac_fail(err, LAC_EIO, "standard output: %s",
+                        errno != 0 ? strerror(errno) : "could not be written");
+    }
+    return LAC_OK;
+}
+
+int main(int argc, char **argv)
+{
+    lac_error err = {0};
+    cli_request request;
+    occupy_standard_streams();
+    if (argc > 1 && strcmp(argv[1], "__complete") == 0) { // for shells: no command, and no errors
+        cli_complete(argc - 2, argv + 2);
+        return CLI_EXIT_DONE;
+    }
+    (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
+    cli_signals_install();
+    cli_clean_stdout();
+    lac_status status = cli_request_read(argc, argv, &request, &err);
+    if (status == LAC_OK) {
+        status = dispatch(&request, &err);
+    }
+    if (status != LAC_OK && err.message[0] != '\0') {
+        cli_note("%s", err.message);
+    }
+    lac_status flushed = flush_results(&err);
+    if (flushed != LAC_OK) {
+        cli_note("%s", err.message);
+        status = status == LAC_OK ? flushed : status;
+    }
+    cli_request_clear(&request);
+    if (status == LAC_EIO) {
+        // HDF5's handlers at exit would stumble over a file that could not be closed.
+        _exit(exit_status(status));
+    }
+    return exit_status(status);
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The command line: the table of all options, and how words become a request that makes sense.
+#include "cli/common/options.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/common/command.h"
+#include "cli/common/words.h"
+
+typedef cli_option option;
+
+// An option whose word has a place of its own in the request, and one that is told by its bit or
+// that apply() has a line for.
+#define KEPT(bit, letter, name, value, place, doc)                            \
+    {                                                                         \
+        CLI_OPT_##bit, letter, name, value, doc, offsetof(cli_request, place) \
+    }
+#define PLAIN(bit, letter, name, value, doc)       \
+    {                                              \
+        CLI_OPT_##bit, letter, name, value, doc, 0 \
+    }
+
+static const option table[] = {
+    KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
+    PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
+    PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
+    KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
+    KEPT(KIND, 0, "kind", "KIND", kind, "block, joint (default) or slope"),
+    KEPT(FRACTAL, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
+    KEPT(FRACTAL, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
+    KEPT(FRACTAL, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),
+    KEPT(FRACTAL, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
+    KEPT(SNAPSHOT, 0, "snapshot", "WHICH", snapshot, "of a file: last, a number from 0, or a time"),
+    KEPT(COMPARE, 0, "compare", "SERIES", compare, "monitoring data to lay beside the run"),
+    KEPT(COMPARE, 0, "fit", "FIT", fit, "file of lacuna fit: its forecast beside the run"),
+    KEPT(SERIES, 0, "time", "COLUMN", series.time, "of times; else the first one"),
+    KEPT(SERIES, 0, "time-format", "FORMAT", series.time_format,
+         "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."),
+    KEPT(SERIES, 0, "displacement", "COL:UNIT", series.displacement,
+         "column and unit: \"disp_mm:mm\""),
+    KEPT(SERIES, 0, "velocity", "COL:UNIT", series.velocity, "column and unit: \"rate:mm/day\""),
+    KEPT(SERIES, 0, "sigma", "COL:UNIT", series.sigma, "standard error of each displacement"),
+    KEPT(FORECAST, 0, "smooth", "HOW", forecast.smooth,
+         "velocities: average:5, window:\"3 day\", savgol:7,2"),
+    KEPT(FORECAST, 0, "raw", NULL, forecast.raw, "keep outliers and sensor resets"),
+    KEPT(FORECAST, 0, "since", "TIME", forecast.since,
+         "fit from here, not from the onset of acceleration"),
+    KEPT(FORECAST, 0, "onset", "S,L", forecast.onset,
+         "acceleration: mean of S above that of L: 3,7"),
+    KEPT(FORECAST, 0, "rolling", NULL, forecast.rolling, "forecasts as issued at each reading"),
+    KEPT(FORECAST, 0, "issues", "N", forecast.issues, "issue times of --rolling at most: 200"),
+    KEPT(FORECAST, 0, "failed-at", "TIME", forecast.failed_at, "judge --rolling: a time, or never"),
+    KEPT(FORECAST, 0, "horizon", "TIME", forecast.horizon, "of alarms: \"7 day\""),
+    KEPT(FORECAST, 0, "case", "CASE", forecast.case_file,
+         "forecast by this case too, fitted to the series"),
+    KEPT(TRADE, 0, "quantity", "NAME", trade.quantity,
+         "failure, slip, rate, q-crit, contact-fraction ..."),
+    KEPT(TRADE, 0, "reach", "ERROR", trade.reach, "to reach: 1%, or \"1 h\" of a time of failure"),
+    KEPT(TRADE, 0, "spend", "TIME", trade.spend, "that a run may take: \"10 min\""),
+    KEPT(TRADE, 0, "dials", "LIST", trade.dials,
+         "rtol,method, or positions: rtol=1e-3:1e-6,levels"),
+    KEPT(TRADE, 0, "crossed", NULL, trade.crossed, "every position of a dial with every other"),
+    KEPT(TRADE, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
+    KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
+    PLAIN(SET, 0, "set", "KEY=VALUE", "override the case; may be repeated"),
+    PLAIN(JSON, 0, "json", NULL, "results as one JSON object, in SI"),
+    PLAIN(QUIET, 'q', "quiet", NULL, "no progress, no warnings"),
+    PLAIN(VERBOSE, 'v', "verbose", NULL, "say what is being done"),
+    PLAIN(THREADS, 0, "threads", "N", "threads to compute with (default 1)"),
+    PLAIN(NO_PROGRESS, 0, "no-progress", NULL, "no progress bar"),
+    PLAIN(VERSION, 0, "version", NULL, "version, and those of the libraries"),
+    PLAIN(HELP, 'h', "help", NULL, "this text"),
+};
+
+enum { OPTIONS = sizeof table / sizeof *table };
+
+const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
+
+void cli_options_help(unsigned mask)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if ((table[i].bit & mask) == 0) {
+            continue;
+        }
+        char left[40], letter[5] = "    ";
+        if (table[i].letter != '\0') {
+            (void)snprintf(letter, sizeof letter, "-%c, ", table[i].letter);
+        }
+        (void)snprintf(left, sizeof left, "%s--%s %s", letter, table[i].name,
+                       table[i].value == NULL ? "" : table[i].value);
+        printf("  %-23s %s\n", left, table[i].doc);
+    }
+}
+
+// What is left of the command line while it is read.
+typedef struct cursor {
+    int argc, at;
+    char **argv;
+} cursor;
+
+const cli_option *cli_option_named(const char *name, size_t length)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+const cli_option *cli_option_of_letter(char letter)
+{
+    for (size_t i = 0; i < OPTIONS; i++) {
+        if (letter != '\0' && table[i].letter == letter) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+static lac_status unknown_name(const char *name, size_t length, lac_error *err)
+{
+    const char *names[OPTIONS];
+    char dashed[OPTIONS][24], given[64];
+    (void)snprintf(given, sizeof given, "--%.*s", (int)(length < 60 ? length : 60), name);
+    for (size_t i = 0; i < OPTIONS; i++) {
+        (void)snprintf(dashed[i], sizeof dashed[i], "--%s", table[i].name);
+        names[i] = dashed[i];
+    }
+    return cli_unknown("", given, "option", names, OPTIONS, err);
+}
+
+static lac_status keep_override(cli_request *request, const char *key, size_t length,
+                                const char *value, lac_error *err)
+{
+    size_t n = request->set_count;
+    lac_override *grown = realloc(request->overrides, (n + 1) * sizeof *grown);
+    if (grown == NULL) {
+        return lac_fail_memory(err);
+    }
+    request->overrides = grown;
+    char *copy = strndup(key, length);
+    if (copy == NULL) {
+        return lac_fail_memory(err);
+    }
+    grown[n] = (lac_override){.key = copy, .value = value};
+    request->set_count = n + 1;
+    return LAC_OK;
+}
+
+static lac_status add_override(cli_request *request, const char *text, lac_error *err)
+{
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text) {
+        return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", text);
+    }
+    return keep_override(request, text, (size_t)(equals - text), equals + 1, err);
+}
+
+static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
+{
+    char *end;
+    long n = strtol(text, &end, 10);
+    if (end == text || *end != '\0' || n < 1 || n > 1024) {
+        return lac_fail(err, LAC_EINPUT, "--threads: \"%s\" must be a number from 1 to 1024", text);
+    }
+    request->threads = (int)n;
+    return LAC_OK;
+}
+
+static lac_status apply(cli_request *request, const option *o, const char *value, lac_error *err)
+{
+    request->given |= o->bit;
+    if (o->value != NULL && value[0] == '\0') {
+        return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
+                        o->value);
+    }
+    if (o->at != 0) {
+        const char *word = o->value != NULL ? value : o->name;
+        memcpy((char *)request + o->at, &word, sizeof word);
+    }
+    switch (o->bit) {
+    case CLI_OPT_SET:
+        return add_override(request, value, err);
+    case CLI_OPT_ACCURACY:
+        return keep_override(request, "solver.accuracy", strlen("solver.accuracy"), value, err);
+    case CLI_OPT_THREADS:
+        return set_threads(request, value, err);
+    default:
+        break;
+    }
+    return LAC_OK;
+}
+
+// The next word as an option's value; "" where there is none. A value that may be left out is a
+// number: other words are not taken for it, and "0" stands where there is none.
+static const char *next_word(cursor *c, const option *o, cli_request *request)
+{
+    const char *word = c->at < c->argc ? c->argv[c->at] : "";
+    if (o->value[0] == '[' && (word[0] == '\0' || word[strspn(word, "0123456789")] != '\0')) {
+        return "0";
+    }
+    request->open = c->at < c->argc ? NULL : o;
+    c->at += c->at < c->argc;
+    return word;
+}
+
+static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
+{
+    size_t length = strcspn(name, "=");
+    const option *o = cli_option_named(name, length);
+    if (o == NULL) {
+        return unknown_name(name, length, err);
+    }
+    const char *value = "";
+    if (name[length] == '=') {
+        value = name + length + 1;
+        if (o->value == NULL) {
+            return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
+        }
+    } else if (o->value != NULL) {
+        value = next_word(c, o, request);
+    }
+    return apply(request, o, value, err);
+}
+
+// -q, -qv, -o FILE, -oFILE
+static lac_status read_letters(cursor *c, const char *letters, cli_request *request, lac_error *err)
+{
+    for (; *letters != '\0'; letters++) {
+        const option *o = cli_option_of_letter(*letters);
+        if (o == NULL) {
+            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
+        }
+        if (o->value == NULL) {
+            lac_status status = apply(request, o, "", err);
+            if (status != LAC_OK) {
+                return status;
+            }
+            continue;
+        }
+        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o, request), err);
+    }
+    return LAC_OK;
+}
+
+static lac_status unknown_command(const char *name, lac_error *err)
+{
+    const char *names[16];
+    size_t n = 0;
+    while (n < 16 && cli_command_at(n) != NULL) {
+        names[n] = cli_command_at(n)->name;
+        n++;
+    }
+    return cli_unknown("", name, "command", names, n, err);
+}
+
+static lac_status read_argument(const char *word, cli_request *request, lac_error *err)
+{
+    if (request->command == NULL) {
+        if (strcmp(word, "help") == 0) {
+            request->given |= CLI_OPT_HELP;
+            return LAC_OK;
+        }
+        request->command = cli_command_find(word);
+        return request->command != NULL ? LAC_OK : unknown_command(word, err);
+    }
+    if (request->count >= request->command->most) {
+        return lac_fail(err, LAC_EINPUT, "%s: \"%.60s\" is one argument too many",
+                        request->command->name, word);
+    }
+    request->argument[request->count++] = word;
+    return LAC_OK;
+}
+
+static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
+{
+    const char *word = c->argv[c->at++];
+    if (request->only_arguments || word[0] != '-' || word[1] == '\0') {
+        return read_argument(word, request, err);
+    }
+    if (strcmp(word, "--") == 0) {
+        request->only_arguments = true;
+        return LAC_OK;
+    }
+    return word[1] == '-' ? read_long(c, word + 2, request, err)
+                          : read_letters(c, word + 1, request, err);
+}
+
+static bool was_given(const cli_request *request, const option *o)
+{
+    const char *word = NULL;
+    memcpy(&word, (const char *)request + o->at, sizeof word);
+    return o->at != 0 ? word != NULL : cli_given(request, o->bit); // several share a bit
+}
+
+// The whole must make sense: a command, its arguments, no option that it does not take.
+static lac_status check_request(const cli_request *request, lac_error *err)
+{
+    const cli_command *command = request->command;
+    if (cli_given(request, CLI_OPT_HELP) || cli_given(request, CLI_OPT_VERSION)) {
+        return LAC_OK;
+    }
+    if (command == NULL) {
+        return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
+    }
+    for (size_t i = 0; i < OPTIONS; i++) {
+        const bool taken = (table[i].bit & (command->options | CLI_OPT_COMMON)) != 0;
+        if (!taken && was_given(request, &table[i])) {
+            return lac_fail(err, LAC_EINPUT, "--%s: not an option of %s; see lacuna %s --help",
+                            table[i].name, command->name, command->name);
+        }
+    }
+    if (request->count < command->least) {
+        return lac_fail(err, LAC_EINPUT, "%s: %s is missing; see lacuna %s --help", command->name,
+                        command->arguments, command->name);
+    }
+    return LAC_OK;
+}
+
+// The command line as one text, for the file's history.
+static char *join(int argc, char **argv)
+{
+    size_t size = sizeof "lacuna";
+    for (int i = 1; i < argc; i++) {
+        size += strlen(argv[i]) + 3;
+    }
+    char *text = malloc(size);
+    if (text == NULL) {
+        return NULL;
+    }
+    size_t used = (size_t)snprintf(text, size, "lacuna");
+    for (int i = 1; i < argc; i++) {
+        const char *quote = strpbrk(argv[i], " \t\"$*;&|<>()") != NULL ? "'" : "";
+        used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
+    }
+    return text;
+}
+
+void cli_request_begin(int count, char **word, cli_request *request)
+{
+    lac_error ignored;
+    cursor c = {.argc = count, .argv = word};
+    *request = (cli_request){0};
+    while (c.at < c.argc) {
+        (void)read_word(&c, request, &ignored);
+    }
+}
+
+lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err)
+{
+    *request = (cli_request){.command_line = join(argc, argv)};
+    if (request->command_line == NULL) {
+        return lac_fail_memory(err);
+    }
+    cursor c = {.argc = argc, .at = 1, .argv = argv};
+    while (c.at < c.argc) {
+        lac_status status = read_word(&c, request, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    return check_request(request, err);
+}
+
+void cli_request_clear(cli_request *request)
+{
+    for (size_t i = 0; i < request->set_count; i++) {
+        free((char *)request->overrides[i].key);
+    }
+    free(request->overrides);
+    free(request->command_line);
+    *request = (cli_request){0};
+}

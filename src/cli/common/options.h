@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_COMMON_OPTIONS_H
+#define LACUNA_CLI_COMMON_OPTIONS_H
+
+#include <stdio.h>
+
+#include "case/case.h"
+
+typedef struct cli_command cli_command;
+
+/// Options, as bits: which were given, and which a command takes.
+enum {
+    CLI_OPT_OUTPUT = 1 << 0,
+    CLI_OPT_FORCE = 1 << 1,
+    CLI_OPT_UNTIL = 1 << 2,
+    CLI_OPT_KIND = 1 << 3,
+    CLI_OPT_SET = 1 << 4,
+    CLI_OPT_JSON = 1 << 5,
+    CLI_OPT_QUIET = 1 << 6,
+    CLI_OPT_VERBOSE = 1 << 7,
+    CLI_OPT_THREADS = 1 << 8,
+    CLI_OPT_NO_PROGRESS = 1 << 9,
+    CLI_OPT_HELP = 1 << 10,
+    CLI_OPT_VERSION = 1 << 11,
+    CLI_OPT_FRACTAL = 1 << 16, ///< how contact is measured
+    CLI_OPT_SNAPSHOT = 1 << 20,
+    CLI_OPT_RESUME = 1 << 21,
+    CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
+    CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
+    CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
+    CLI_OPT_ACCURACY = 1 << 27, ///< of a run
+    CLI_OPT_COMPARE = 1 << 28,
+    CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
+    CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
+                     CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
+};
+
+enum { CLI_MAX_ARGUMENTS = 2 };
+
+/// One option.
+typedef struct cli_option {
+    unsigned bit;
+    char letter;       ///< '\0': none
+    const char *name;  ///< without the dashes
+    const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
+    const char *doc;
+    size_t at; ///< of the text in the request that is set to its value, or to its name where it
+               ///< takes none; 0: no such text
+} cli_option;
+
+/// The index-th option, NULL past the end.
+const cli_option *cli_option_at(size_t index);
+
+/// The option of a name, which need not end there, or of a letter; NULL where there is none.
+const cli_option *cli_option_named(const char *name, size_t length);
+const cli_option *cli_option_of_letter(char letter);
+
+/// Options of monitoring series and of forecasts, as they were written; NULL: not given.
+typedef struct cli_series_words {
+    const char *time, *time_format, *displacement, *velocity, *sigma;
+} cli_series_words;
+
+typedef struct cli_forecast_words {
+    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file;
+} cli_forecast_words;
+
+typedef struct cli_trade_words {
+    const char *quantity, *reach, *spend, *dials, *crossed, *jobs;
+} cli_trade_words;
+
+/// What the command line asks for. Texts are borrowed from argv unless said.
+typedef struct cli_request {
+    const cli_command *command; ///< NULL: only --help or --version
+    unsigned given;             ///< CLI_OPT_*
+    bool only_arguments;        ///< there was a "--"
+    const cli_option *open;     ///< the last one, where the line ended before its value; else NULL
+    size_t count;               ///< arguments after the command
+    const char *argument[CLI_MAX_ARGUMENTS];
+    const char *output, *until, *kind;
+    const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
+    const char *snapshot;                              ///< which one of a file
+    const char *compare, *fit;                         ///< a series and a fit laid beside a run
+    const char *accuracy; ///< among the overrides too, as solver.accuracy
+    const char *view;     ///< port of its page, 0 where none is named
+    cli_series_words series;
+    cli_forecast_words forecast;
+    cli_trade_words trade;
+    int threads;             ///< 0: not given
+    size_t set_count;        ///< --set, in order
+    lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
+    char *command_line;      ///< owned
+} cli_request;
+
+/// Reads the command line; options may stand before or after the command and its arguments.
+/// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM
+lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err);
+
+/// Reads the begin of a command line that is still typed, past all that is wrong in it.
+/// @param word  [count] after the program's name
+void cli_request_begin(int count, char **word, cli_request *request);
+
+/// Frees what the request owns.
+void cli_request_clear(cli_request *request);
+
+/// Whether an option was given.
+static inline bool cli_given(const cli_request *request, unsigned option)
+{
+    return (request->given & option) != 0;
+}
+
+/// Prints the help lines of the options in `mask` on stdout.
+void cli_options_help(unsigned mask);
+
+#endif

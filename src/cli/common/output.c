@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file that a command writes: chosen and checked before the work, signed with what made it.
+#include "cli/common/output.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli/common/inputs.h"
+#include "cli/common/libraries.h"
+#include "cli/common/signals.h"
+#include "scene/scene.h"
+
+// Folder/name.ext -> name + ending
+static char *name_after(const char *case_path, const char *ending)
+{
+    const char *slash = strrchr(case_path, '/');
+    const char *name = slash == NULL ? case_path : slash + 1;
+    const char *dot = strrchr(name, '.');
+    size_t stem = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    size_t size = stem + strlen(ending) + 1;
+    char *path = malloc(size);
+    if (path != NULL) {
+        (void)snprintf(path, size, "%.*s%s", (int)stem, name, ending);
+    }
+    return path;
+}
+
+static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,
+                                 const struct stat *file, lac_error *err)
+{
+    if (S_ISDIR(file->st_mode)) {
+        return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
+    }
+    if (!S_ISREG(file->st_mode)) { // said before the work, not after it
+        return lac_fail(err, LAC_EIO, "%s: is not a regular file", path);
+    }
+    if (cli_inputs_has(request, c, file)) { // --force must not destroy what the command reads
+        return lac_fail(err, LAC_EINPUT, "%s: is read by this %s, must not be the output", path,
+                        c != NULL ? "case" : "command");
+    }
+    if (!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME)) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: exists already; --force replaces it, -o names another file", path);
+    }
+    if (access(path, W_OK) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    return LAC_OK;
+}
+
+static lac_status check_folder(const char *path, lac_error *err)
+{
+    char *folder = strdup(path);
+    if (folder == NULL) {
+        return lac_fail_memory(err);
+    }
+    char *slash = strrchr(folder, '/');
+    if (slash != NULL) {
+        slash[slash == folder ? 1 : 0] = '\0';
+    }
+    int failed = access(slash == NULL ? "." : folder, W_OK | X_OK);
+    free(folder);
+    return failed == 0 ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+}
+
+lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
+                            lac_error *err)
+{
+    struct stat file;
+    cli_signals_writing(path);
+    if (stat(path, &file) == 0) {
+        return check_existing(request, c, path, &file, err);
+    }
+    if (errno != ENOENT) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    if (lstat(path, &file) == 0) { // said before the work, not after it
+        return lac_fail(err, LAC_EIO, "%s: is a link to a file that does not exist", path);
+    }
+    return cli_given(request, CLI_OPT_RESUME)
+               ? lac_fail(err, LAC_EIO, "--resume: %s: %s", path, strerror(errno))
+               : check_folder(path, err);
+}
+
+lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
+                           const char *ending, char **path, lac_error *err)
+{
+    const char *given = request->output != NULL ? request->output : configured;
+    *path = given != NULL ? strdup(given) : name_after(c->path, ending);
+    return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
+}
+
+void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance)
+{
+    provenance->command_line = request->command_line;
+    provenance->libraries = libraries;
+    provenance->now = (double)time(NULL);
+}
+
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
+                              const char *libraries)
+{
+    lac_provenance provenance = lac_case_provenance(c, case_text);
+    cli_sign(request, libraries, &provenance);
+    return provenance;
+}
+
+lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
+                             const char *path, const lac_dataset *dataset, lac_error *err)
+{
+    char libraries[256];
+    char *text = lac_case_text(c);
+    if (text == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_provenance provenance =
+        cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));
+    provenance.seed = seed != INT64_MIN ? seed : provenance.seed;
+    lac_status status =
+        lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);
+    free(text);
+    return status;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_COMMON_OUTPUT_H
+#define LACUNA_CLI_COMMON_OUTPUT_H
+
+#include "cli/common/options.h"
+#include "store/store.h"
+
+/// The file a command writes: -o, else `configured`, else the case's name with `ending` in place
+/// of its extension, in the working folder, checked as `cli_output_check` does.
+/// @param configured  output.file of the case; NULL: none
+/// @param path        the caller frees
+/// @return LAC_OK; LAC_EINPUT (exists and no --force, is one of the command's own inputs); LAC_EIO
+///         (no such folder, not writable); LAC_ENOMEM
+lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
+                           const char *ending, char **path, lac_error *err);
+
+/// Checks, before anything is computed, that a file can be written, is not there already and is
+/// none that the command reads.
+/// @param c  NULL: the command reads no case
+/// @return as `cli_output_path`
+lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
+                            lac_error *err);
+
+/// Says who makes a file, when, with what.
+/// @param libraries  borrowed
+void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance);
+
+/// What a file says of its case and who made it.
+/// @param case_text, libraries  borrowed
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
+                              const char *libraries);
+
+/// Writes the file of a case's result; --force replaces one that is there.
+/// @param seed  of the result; INT64_MIN: the case's own
+/// @return as lac_store_dataset
+lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
+                             const char *path, const lac_dataset *dataset, lac_error *err);
+
+#endif

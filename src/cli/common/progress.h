@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_COMMON_PROGRESS_H
+#define LACUNA_CLI_COMMON_PROGRESS_H
+
+#include "cli/common/options.h"
+
+/// How a run's progress is shown on stderr.
+typedef struct cli_progress {
+    bool bar, colour, drawn; ///< drawn: the bar stands on the terminal
+    double started, last;    ///< on the monotonic clock [s]
+} cli_progress;
+
+/// Seconds on a clock that never goes back.
+double cli_clock(void);
+
+/// A bar only on a terminal that can redraw a line, and where the request wants one.
+void cli_progress_start(cli_progress *progress, const cli_request *request);
+
+/// Draws the bar at most ten times a second; prints a line where SIGUSR1 asked for one.
+void cli_progress_show(cli_progress *progress, const lac_progress *now);
+
+/// The same for a history of which `done` steps are solved.
+void cli_progress_steps(cli_progress *progress, size_t done, size_t total);
+
+/// The same for any other work. @param what  "steps of the sampler"
+void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total);
+
+/// Takes the bar off the terminal.
+void cli_progress_clear(cli_progress *progress);
+
+/// Says what is being done, on stderr, with --verbose.
+void cli_say(const cli_request *request, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#endif

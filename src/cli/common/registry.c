@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The table of commands: arguments, help and options of each, and the function that does it.
+#include <string.h>
+
+#include "cli/common/command.h"
+
+enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
+
+static const cli_command commands[] = {
+    {"run", "CASE", "integrate a case in time, write a netCDF series",
+     "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
+     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
+     "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
+     "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
+         CLI_OPT_VIEW,
+     cli_run},
+    {"check", "CASE", "validate a case, print it and what it will cost",
+     "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
+    {"contact", "CASE", "press the surface, measure its contact, and stop",
+     "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
+     "every resolution, box side, cluster octave and specimen.\n",
+     "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_FRACTAL, cli_contact},
+    {"rg", "CASE|OUT.nc", "the cascade of slip and its critical shear force",
+     "Of a case, or of the cells and tractions in the file of a run or a contact. Writes slipped "
+     "fractions of every level at every load, and what follows from them, to -o FILE, else "
+     "CASE-rg.nc in this folder; -v prints them too.\n",
+     "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
+    {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
+     "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
+     cli_precursors},
+    {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
+     "The case's section fit says what is estimated, from which columns unless options name them. "
+     "Writes the draws, the "
+     "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
+     "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
+     "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
+     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
+    {"trade", "CASE", "error against cost, and the settings to choose",
+     "Runs the case at other settings, each in a process of its own, and lays error against CPU "
+     "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
+     "precision; of a cascade contacts, shifts, field; of a contact levels. To -o FILE, else "
+     "CASE-trade.nc here; tools/plot/plot_trade.py draws it.\n",
+     "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
+    {"report", "RUN.nc", "a run as one HTML page to look at",
+     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
+     "beside the run; --displacement and --velocity name their columns, unless the run's case "
+     "does. --fit draws what lacuna fit forecasts.\n",
+     "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
+    {"mend", "FILE.nc", "make a file readable whose writer was stopped",
+     "Of a run that was killed, or of a history of loads, the last values may be in "
+     "FILE.nc.journal "
+     "only, and FILE.nc may not open. All commands here read it all the same; mended, in place, "
+     "every program does. A run then still goes on by --resume.\n",
+     "lacuna mend OUT.nc", 1, 1, 0, cli_mend},
+    {"new", "[NAME]", "write a commented case file to start from",
+     "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
+     "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
+    {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
+     "KIND is a kind of model (friction, transfer ...) or a section of a case (time ...).\n",
+     "lacuna describe friction aging", 0, 2, 0, cli_describe},
+    {"completion", "SHELL", "completion of commands and options for a shell",
+     "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
+     "source <(lacuna completion bash)", 1, 1, 0, cli_completion},
+};
+
+const cli_command *cli_command_at(size_t index)
+{
+    return index < sizeof commands / sizeof *commands ? &commands[index] : NULL;
+}
+
+const cli_command *cli_command_find(const char *name)
+{
+    const cli_command *command;
+    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+        if (strcmp(command->name, name) == 0) {
+            return command;
+        }
+    }
+    return NULL;
+}

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How the program talks: notes on stderr, rows on stdout, the nearest word to an unknown one.
+#include "cli/common/words.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/nearest.h"
+#include "base/units.h"
+#include "cli/common/clean.h"
+
+lac_status cli_unknown(const char *where, const char *word, const char *what,
+                       const char *const *known, size_t count, lac_error *err)
+{
+    const char *near = lac_nearest(word, known, count);
+    if (near != NULL) {
+        return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where, word,
+                        what, near);
+    }
+    char list[512] = "";
+    for (size_t i = 0, used = 0; i < count && used < sizeof list; i++) {
+        used +=
+            (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
+}
+
+void cli_note_list(const char *format, va_list args)
+{
+    char text[2048];
+    (void)vsnprintf(text, sizeof text, format, args);
+    for (char *c = text; *c != '\0'; c++) {
+        *c = *c == '\n' || *c == '\t' ? '?' : *c; // a note is one line
+    }
+    text[cli_clean(text, strlen(text))] = '\0';
+    (void)fprintf(stderr, "lacuna: %s\n", text);
+}
+
+void cli_note(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    cli_note_list(format, args);
+    va_end(args);
+}
+
+void cli_row(const char *label, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    printf("  %-20s ", label);
+    (void)vprintf(format, args);
+    putchar('\n');
+    va_end(args);
+}
+
+const char *cli_quantity(double value, const char *unit, char *text, size_t size)
+{
+    char exact[64], *rest;
+    double number = strtod(lac_units_format(value, unit, exact, sizeof exact), &rest);
+    (void)snprintf(text, size, "%.4g%s", number, rest);
+    return text;
+}
+
+void cli_row_quantity(const char *label, double value, const char *unit)
+{
+    char text[64];
+    cli_row(label, "%s", cli_quantity(value, unit, text, sizeof text));
+}
+
+// @param lead  what the first line begins with, as wide as the others' indent
+static void wrap(const char *lead, const char *indent, const char *text)
+{
+    size_t width = 79 - strlen(indent), column = 0;
+    while (*text != '\0') {
+        size_t word = strcspn(text, " \n");
+        if (column > 0 && column + 1 + word > width) {
+            putchar('\n');
+            column = 0;
+            lead = indent;
+        }
+        if (word > 0) {
+            printf("%s%.*s", column == 0 ? lead : " ", (int)word, text);
+            column += word + (column > 0);
+        }
+        text += word;
+        text += strspn(text, " \n");
+    }
+    if (column > 0) {
+        putchar('\n');
+    }
+}
+
+void cli_wrap(const char *indent, const char *text) { wrap(indent, indent, text); }
+
+void cli_row_wrap(const char *label, const char *text)
+{
+    char lead[64];
+    (void)snprintf(lead, sizeof lead, "  %-20s ", label);
+    wrap(lead, "                       ", text);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_COMMON_WORDS_H
+#define LACUNA_CLI_COMMON_WORDS_H
+
+#include <stdarg.h>
+#include <stddef.h>
+
+#include "lacuna/error.h"
+
+/// An error that says what a word is not, and names the nearest known one, or all of them.
+/// @param where  put before it, "" or ending in ": "
+/// @param what   "command", "option" ...
+/// @return LAC_EINPUT
+lac_status cli_unknown(const char *where, const char *word, const char *what,
+                       const char *const *known, size_t count, lac_error *err);
+
+/// Prints one line on stderr, after the program's name.
+void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));
+
+/// Prints `  label    text` on stdout.
+void cli_row(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/// Writes a value to four digits with the unit that reads best.
+/// @return text, which also stands in `text`
+const char *cli_quantity(double value, const char *unit, char *text, size_t size);
+
+/// As cli_row, a text wrapped to 79 columns.
+void cli_row_wrap(const char *label, const char *text);
+
+/// Prints `  label    value unit` on stdout, the unit chosen to read well.
+void cli_row_quantity(const char *label, double value, const char *unit);
+
+/// Prints a text on stdout, wrapped to 79 columns, each line after `indent`.
+void cli_wrap(const char *indent, const char *text);
+
+#endif

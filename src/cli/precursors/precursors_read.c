@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The input of `lacuna precursors`: the motion in a series or a run, and the plan of forecasts.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+#include "cli/precursors/precursors.h"
+#include "store/store.h"
+
+enum { ISSUES = 200, MOST_ISSUES = 1000000 };
+static const double week = 604800.0;
+
+// A date attribute of a run's file, where it has one.
+static bool read_date(const char *path, const char *name, double *seconds)
+{
+    char text[64];
+    return lac_store_read_attribute(path, name, text, sizeof text, NULL) == LAC_OK &&
+           lac_date_parse(text, seconds);
+}
+
+static double read_number(const char *path, const char *name)
+{
+    char text[64];
+    return lac_store_read_attribute(path, name, text, sizeof text, NULL) == LAC_OK
+               ? strtod(text, NULL)
+               : NAN;
+}
+
+bool cli_watched_is_run(const cli_request *request)
+{
+    const char *path = request->argument[0];
+    char text[32];
+    return request->series.displacement == NULL && request->series.velocity == NULL &&
+           lac_store_read_attribute(path, "lacuna_format_version", text, sizeof text, NULL) ==
+               LAC_OK;
+}
+
+// Records whose time a double tells apart from the one before.
+static size_t keep_increasing(cli_watched *w, size_t n)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (isfinite(w->time[i]) && (kept == 0 || w->time[i] > w->time[kept - 1])) {
+            w->time[kept] = w->time[i];
+            w->displacement[kept] = w->displacement[i];
+            w->velocity[kept++] = w->velocity[i];
+        }
+    }
+    return kept;
+}
+
+static lac_status read_run(cli_watched *w, lac_error *err)
+{
+    size_t n = 0;
+    double start = 0.0;
+    lac_status status;
+    LAC_TRY(lac_store_read(w->path, "time", &w->time, &n, err));
+    LAC_TRY(lac_store_read(w->path, "slip", &w->displacement, &n, err));
+    LAC_TRY(lac_store_read(w->path, "slip_rate", &w->velocity, &n, err));
+    w->dated = read_date(w->path, "time_coverage_start", &start);
+    w->start = start;
+    w->failed_at = read_number(w->path, "failure_time_s") + start;
+    for (size_t i = 0; i < n; i++) {
+        w->time[i] += start;
+    }
+    w->readings = (lac_readings){.n = keep_increasing(w, n),
+                                 .time = w->time,
+                                 .displacement = w->displacement,
+                                 .velocity = w->velocity};
+out:
+    return status;
+}
+
+static lac_status read_series(const cli_request *request, const lac_units *units, cli_watched *w,
+                              lac_error *err)
+{
+    lac_status status = cli_series_read(request, w->path, units, &w->series, err);
+    if (status == LAC_OK) {
+        const lac_series *s = w->series;
+        w->dated = s->dated;
+        w->readings = (lac_readings){.n = s->n,
+                                     .time = s->time,
+                                     .displacement = s->displacement,
+                                     .velocity = s->velocity,
+                                     .sigma = s->sigma,
+                                     .displacement_digit = s->displacement_digit,
+                                     .velocity_digit = s->velocity_digit};
+    }
+    return status;
+}
+
+static lac_status cut(const cli_request *request, const lac_units *units, cli_watched *w,
+                      lac_error *err)
+{
+    double until = INFINITY;
+    if (request->until != NULL) {
+        lac_status status = cli_series_time("until", request->until, w->dated, units, &until, err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    while (w->readings.n > 0 && w->readings.time[w->readings.n - 1] > until) {
+        w->readings.n--;
+    }
+    if (w->readings.n == 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: has no reading%s%s", w->path,
+                        request->until != NULL ? " until " : "",
+                        request->until != NULL ? request->until : "");
+    }
+    return LAC_OK;
+}
+
+lac_status cli_watched_read(const cli_request *request, const lac_units *units, cli_watched *out,
+                            lac_error *err)
+{
+    const char *failed_at = request->forecast.failed_at;
+    *out = (cli_watched){.path = request->argument[0], .failed_at = NAN};
+    out->run = cli_watched_is_run(request);
+    lac_status status = out->run ? read_run(out, err) : read_series(request, units, out, err);
+    LAC_TRY(status);
+    LAC_TRY(cut(request, units, out, err));
+    if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
+        out->failed_at = INFINITY;
+    } else if (failed_at != NULL) {
+        LAC_TRY(cli_series_time("failed-at", failed_at, out->dated, units, &out->failed_at, err));
+    }
+    if (failed_at != NULL && !(out->failed_at > out->readings.time[0])) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         "--failed-at: \"%s\" must be later than the first reading", failed_at));
+    }
+out:
+    return status;
+}
+
+void cli_watched_clear(cli_watched *watched)
+{
+    lac_series_free(watched->series);
+    free(watched->time);
+    free(watched->displacement);
+    free(watched->velocity);
+}
+
+// The number after a colon, or after a comma that follows; 0 where it is none.
+static size_t read_count(const char *text, const char **end)
+{
+    char *after = NULL;
+    const long long value = strtoll(text, &after, 10);
+    *end = after;
+    return after != text && value > 0 && value <= MOST_ISSUES ? (size_t)value : 0;
+}
+
+static lac_status read_smoothing(const char *text, const lac_units *units, lac_motion_def *def,
+                                 lac_error *err)
+{
+    const char *end = "";
+    bool known = false;
+    if (strcmp(text, "none") == 0) {
+        known = true;
+    } else if (strncmp(text, "average:", 8) == 0) {
+        def->smoothing = LAC_SMOOTH_AVERAGE;
+        def->points = read_count(text + 8, &end);
+        known = def->points > 0 && *end == '\0';
+    } else if (strncmp(text, "window:", 7) == 0) {
+        def->smoothing = LAC_SMOOTH_WINDOW;
+        lac_status status = lac_units_parse(units, text + 7, "s", &def->window, err);
+        return status == LAC_OK ? status : lac_fail_within(err, status, "--smooth: \"%s\"", text);
+    } else if (strncmp(text, "savgol:", 7) == 0) {
+        def->smoothing = LAC_SMOOTH_SAVGOL;
+        def->points = read_count(text + 7, &end);
+        def->order = *end == ',' ? read_count(end + 1, &end) : 0;
+        known = def->points > 0 && def->order > 0 && *end == '\0';
+    }
+    return known ? LAC_OK
+                 : lac_fail(err, LAC_EINPUT,
+                            "--smooth: \"%s\" must be none, average:N, window:TIME or "
+                            "savgol:POINTS,ORDER",
+                            text);
+}
+
+static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error *err)
+{
+    const char *end = "";
+    def->short_run = read_count(text, &end);
+    def->long_run = *end == ',' ? read_count(end + 1, &end) : 0;
+    return def->short_run > 0 && def->long_run > def->short_run && *end == '\0'
+               ? LAC_OK
+               : lac_fail(
+                     err, LAC_EINPUT,
+                     "--onset: \"%s\" must be two numbers of velocities, the second larger: 3,7",
+                     text);
+}
+
+lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
+                                  cli_forecast_plan *plan, lac_error *err)
+{
+    const cli_forecast_words *words = &request->forecast;
+    lac_status status = LAC_OK;
+    *plan = (cli_forecast_plan){.def = lac_forecast_default(), .issues = ISSUES, .horizon = week};
+    plan->def.motion.raw = words->raw != NULL;
+    if (words->smooth != NULL) {
+        LAC_TRY(read_smoothing(words->smooth, units, &plan->def.motion, err));
+    }
+    if (words->since != NULL) {
+        LAC_TRY(cli_series_time("since", words->since, dated, units, &plan->def.since, err));
+    }
+    if (words->onset != NULL) {
+        LAC_TRY(read_onset(words->onset, &plan->def, err));
+    }
+    if (words->issues != NULL) {
+        const char *end = "";
+        plan->issues = read_count(words->issues, &end);
+        if (plan->issues == 0 || *end != '\0') {
+            LAC_TRY(lac_fail(err, LAC_EINPUT, "--issues: \"%s\" must be a number from 1 to %d",
+                             words->issues, (int)MOST_ISSUES));
+        }
+    }
+    if (words->horizon != NULL) {
+        status = lac_units_parse(units, words->horizon, "s", &plan->horizon, err);
+        if (status != LAC_OK || !(plan->horizon > 0.0)) {
+            status = lac_fail(err, LAC_EINPUT,
+                              "--horizon: \"%s\" must be a time > 0 s, such as \"7 "
+                              "day\"",
+                              words->horizon);
+        }
+    }
+out:
+    return status;
+}
+
+// In the unit that the file counts time in, where it is known.
+static void format_clock(const lac_series *series, double t, char *text, size_t size)
+{
+    if (series == NULL || series->time_name[0] == '\0') {
+        (void)lac_units_format(t, "s", text, size);
+        return;
+    }
+    const double x = t / series->time_unit;
+    const bool long_number = fabs(x) >= 1e6 && fabs(x) < 1e15;
+    (void)snprintf(text, size, long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
+}
+
+const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size)
+{
+    if (!isfinite(t)) {
+        (void)snprintf(text, size, "-");
+    } else if (!watched->dated) {
+        format_clock(watched->series, t, text, size);
+    } else if (strlen(lac_date_format(t, text, size)) == 20) {
+        text[10] = ' ';
+        text[16] = '\0';
+    } else {
+        (void)snprintf(text, size, "%s", t > 0.0 ? "after year 9999" : "before year 0");
+    }
+    return text;
+}

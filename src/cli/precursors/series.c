@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Monitoring files as the command line names them: columns with units, times; warns of doubts.
+#include "cli/precursors/series.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/date.h"
+#include "cli/common/words.h"
+#include "store/store_cells.h"
+#include "store/store_file.h"
+
+// Splits "column:unit" at its last colon, in a copy.
+static lac_status split(const char *option, const char *text, char **column, const char **unit,
+                        lac_error *err)
+{
+    *column = NULL;
+    *unit = NULL;
+    if (text == NULL) {
+        return LAC_OK;
+    }
+    const char *colon = strrchr(text, ':');
+    if (colon == text || (colon != NULL && colon[1] == '\0')) {
+        return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be COLUMN:UNIT, such as \"disp_mm:mm\"",
+                        option, text);
+    }
+    *column = strdup(text);
+    if (*column == NULL) {
+        return lac_fail_memory(err);
+    }
+    if (colon != NULL) {
+        (*column)[colon - text] = '\0';
+        *unit = colon + 1;
+    }
+    return LAC_OK;
+}
+
+// A file that is not there, or is a damaged run, has no columns to be asked for.
+static lac_status ask_for_columns(const char *path, lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_status status = LAC_OK;
+    if (access(path, R_OK) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    if (lac_stored_is_netcdf(path)) {
+        status = lac_stored_file_open(path, &file, err);
+        lac_stored_file_close(file);
+    }
+    return status == LAC_OK ? lac_fail(err, LAC_EINPUT,
+                                       "%s: which column is what? --displacement COLUMN:UNIT "
+                                       "and/or --velocity COLUMN:UNIT",
+                                       path)
+                            : status;
+}
+
+lac_status cli_series_read(const cli_request *request, const char *path, const lac_units *units,
+                           lac_series **out, lac_error *err)
+{
+    const cli_series_words *words = &request->series;
+    char *displacement = NULL;
+    char *velocity = NULL;
+    char *sigma = NULL;
+    lac_series_def def = {.path = path, .time = words->time, .time_format = words->time_format};
+    lac_status status;
+    *out = NULL;
+    if (words->displacement == NULL && words->velocity == NULL) {
+        LAC_TRY(ask_for_columns(path, err));
+    }
+    if (words->sigma != NULL && words->displacement == NULL) {
+        return lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too");
+    }
+    LAC_TRY(split("displacement", words->displacement, &displacement, &def.displacement_unit, err));
+    LAC_TRY(split("velocity", words->velocity, &velocity, &def.velocity_unit, err));
+    LAC_TRY(split("sigma", words->sigma, &sigma, &def.sigma_unit, err));
+    def.displacement = displacement;
+    def.velocity = velocity;
+    def.sigma = sigma;
+    LAC_TRY(lac_series_read(&def, units, out, err));
+    cli_series_warn(request, path, *out);
+out:
+    free(displacement);
+    free(velocity);
+    free(sigma);
+    return status;
+}
+
+void cli_series_warn(const cli_request *request, const char *path, const lac_series *series)
+{
+    for (size_t i = 0; i < series->doubts && !cli_given(request, CLI_OPT_QUIET); i++) {
+        cli_note("warning: %s: %s", path, series->doubt[i]);
+    }
+}
+
+void cli_series_warnings(lac_json *json, const lac_series *series)
+{
+    lac_json_open(json, "warnings", '[');
+    for (size_t i = 0; series != NULL && i < series->doubts; i++) {
+        lac_json_text(json, NULL, series->doubt[i]);
+    }
+    lac_json_close(json, ']');
+}
+
+lac_status cli_series_time(const char *option, const char *text, bool dated, const lac_units *units,
+                           double *time, lac_error *err)
+{
+    if (dated) {
+        return lac_date_parse(text, time)
+                   ? LAC_OK
+                   : lac_fail(err, LAC_EINPUT,
+                              "--%s: \"%s\" must be a date like 2015-07-02 or 2015-07-02T10:07Z, "
+                              "for the file has dates",
+                              option, text);
+    }
+    lac_status status = lac_units_parse(units, text, "s", time, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "--%s: \"%s\"", option, text);
+}

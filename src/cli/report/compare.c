@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Monitoring data beside a run: observed and modelled motion in tables, and how far they differ.
+#include "cli/report/compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "cli/common/words.h"
+#include "cli/precursors/series.h"
+
+enum { FEW_READINGS = 30 };
+
+static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, lac_series **out,
+                           lac_error *err)
+{
+    const lac_compare_def *def = &c->compare[i];
+    lac_series_def series = {
+        .path = def->path,
+        .time = def->time,
+        .displacement = def->displacement,
+        .displacement_unit = def->displacement_unit,
+        .velocity = def->velocity,
+        .velocity_unit = def->velocity_unit,
+    };
+    lac_status status = lac_series_read(&series, units, out, err);
+    if (status == LAC_OK && (*out)->dated && !c->dated) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: has dates, so time.start of %s must be a date to compare", def->path,
+                          c->path);
+    }
+    return status;
+}
+
+lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_compare *compare,
+                            lac_error *err)
+{
+    lac_units *units = NULL;
+    lac_status status = LAC_OK;
+    *compare = (cli_compare){.source = c};
+    if (c->compare_count == 0) {
+        return LAC_OK;
+    }
+    compare->series = calloc(c->compare_count, sizeof(lac_series *));
+    if (compare->series == NULL) {
+        return lac_fail_memory(err);
+    }
+    compare->count = c->compare_count;
+    LAC_TRY(lac_units_create(&units, err));
+    for (size_t i = 0; i < compare->count; i++) {
+        LAC_TRY(read_one(c, i, units, &compare->series[i], err));
+        cli_series_warn(request, c->compare[i].path, compare->series[i]);
+    }
+out:
+    lac_units_free(units);
+    return status;
+}
+
+void cli_compare_clear(cli_compare *compare)
+{
+    for (size_t i = 0; i < compare->count; i++) {
+        lac_series_free(compare->series[i]);
+    }
+    free(compare->series);
+    *compare = (cli_compare){0};
+}
+
+static const char *name_of(const lac_compare_def *def)
+{
+    return def->label != NULL ? def->label : def->path;
+}
+
+// The series' readings on the run's clock: seconds as written count from the start of the run.
+static double reading_time(const cli_compare *compare, size_t i, size_t k)
+{
+    const lac_series *series = compare->series[i];
+    bool from_start = !series->dated && compare->source->dated;
+    return series->time[k] + (from_start ? compare->source->start_date : 0);
+}
+
+static const char *format_time(const cli_compare *compare, double t, char *text, size_t size)
+{
+    return compare->source->dated ? lac_date_format(t, text, size)
+                                  : lac_units_format(t, "s", text, size);
+}
+
+// The series with its times on the run's clock; nothing else is copied.
+static lac_series *on_run_clock(const cli_compare *compare, size_t i, lac_series *view)
+{
+    *view = *compare->series[i];
+    view->time = malloc((view->n > 0 ? view->n : 1) * sizeof *view->time);
+    if (view->time == NULL) {
+        return NULL;
+    }
+    for (size_t k = 0; k < view->n; k++) {
+        view->time[k] = reading_time(compare, i, k);
+    }
+    return view;
+}
+
+// One line: when, observed, modelled, their ratio.
+static void print_reading(const char *when, double observed, double modelled, const char *unit)
+{
+    char left[32], right[32], ratio[32] = "-";
+    if (isnan(modelled)) {
+        (void)snprintf(right, sizeof right, "- (outside)");
+    } else {
+        (void)cli_quantity(modelled, unit, right, sizeof right);
+        if (observed != 0) {
+            (void)snprintf(ratio, sizeof ratio, "%.2g", modelled / observed);
+        }
+    }
+    printf("    %-21s %-18s %-18s %s\n", when, cli_quantity(observed, unit, left, sizeof left),
+           right, ratio);
+}
+
+static void print_rates(const cli_compare *compare, const lac_series *series,
+                        const lac_history *run)
+{
+    for (size_t k = 0; k < series->n; k++) {
+        double slip, rate = NAN;
+        char when[32];
+        if (!isnan(series->velocity[k])) {
+            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+            print_reading(format_time(compare, series->time[k], when, sizeof when),
+                          series->velocity[k], inside ? rate : NAN, "m/s");
+        }
+    }
+}
+
+static void print_slips(const cli_compare *compare, const lac_series *series,
+                        const lac_history *run, double offset)
+{
+    for (size_t k = 0; k < series->n; k++) {
+        double slip = NAN, rate;
+        char when[32];
+        if (!isnan(series->displacement[k])) {
+            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+            print_reading(format_time(compare, series->time[k], when, sizeof when),
+                          series->displacement[k], inside ? slip + offset : NAN, "m");
+        }
+    }
+}
+
+static void print_readings(const cli_compare *compare, const lac_series *series,
+                           const lac_history *run, const lac_misfit *misfit)
+{
+    const char *form = "    %-21s %-18s %-18s modelled/observed\n";
+    const char *when = compare->source->dated ? "date" : "time";
+    if (series->n > FEW_READINGS) {
+        return;
+    }
+    if (series->displacement != NULL) {
+        printf(form, when, "slip, observed", "modelled + offset");
+        print_slips(compare, series, run, misfit->displacement_offset);
+    }
+    if (series->velocity != NULL) {
+        printf(form, when, "rate, observed", "modelled");
+        print_rates(compare, series, run);
+    }
+}
+
+static void print_misfit(const lac_series *series, const lac_misfit *misfit)
+{
+    char rms[32], offset[32];
+    if (misfit->displacement_count > 0) {
+        cli_row("  slip misfit", "rms %s over %zu readings, after an offset of %s",
+                cli_quantity(misfit->displacement_rms, "m", rms, sizeof rms),
+                misfit->displacement_count,
+                cli_quantity(misfit->displacement_offset, "m", offset, sizeof offset));
+    }
+    if (misfit->velocity_count > 0) {
+        cli_row("  rate misfit", "rms of log10 %.3g over %zu readings (a factor of %.2g)",
+                misfit->log_rate_rms, misfit->velocity_count, pow(10, misfit->log_rate_rms));
+    }
+    if (misfit->displacement_count + misfit->velocity_count == 0) {
+        cli_row("  misfit", "none: no reading lies within the run");
+    }
+    cli_row("  left out", "%zu outside the run, %zu missing, %zu duplicates", misfit->outside,
+            series->missing, series->duplicates);
+}
+
+static void print_one(const cli_compare *compare, size_t i, const lac_history *run)
+{
+    lac_series view;
+    lac_misfit misfit = {0};
+    if (on_run_clock(compare, i, &view) == NULL) {
+        cli_row("  misfit", "none: out of memory");
+        return;
+    }
+    lac_series_compare(&view, run, &misfit);
+    printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
+           compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
+    print_readings(compare, &view, run, &misfit);
+    print_misfit(&view, &misfit);
+    if (view.attribution != NULL && view.attribution[0] != '\0') {
+        cli_wrap("    ", view.attribution);
+    }
+    free(view.time);
+}
+
+void cli_compare_print(const cli_compare *compare, const lac_history *run)
+{
+    for (size_t i = 0; i < compare->count; i++) {
+        print_one(compare, i, run);
+    }
+}
+
+// A value of an optional column.
+static double column_value(const double *column, size_t k)
+{
+    return column != NULL ? column[k] : NAN;
+}
+
+static void write_readings(lac_json *json, const cli_compare *compare, const lac_series *series,
+                           const lac_history *run)
+{
+    lac_json_open(json, "readings", '[');
+    for (size_t k = 0; k < series->n && series->n <= FEW_READINGS; k++) {
+        double slip = NAN, rate = NAN;
+        char date[32];
+        bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+        lac_json_open(json, NULL, '{');
+        if (compare->source->dated) {
+            lac_json_text(json, "date", lac_date_format(series->time[k], date, sizeof date));
+        }
+        lac_json_number(json, "time_s", series->time[k] - compare->source->start_date);
+        lac_json_number(json, "observed_slip_m", column_value(series->displacement, k));
+        lac_json_number(json, "observed_slip_rate_m_s", column_value(series->velocity, k));
+        lac_json_number(json, "modelled_slip_m", inside ? slip : NAN);
+        lac_json_number(json, "modelled_slip_rate_m_s", inside ? rate : NAN);
+        lac_json_close(json, '}');
+    }
+    lac_json_close(json, ']');
+}
+
+static void write_misfit(lac_json *json, const lac_misfit *misfit)
+{
+    bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
+    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
+    lac_json_number(json, "slip_rms_m", slips ? misfit->displacement_rms : NAN);
+    lac_json_number(json, "slip_offset_m", slips ? misfit->displacement_offset : NAN);
+    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
+    lac_json_number(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN);
+    lac_json_integer(json, "outside", (int64_t)misfit->outside);
+}
+
+static void write_one(lac_json *json, const cli_compare *compare, size_t i, const lac_history *run)
+{
+    const lac_compare_def *def = &compare->source->compare[i];
+    lac_series view;
+    lac_misfit misfit = {0};
+    if (on_run_clock(compare, i, &view) == NULL) {
+        return;
+    }
+    lac_series_compare(&view, run, &misfit);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "label", name_of(def));
+    lac_json_text(json, "path", def->path);
+    write_misfit(json, &misfit);
+    lac_json_integer(json, "missing", (int64_t)view.missing);
+    lac_json_integer(json, "duplicates", (int64_t)view.duplicates);
+    cli_series_warnings(json, &view);
+    write_readings(json, compare, &view, run);
+    lac_json_text(json, "attribution", view.attribution);
+    lac_json_close(json, '}');
+    free(view.time);
+}
+
+void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)
+{
+    lac_json_open(json, "compare", '[');
+    for (size_t i = 0; i < compare->count; i++) {
+        write_one(json, compare, i, run);
+    }
+    lac_json_close(json, ']');
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_REPORT_REPORT_H
+#define LACUNA_CLI_REPORT_REPORT_H
+
+#include "cli/common/options.h"
+#include "data/json.h"
+
+/// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
+void cli_report_print(const lac_case_report *report, const cli_request *request);
+
+/// The same with the warnings of keys that begin with `section` only.
+void cli_report_print_of(const lac_case_report *report, const cli_request *request,
+                         const char *section);
+
+/// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
+void cli_report_json(lac_json *json, const char *key, const lac_case_report *report, bool warnings);
+
+/// Adds an error, or a warning, that was found beyond the text of the case.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,
+                          const char *message, bool warning, lac_error *err);
+
+/// Reads the request's case and prints what is wrong with it, and what the files of its loads leave
+/// open (a column without a unit) as warnings.
+/// @param purpose  what the command does with it
+/// @param report  kept for the caller, who clears it; NULL where only errors are to be printed
+/// @return what lac_case_read returns
+lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
+                         lac_case_report *report, lac_error *err);
+
+/// Reads a time of a run of the case: a date where it has one, else a time.
+/// @param time  since the start of the run [s]
+/// @return LAC_OK; LAC_EINPUT, with what is allowed; LAC_EIO, LAC_ENOMEM
+lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err);
+
+/// Puts the case's name before the message of what went wrong with its scene.
+/// @param c  NULL: the case could not be read, and the message says so already
+/// @return status, unchanged
+lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err);
+
+#endif

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna run: a simulation with its file, its page and its progress.
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/units.h"
+#include "cli/common/command.h"
+#include "cli/common/failure.h"
+#include "cli/common/inputs.h"
+#include "cli/common/libraries.h"
+#include "cli/common/output.h"
+#include "cli/common/progress.h"
+#include "cli/common/signals.h"
+#include "cli/common/words.h"
+#include "cli/report/report.h"
+#include "cli/run/resume.h"
+#include "cli/run/run_outcome.h"
+#include "cli/view/view.h"
+
+// Everything that a run holds.
+typedef struct run_job {
+    const cli_request *request;
+    lac_case *source;
+    cli_compare compare;
+    lac_simulation *simulation;
+    lac_store *store; // NULL: not begun to write
+    cli_history history;
+    cli_progress progress;
+    cli_view *view; // with --view
+    char *path, *inputs;
+    char libraries[256];
+    lac_kept_checkpoint resume; // with --resume
+    double started;
+} run_job;
+
+static void job_clear(run_job *job)
+{
+    cli_view_close(job->view);
+    lac_store_free(job->store);
+    lac_simulation_free(job->simulation);
+    cli_history_clear(&job->history);
+    cli_compare_clear(&job->compare);
+    lac_kept_checkpoint_clear(&job->resume);
+    free(job->path);
+    free(job->inputs);
+    lac_case_free(job->source);
+}
+
+// --until as seconds since the start of the run.
+static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
+{
+    lac_status status = cli_parse_time(text, c, until, err);
+    return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
+}
+
+static lac_status shorten(const char *text, lac_case *c, lac_error *err)
+{
+    double until = NAN;
+    if (text == NULL) {
+        return LAC_OK;
+    }
+    lac_status status = parse_until(text, c, &until, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (!(until > 0) || until > c->run.end) {
+        char end[64];
+        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
+                        lac_units_format(c->run.end, "s", end, sizeof end));
+    }
+    c->run.end = until;
+    return LAC_OK;
+}
+
+static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
+
+// Reads what --resume goes on from, of the case as it is run.
+static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
+{
+    char time[64];
+    char *text = lac_case_text(c);
+    lac_status status = text == NULL ? lac_fail_memory(err)
+                                     : cli_resume_read(job->path, text, job->inputs, job->libraries,
+                                                       &job->resume, err);
+    free(text);
+    if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--resume: the checkpoint of %s is at %s, not before the end of the run",
+                        job->path, lac_units_format(job->resume.from.time, "s", time, sizeof time));
+    }
+    return status;
+}
+
+// All that can be wrong with the request is found here, before anything is computed.
+static lac_status prepare(run_job *job, lac_error *err)
+{
+    lac_status status;
+    if (goes_on(job) && cli_given(job->request, CLI_OPT_FORCE)) {
+        return lac_fail(err, LAC_EINPUT, "--resume keeps the file, --force replaces it: not both");
+    }
+    LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
+    if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
+        cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
+                 job->source->path);
+    }
+    LAC_TRY(shorten(job->request->until, job->source, err));
+    LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
+                            err));
+    LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
+    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    job->inputs = cli_inputs_sums(job->source);
+    LAC_TRY(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
+    if (goes_on(job) && isnan(job->source->accuracy)) {
+        LAC_TRY(read_checkpoint(job, job->source, err));
+    }
+out:
+    return status;
+}
+
+static bool on_interrupted(void *context)
+{
+    (void)context;
+    return cli_signals_stop();
+}
+
+// Of pilot runs too, which are not on the page.
+static void on_progress(void *context, const lac_progress *now)
+{
+    run_job *job = context;
+    cli_progress_show(&job->progress, now);
+    if (job->store != NULL) {
+        cli_view_progress(job->view, now);
+    }
+}
+
+static void on_prepared(void *context, lac_stage stage, const lac_outcome *so_far)
+{
+    run_job *job = context;
+    const cli_request *request = job->request;
+    if (stage == LAC_STAGE_SCENE) {
+        cli_say(request, "%zu contact cells after %.2f s", so_far->scene->contact.domain->n,
+                cli_clock() - job->started);
+        if (!isnan(job->source->accuracy)) {
+            cli_say(request, "pilot runs for an error of %g", job->source->accuracy);
+            cli_progress_start(&job->progress, request);
+        }
+        return;
+    }
+    cli_progress_clear(&job->progress);
+    if (so_far->accuracy != NULL && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("accuracy: %s", so_far->accuracy->text);
+    }
+    if (so_far->source->analysis.count > 0) {
+        cli_say(request, "preparing the indicators");
+    }
+}
+
+static lac_status create(run_job *job, lac_error *err)
+{
+    lac_simulation_options options = lac_simulation_options_default();
+    options.interrupted = on_interrupted;
+    options.progress = on_progress;
+    options.prepared = on_prepared;
+    options.context = job;
+    const lac_status status = lac_simulation_create(job->source, &options, &job->simulation, err);
+    cli_progress_clear(&job->progress);
+    return cli_blame(job->source, status, err);
+}
+
+static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error *err)
+{
+    lac_store_def def;
+    lac_status status = lac_simulation_file(job->simulation, &def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    cli_sign(job->request, job->libraries, &def.provenance);
+    def.path = job->path;
+    def.force = cli_given(job->request, CLI_OPT_FORCE);
+    def.inputs = job->inputs;
+    if (goes_on(job)) {
+        def.resume = &job->resume;
+        lac_simulation_resume(job->simulation, &job->resume.from);
+    }
+    cli_view_begin(job->view, &def, so_far->once);
+    return lac_store_create(&def, &job->store, err);
+}
+
+static lac_status integrate(run_job *job, lac_error *err)
+{
+    const lac_sink stored = lac_store_sink(job->store);
+    job->history = (cli_history){
+        .next = cli_view_sink(job->view, &stored),
+        .keep = job->compare.count > 0,
+        .clock = job->source->dated ? job->source->start_date : 0,
+    };
+    const lac_sink sink = cli_history_sink(&job->history);
+    cli_progress_start(&job->progress, job->request);
+    lac_status status = lac_simulation_run(job->simulation, &sink, err);
+    cli_progress_clear(&job->progress);
+    return status;
+}
+
+static lac_status close_store(run_job *job, lac_status status, const cli_outcome *outcome,
+                              lac_error *err)
+{
+    lac_error late = {0};
+    const lac_run_result *run = &outcome->of->run;
+    lac_status finished =
+        lac_store_finish(job->store, outcome->status, run, outcome->wall_time, &late);
+    if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
+        *err = late;
+        return finished;
+    }
+    if (status == LAC_EINTERRUPT) {
+        char time[64];
+        bool saved = job->history.saved || goes_on(job);
+        return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
+                        lac_units_format(run->time, "s", time, sizeof time), job->path,
+                        saved ? ", and --resume goes on" : "");
+    }
+    return status;
+}
+
+// What mends a balance that is off.
+static const char *remedy(const run_job *job, const cli_outcome *outcome, bool integrated)
+{
+    if (outcome->of->accuracy != NULL) {
+        return "the accuracy asked for is kept, but single cells are further off: ask for a "
+               "smaller one";
+    }
+    if (job->source->run.fidelity == LAC_FIDELITY_EVENTS) {
+        return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc, or damping "
+               "where few cells touch on little of the area, needs solver.fidelity: ode";
+    }
+    return integrated ? "tighten solver.rtol, or see solver.projection and formulation: slip"
+                      : "cells at rest are held at the slowest rate that is followed";
+}
+
+// A hundredth of the strength: it then shows in what is drawn from the run. Slip is off by some
+// five times the drift, which grows as the steps do that a load's swings ask for.
+static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
+{
+    double residual = outcome->of->run.balance_residual;
+    double drift = outcome->of->run.rate_drift;
+    double most = fmin(0.01, fmax(1e-4, 300.0 * outcome->of->source->run.rtol));
+    bool all_at_once = job->source->run.fidelity == LAC_FIDELITY_ODE;
+    bool integrated = lac_problem_formulation(outcome->of->scene->problem) != LAC_FORMULATION_SLIP;
+    const char *mend = remedy(job, outcome, integrated);
+    if (!(residual <= 0.01)) {
+        cli_note("warning: the traction balance %s by %.2g of the strength; %s",
+                 integrated ? "drifted" : "is off", residual, mend);
+    } else if (all_at_once && drift > most) {
+        cli_note("warning: the mean slip rate is off the traction balance by %.2g of itself, and "
+                 "slip by more; %s, or take method: erk",
+                 drift, mend);
+    }
+}
+
+static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status,
+                                lac_error *err)
+{
+    if (!cli_given(job->request, CLI_OPT_QUIET)) {
+        warn_of_balance(job, outcome);
+        cli_failure_warn(&outcome->of->run.failure);
+    }
+    if (cli_given(job->request, CLI_OPT_JSON)) {
+        const lac_status shown = cli_outcome_json(outcome, status == LAC_OK ? err : NULL);
+        status = status == LAC_OK ? shown : status;
+    } else if (status == LAC_OK || status == LAC_EINTERRUPT) {
+        cli_outcome_print(outcome);
+    }
+    return status;
+}
+
+static lac_status compute(run_job *job, lac_error *err)
+{
+    cli_outcome outcome = {
+        .of = lac_simulation_result(job->simulation),
+        .history = &job->history,
+        .compare = &job->compare,
+        .path = job->path,
+        .resumed = goes_on(job) ? &job->resume.from : NULL,
+    };
+    cli_signals_hold();
+    lac_status status = open_store(job, outcome.of, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    cli_say(job->request, "integrating to %g s", job->source->run.end);
+    status = integrate(job, err);
+    outcome.status = outcome.of->status;
+    outcome.wall_time = cli_clock() - job->started;
+    status = close_store(job, status, &outcome, err);
+    if (status == LAC_EIO) {
+        outcome.status = "failed"; // the file is not whole
+    }
+    status = print_outcome(job, &outcome, status, err);
+    cli_view_end(job->view, outcome.status, cli_outcome_failed(&outcome),
+                 status != LAC_OK ? err->message : "");
+    return status;
+}
+
+lac_status cli_run(const cli_request *request, lac_error *err)
+{
+    run_job job = {.request = request, .started = cli_clock()};
+    lac_status status;
+    LAC_TRY(prepare(&job, err));
+    LAC_TRY(cli_view_open(request, &job.view, err));
+    cli_say(request, "building the scene of %s", request->argument[0]);
+    LAC_TRY(create(&job, err));
+    if (goes_on(&job) && !isnan(job.source->accuracy)) {
+        LAC_TRY(read_checkpoint(&job, lac_simulation_result(job.simulation)->source, err));
+    }
+    LAC_TRY(compute(&job, err));
+out:
+    job_clear(&job);
+    return status;
+}

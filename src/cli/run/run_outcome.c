@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What lacuna run says of a run that is over, on the terminal and in JSON.
+#include "cli/run/run_outcome.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "base/date.h"
+#include "base/units.h"
+#include "cli/common/failure.h"
+#include "cli/common/words.h"
+#include "cli/contact/measures.h"
+
+static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
+
+double cli_cpu_time(void)
+{
+    struct rusage usage;
+    (void)getrusage(RUSAGE_SELF, &usage);
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// Linux counts in KiB.
+static int64_t peak_memory(void)
+{
+    struct rusage usage;
+    (void)getrusage(RUSAGE_SELF, &usage);
+    return (int64_t)usage.ru_maxrss * 1024;
+}
+
+static double apparent_friction(const lac_record *record)
+{
+    return record->seen.shear_force / record->seen.normal_force;
+}
+
+// Whether the computation broke, or its file is not whole.
+static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "failed") == 0; }
+
+bool cli_outcome_failed(const cli_outcome *outcome)
+{
+    return outcome->of->run.failed && !broke(outcome);
+}
+
+static double failure_time(const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->of->run;
+    return cli_outcome_failed(outcome) ? result->failure_origin + result->failure_local : NAN;
+}
+
+// "" where the run has no date or no failure.
+static const char *failure_date(const cli_outcome *outcome, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (!isnan(failure_time(outcome)) && outcome->of->source->dated) {
+        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text, size);
+    }
+    return text;
+}
+
+static const char *formulation(const cli_outcome *outcome)
+{
+    return lac_formulation_name(lac_problem_formulation(outcome->of->scene->problem));
+}
+
+static const char *fidelity(const cli_outcome *outcome)
+{
+    return lac_fidelity_name(outcome->of->source->run.fidelity);
+}
+
+static const char *end_reason(const cli_outcome *outcome)
+{
+    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end);
+}
+
+static void print_failure(const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->of->run;
+    char time[64], date[32], rate[64];
+    if (result->failed) {
+        bool by_slip = result->end == LAC_END_SLIP;
+        (void)lac_units_format(failure_time(outcome), "s", time, sizeof time);
+        (void)failure_date(outcome, date, sizeof date);
+        cli_row("failure", "after %s%s%s%s", time, date[0] != '\0' ? ", on " : "", date,
+                by_slip ? ", by slip (time.failure.mean_slip)" : "");
+    } else {
+        (void)lac_units_format(result->time, "s", time, sizeof time);
+        if (strcmp(outcome->status, "complete") != 0) {
+            cli_row("failure", "none by %s, where the run was %s", time,
+                    broke(outcome) ? "broken off" : "interrupted");
+        } else if (result->end == LAC_END_STOP) {
+            cli_row("failure", "none; a limit of time.stop_when was reached after %s", time);
+        } else {
+            cli_row("failure", "none by the end, after %s", time);
+        }
+    }
+    if (result->failure.lowered) {
+        (void)lac_units_format(result->failure.rate, "m/s", rate, sizeof rate);
+        cli_row("failure rate", "%s, %s", rate, cli_failure_lowered);
+    }
+}
+
+static void print_friction(const cli_history *history)
+{
+    if (history->begun) {
+        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
+                apparent_friction(&history->first), apparent_friction(&history->last));
+    }
+}
+
+static void print_cost(const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->of->run;
+    char wall[32], cpu[32];
+    cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
+            result->rhs_evaluations);
+    if (outcome->of->accuracy != NULL) {
+        cli_row_wrap("accuracy", outcome->of->accuracy->text);
+    }
+    cli_row("fidelity", "%s", fidelity(outcome));
+    cli_row("formulation", "%s", formulation(outcome));
+    cli_row("balance residual", "%.2g at worst", result->balance_residual);
+    cli_row("time taken", "%s, CPU %s", cli_quantity(outcome->wall_time, "s", wall, sizeof wall),
+            cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
+    cli_row("peak memory", "%.3g MB", (double)peak_memory() / 1e6);
+    if (outcome->resumed != NULL) {
+        char time[64];
+        (void)lac_units_format(outcome->resumed->time, "s", time, sizeof time);
+        cli_row("resumed", "at %s, %s", time,
+                outcome->resumed->planned ? "a planned checkpoint: the same to the last bit"
+                                          : "a forced checkpoint: the same within solver.rtol");
+    }
+    cli_row("file", "%s (%s)", outcome->path, outcome->status);
+}
+
+// What the indicators say.
+static void print_analysis(const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->lines; k++) {
+            cli_row(indicator->line[k].label, "%s", indicator->line[k].text);
+        }
+    }
+}
+
+void cli_outcome_print(const cli_outcome *outcome)
+{
+    lac_history run = cli_history_view(outcome->history);
+    if (outcome->of->source->title != NULL) {
+        puts(outcome->of->source->title);
+    }
+    cli_measures_print(&outcome->of->scene->contact);
+    print_friction(outcome->history);
+    print_failure(outcome);
+    cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
+    cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
+    print_analysis(outcome->of->analysis);
+    print_cost(outcome);
+    cli_compare_print(outcome->compare, &run);
+}
+
+static void write_failure(lac_json *json, const cli_outcome *outcome)
+{
+    char date[32];
+    (void)failure_date(outcome, date, sizeof date);
+    if (broke(outcome)) {
+        lac_json_null(json, "failed");
+    } else {
+        lac_json_boolean(json, "failed", outcome->of->run.failed);
+    }
+    lac_json_number(json, "failure_time_s", failure_time(outcome));
+    lac_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
+    lac_json_text(json, "ended_by", end_reason(outcome));
+    lac_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
+    lac_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
+    lac_json_number(json, "time_s", outcome->of->run.time);
+}
+
+static void write_results(lac_json *json, const cli_outcome *outcome)
+{
+    const cli_history *history = outcome->history;
+    const lac_run_result *result = &outcome->of->run;
+    lac_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
+    lac_json_number(json, "mean_slip_m", result->mean_slip);
+    if (!lac_analysis_has_events(outcome->of->analysis)) {
+        lac_json_null(json, "events"); // else the catalogue says how many
+    }
+    lac_json_number(json, "balance_residual", result->balance_residual);
+    lac_json_number(json, "rate_drift", result->rate_drift);
+    lac_json_text(json, "fidelity", fidelity(outcome));
+    lac_json_text(json, "formulation", formulation(outcome));
+    lac_json_number(json, "initial_apparent_friction",
+                    history->begun ? apparent_friction(&history->first) : NAN);
+    lac_json_number(json, "apparent_friction",
+                    history->begun ? apparent_friction(&history->last) : NAN);
+}
+
+static void write_cost(lac_json *json, const cli_outcome *outcome)
+{
+    const lac_run_result *result = &outcome->of->run;
+    lac_json_integer(json, "steps", result->steps);
+    lac_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
+    lac_json_integer(json, "newton_iterations", result->newton_iterations);
+    lac_json_integer(json, "linear_solves", result->linear_solves);
+    lac_json_integer(json, "error_test_fails", result->error_test_fails);
+    lac_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
+    lac_json_number(json, "wall_time_s", outcome->wall_time);
+    lac_json_number(json, "cpu_time_s", cli_cpu_time());
+    lac_json_integer(json, "peak_memory_bytes", peak_memory());
+}
+
+static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
+{
+    if (pick == NULL) {
+        lac_json_null(json, "accuracy");
+        return;
+    }
+    lac_json_open(json, "accuracy", '{');
+    lac_json_number(json, "asked", pick->asked);
+    lac_json_number(json, "estimated", pick->estimated);
+    lac_json_text(json, "quantity", pick->of);
+    lac_json_number(json, "rtol", pick->rtol);
+    lac_json_text(json, "method", pick->method);
+    lac_json_text(json, "formulation", pick->formulation);
+    lac_json_integer(json, "pilots", pick->pilots);
+    lac_json_integer(json, "pilot_rhs_evaluations", pick->evaluations);
+    lac_json_close(json, '}');
+}
+
+static void write_analysis(lac_json *json, const lac_analysis *analysis)
+{
+    const lac_indicator *indicator;
+    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+        for (size_t k = 0; k < indicator->results; k++) {
+            const lac_analysis_result *result = &indicator->result[k];
+            if (result->text != NULL) {
+                lac_json_text(json, result->key, result->text);
+            } else if (result->value == rint(result->value) && fabs(result->value) < 1e15) {
+                lac_json_integer(json, result->key, (int64_t)result->value); // 40, not 4e+01
+            } else {
+                lac_json_number(json, result->key, result->value);
+            }
+        }
+    }
+}
+
+lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
+{
+    lac_json json = {.out = stdout};
+    lac_history run = cli_history_view(outcome->history);
+    lac_json_open(&json, NULL, '{');
+    lac_json_text(&json, "title", outcome->of->source->title);
+    lac_json_text(&json, "status", outcome->status);
+    write_failure(&json, outcome);
+    lac_status status = cli_measures_json(&json, &outcome->of->scene->contact, err);
+    write_results(&json, outcome);
+    write_accuracy(&json, outcome->of->accuracy);
+    write_analysis(&json, outcome->of->analysis);
+    write_cost(&json, outcome);
+    if (outcome->resumed != NULL) {
+        lac_json_number(&json, "resumed_at_s", outcome->resumed->time);
+        lac_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
+    }
+    lac_json_text(&json, "output", outcome->path);
+    cli_compare_json(&json, outcome->compare, &run);
+    lac_json_close(&json, '}');
+    return status;
+}

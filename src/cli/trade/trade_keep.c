@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a trade has measured so far, kept in a folder beside its output until that is written.
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/trade/trade.h"
+
+static const char heading[] = "lacuna trade 1\n";
+
+static char *join(const char *folder, const char *name)
+{
+    const size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (path != NULL) {
+        (void)snprintf(path, size, "%s/%s", folder, name);
+    }
+    return path;
+}
+
+// Whether a trade gives a file this name: of a run, while it is made, and what stands beside it.
+static bool is_of_run(const char *name)
+{
+    static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-", ".mended.lacuna-"};
+    name += *name == '.';
+    if (strncmp(name, "run-", 4) != 0) {
+        return false;
+    }
+    const size_t digits = strspn(name + 4, "0123456789");
+    const char *rest = name + 4 + digits;
+    bool known = digits > 0 && strncmp(rest, ".nc", 3) == 0;
+    bool fits = known && rest[3] == '\0';
+    for (size_t i = 0; known && i < sizeof endings / sizeof endings[0]; i++) {
+        fits |= strncmp(rest + 3, endings[i], strlen(endings[i])) == 0;
+    }
+    return fits;
+}
+
+// Removes what a trade puts there, nothing else.
+static void sweep(const char *folder, bool done_too)
+{
+    DIR *files = opendir(folder);
+    const struct dirent *file;
+    while (files != NULL && (file = readdir(files)) != NULL) {
+        if (is_of_run(file->d_name) || (done_too && strcmp(file->d_name, "done") == 0)) {
+            (void)unlinkat(dirfd(files), file->d_name, 0);
+        }
+    }
+    if (files != NULL) {
+        (void)closedir(files);
+    }
+}
+
+// Whether `done` is a trade's, or as far as its first line got.
+static bool is_done_ours(int folder)
+{
+    char begins[sizeof heading] = "";
+    struct stat about;
+    int fd = openat(folder, "done", O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) {
+        return false;
+    }
+    const ssize_t n = fstat(fd, &about) == 0 && S_ISREG(about.st_mode)
+                          ? pread(fd, begins, sizeof begins - 1, 0)
+                          : -1;
+    (void)close(fd);
+    return n >= 0 && strncmp(begins, heading, (size_t)n) == 0;
+}
+
+// A folder that was there: all in it must be a trade's, since what it has is taken away in the end.
+static lac_status check_folder(const char *folder, bool resume, lac_error *err)
+{
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *files = fd >= 0 ? fdopendir(fd) : NULL;
+    if (files == NULL) {
+        return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", folder,
+                        strerror(errno));
+    }
+    lac_status status = LAC_OK;
+    const bool ours = is_done_ours(fd);
+    const struct dirent *file;
+    while (status == LAC_OK && (file = readdir(files)) != NULL) {
+        const char *name = file->d_name;
+        const bool done = strcmp(name, "done") == 0;
+        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0 ||
+            (ours && (done || is_of_run(name))) || (done && resume)) {
+            continue; // what `done` holds --resume says itself
+        }
+        status =
+            lac_fail(err, LAC_EINPUT, "%s/%s: no trade wrote that; move it away", folder, name);
+    }
+    (void)closedir(files);
+    return status;
+}
+
+// The next number of a line; false where there is none.
+static bool next_number(char **at, double *value)
+{
+    char *end;
+    *value = strtod(*at, &end);
+    const bool good = end != *at;
+    *at = end;
+    return good;
+}
+
+// One line: the key, how the run ended, its numbers, its message.
+static bool read_line(char *line, uint64_t *key, lac_trade_measure *m)
+{
+    double number[8];
+    char *at;
+    *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
+    *key = strtoull(line, &at, 16);
+    bool good = at == line + 16;
+    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++) {
+        good = next_number(&at, &number[i]);
+    }
+    for (int q = 0; good && q < LAC_QUANTITIES; q++) {
+        good = next_number(&at, &m->value[q]);
+    }
+    if (!good || !(number[0] >= LAC_TRADE_DONE && number[0] <= LAC_TRADE_GIVEN_UP)) {
+        return false;
+    }
+    (void)snprintf(m->message, sizeof m->message, "%s", *at == ' ' ? at + 1 : at);
+    m->end = (lac_trade_end)(int)number[0];
+    m->wall_time = number[1];
+    m->cpu_time = number[2];
+    int64_t *const counts[] = {&m->memory, &m->output, &m->steps, &m->evaluations, &m->cells};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        *counts[i] = (int64_t)number[3 + i];
+    }
+    return true;
+}
+
+static void take_over(cli_trade_job *job, char *line)
+{
+    uint64_t key;
+    lac_trade_measure m;
+    if (!read_line(line, &key, &m)) {
+        return;
+    }
+    for (size_t i = 0; i < job->plan.runs; i++) {
+        if (job->measure[i].end == LAC_TRADE_PENDING && job->settings[i].key == key) {
+            job->measure[i] = m;
+        }
+    }
+}
+
+// Reads what a trade before this one has done; a line that was torn when it was killed is dropped.
+static lac_status read_kept(cli_trade_job *job, const char *path, lac_error *err)
+{
+    char *line = NULL;
+    size_t size = 0;
+    off_t whole = 0;
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        return lac_fail(err, LAC_EIO, "--resume: %s: %s", path, strerror(errno));
+    }
+    for (ssize_t n = 0; (n = getline(&line, &size, file)) > 0 && line[n - 1] == '\n';) {
+        if (whole == 0 && strcmp(line, heading) != 0) {
+            break;
+        }
+        whole += n;
+        line[n - 1] = '\0';
+        take_over(job, line);
+    }
+    free(line);
+    (void)fclose(file);
+    if (whole == 0) {
+        return lac_fail(err, LAC_EINPUT, "--resume: %s: holds no runs of a trade", path);
+    }
+    return ftruncate(job->kept, whole) == 0
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+}
+
+static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
+{
+    const size_t n = strlen(text);
+    errno = 0;
+    if (write(job->kept, text, n) != (ssize_t)n || fsync(job->kept) != 0) {
+        return lac_fail(err, LAC_EIO, "%s/done: %s", job->folder,
+                        errno != 0 ? strerror(errno) : "could not be written");
+    }
+    return LAC_OK;
+}
+
+static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err)
+{
+    const bool resume = cli_given(job->request, CLI_OPT_RESUME);
+    job->kept =
+        open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
+    if (job->kept < 0) {
+        return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", path,
+                        strerror(errno));
+    }
+    if (flock(job->kept, LOCK_EX | LOCK_NB) != 0) {
+        (void)close(job->kept);
+        job->kept = -1; // what is there belongs to the other one
+        return lac_fail(err, LAC_EINPUT, "%s: another trade is at work there", path);
+    }
+    sweep(job->folder, false);
+    if (resume) {
+        return read_kept(job, path, err);
+    }
+    if (ftruncate(job->kept, 0) != 0) {
+        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
+    }
+    return put(job, heading, err);
+}
+
+lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
+{
+    const bool resume = cli_given(job->request, CLI_OPT_RESUME);
+    if (resume || mkdir(job->folder, 0777) != 0) {
+        if (!resume && errno != EEXIST) {
+            return lac_fail(err, LAC_EIO, "%s: %s", job->folder, strerror(errno));
+        }
+        lac_status found = check_folder(job->folder, resume, err);
+        if (found != LAC_OK) {
+            return found;
+        }
+    }
+    char *path = join(job->folder, "done");
+    if (path == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = open_done(job, path, err);
+    free(path);
+    return status;
+}
+
+lac_status cli_trade_keep(cli_trade_job *job, size_t run, lac_error *err)
+{
+    char line[1024];
+    const lac_trade_measure *m = &job->measure[run];
+    int n = snprintf(line, sizeof line,
+                     "%016" PRIx64 " %d %.6f %.6f %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64
+                     " %" PRId64,
+                     job->settings[run].key, (int)m->end, m->wall_time, m->cpu_time, m->memory,
+                     m->output, m->steps, m->evaluations, m->cells);
+    for (int q = 0; q < LAC_QUANTITIES; q++) {
+        n += snprintf(line + n, sizeof line - (size_t)n, " %.17g", m->value[q]);
+    }
+    (void)snprintf(line + n, sizeof line - (size_t)n, " %s\n", m->message);
+    return put(job, line, err);
+}
+
+void cli_trade_keep_close(cli_trade_job *job, bool remove)
+{
+    if (job->kept >= 0) {
+        sweep(job->folder, remove);
+        (void)close(job->kept);
+        job->kept = -1;
+        if (remove) {
+            (void)rmdir(job->folder);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_VIEW_VIEW_H
+#define LACUNA_CLI_VIEW_VIEW_H
+
+#include "cli/common/options.h"
+#include "store/store.h"
+
+/// The page of a run while it goes on (`lacuna run --view`). Nothing here stops a run: what fails
+/// is missing on the page. All functions take NULL, a run without --view.
+typedef struct cli_view cli_view;
+
+/// Where --view is given: serves from now on and says where; else *out is NULL and nothing is
+/// loaded, started or allocated.
+/// @return LAC_OK; LAC_EINPUT (not a port, one that is taken); LAC_EIO (no library); LAC_ENOMEM
+lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *err);
+
+/// Begins to show a run. Before its file is opened for writing: what a run that goes on has put out
+/// already is read from there.
+/// @param def   as the store is made from; what it points to outlives the view
+/// @param once  values of its extra quantities over nothing; NULL: none
+void cli_view_begin(cli_view *view, const lac_store_def *def, const double *once);
+
+/// A sink that shows what it passes on; `next` where there is no view.
+lac_sink cli_view_sink(cli_view *view, const lac_sink *next);
+
+/// After every step.
+void cli_view_progress(cli_view *view, const lac_progress *now);
+
+/// Shows how the run ended, from its file, which is closed; then, on a terminal, stays until
+/// Ctrl-C, else for as long as the pages that are open take to fetch it, 10 seconds at most.
+/// @param status   "complete", "interrupted" or "failed"
+/// @param failed   the slope did
+/// @param message  what went wrong; "": nothing
+void cli_view_end(cli_view *view, const char *status, bool failed, const char *message);
+
+/// Ends the server; a run that has not ended on the page is shown as broken off.
+void cli_view_close(cli_view *view);
+
+#endif

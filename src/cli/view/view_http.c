@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The server of `lacuna run --view`: two resources, both made in memory. No request names a file.
+// One thread, which never waits for a connection: a slow one costs its place alone.
+#include "cli/view/view_http.h"
+
+#include <arpa/inet.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "report/report.h"
+
+// Connections that stay beside one another, and room for those that are being shown out; seconds
+// after which a silent one is closed, more than a hidden page lets pass between two questions.
+enum { GUESTS = 32, ROOM = 2 * GUESTS, IDLE = 10, NONCE = 16 };
+
+// The library is loaded for --view alone: linked, it would cost every run its start-up.
+typedef struct functions {
+    __typeof__(MHD_start_daemon) *start;
+    __typeof__(MHD_stop_daemon) *stop;
+    __typeof__(MHD_create_response_from_buffer) *from_buffer;
+    __typeof__(MHD_add_response_header) *add_header;
+    __typeof__(MHD_queue_response) *queue;
+    __typeof__(MHD_destroy_response) *destroy;
+    __typeof__(MHD_lookup_connection_value) *lookup;
+    __typeof__(MHD_get_connection_info) *info;
+} functions;
+
+// One connection.
+typedef struct guest {
+    bool here, out; // it was shown out, and is about to go
+    bool waits;     // a page that has not been sent the last data
+    bool told;      // they are on their way to it
+    int socket;
+    uint64_t order; // of its last question
+} guest;
+
+struct cli_http {
+    cli_http_def def;
+    functions mhd;
+    void *library;
+    struct MHD_Daemon *daemon;
+    int socket;
+    unsigned port;
+    // The server's thread alone:
+    uint64_t next;
+    guest guest[ROOM];
+};
+
+static lac_status load(cli_http *http, lac_error *err)
+{
+    static const struct {
+        const char *name;
+        size_t offset;
+    } wanted[] = {
+        {"MHD_start_daemon", offsetof(functions, start)},
+        {"MHD_stop_daemon", offsetof(functions, stop)},
+        {"MHD_create_response_from_buffer", offsetof(functions, from_buffer)},
+        {"MHD_add_response_header", offsetof(functions, add_header)},
+        {"MHD_queue_response", offsetof(functions, queue)},
+        {"MHD_destroy_response", offsetof(functions, destroy)},
+        {"MHD_lookup_connection_value", offsetof(functions, lookup)},
+        {"MHD_get_connection_info", offsetof(functions, info)},
+    };
+    http->library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
+    for (size_t i = 0; http->library != NULL && i < sizeof wanted / sizeof *wanted; i++) {
+        void *found = dlsym(http->library, wanted[i].name);
+        if (found == NULL) {
+            return lac_fail(err, LAC_EIO, "--view: %s", dlerror());
+        }
+        memcpy((char *)&http->mhd + wanted[i].offset, &found, sizeof found);
+    }
+    return http->library != NULL
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "--view needs libmicrohttpd (Debian's libmicrohttpd12): %s",
+                          dlerror());
+}
+
+static lac_status fail_port(unsigned port, lac_error *err)
+{
+    return errno == EADDRINUSE || errno == EACCES
+               ? lac_fail(err, LAC_EINPUT,
+                          "--view: port %u of 127.0.0.1: %s; name another, or none for a free one",
+                          port, strerror(errno))
+               : lac_fail(err, LAC_EIO, "--view: 127.0.0.1: %s", strerror(errno));
+}
+
+static lac_status listen_at(cli_http *http, unsigned port, lac_error *err)
+{
+    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+    socklen_t size = sizeof here;
+    const int yes = 1;
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    http->socket = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (http->socket < 0 ||
+        setsockopt(http->socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
+        bind(http->socket, (const struct sockaddr *)&here, sizeof here) != 0 ||
+        listen(http->socket, ROOM) != 0 ||
+        getsockname(http->socket, (struct sockaddr *)&here, &size) != 0) {
+        return fail_port(port, err);
+    }
+    http->port = ntohs(here.sin_port);
+    return LAC_OK;
+}
+
+// Only names of this machine: a page from elsewhere whose name is made to point here sends its own.
+static bool is_local(const cli_http *http, struct MHD_Connection *connection)
+{
+    static const char *const names[] = {"127.0.0.1", "localhost"};
+    const char *host = http->mhd.lookup(connection, MHD_HEADER_KIND, "Host");
+    char whole[32];
+    for (size_t i = 0; host != NULL && i < sizeof names / sizeof *names; i++) {
+        (void)snprintf(whole, sizeof whole, "%s:%u", names[i], http->port);
+        if (strcasecmp(host, whole) == 0 || (http->port == 80 && strcasecmp(host, names[i]) == 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Sends a text of its own, which is freed; nothing where there is no memory for it.
+static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *connection,
+                               unsigned status, const char *type, const char *policy, char *text)
+{
+    const char *const headers[][2] = {{"Content-Type", type},
+                                      {"Content-Security-Policy", policy},
+                                      {"Cache-Control", "no-store"},
+                                      {"X-Content-Type-Options", "nosniff"},
+                                      {"Referrer-Policy", "no-referrer"},
+                                      {"Cross-Origin-Resource-Policy", "same-origin"},
+                                      {"Allow", "GET, HEAD"}};
+    const size_t count = sizeof headers / sizeof *headers - (status == 405 ? 0 : 1);
+    struct MHD_Response *response =
+        text != NULL ? http->mhd.from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE) : NULL;
+    if (response == NULL) {
+        free(text);
+        return MHD_NO;
+    }
+    for (size_t i = 0; i < count; i++) {
+        (void)http->mhd.add_header(response, headers[i][0], headers[i][1]);
+    }
+    const enum MHD_Result done = http->mhd.queue(connection, status, response);
+    http->mhd.destroy(response);
+    return done;
+}
+
+#define CLOSED_POLICY "default-src 'none'; frame-ancestors 'none'"
+
+// A line of text: what is wrong.
+static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *connection,
+                              unsigned status, const char *words)
+{
+    return deliver(http, connection, status, "text/plain; charset=utf-8", CLOSED_POLICY,
+                   strdup(words));
+}
+
+static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *connection)
+{
+    unsigned char random[NONCE];
+    char nonce[2 * NONCE + 1] = "", policy[320], *html = NULL;
+    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random) {
+        return MHD_NO;
+    }
+    for (size_t i = 0; i < NONCE; i++) {
+        (void)snprintf(nonce + 2 * i, 3, "%02x", random[i]);
+    }
+    (void)snprintf(policy, sizeof policy,
+                   "default-src 'none'; script-src 'nonce-%s'; style-src 'nonce-%s'; "
+                   "img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+                   "frame-ancestors 'none'",
+                   nonce, nonce);
+    (void)lac_report_live_page(nonce, &html, NULL); // NULL where it fails
+    return deliver(http, connection, MHD_HTTP_OK, "text/html; charset=utf-8", policy, html);
+}
+
+// Slow ones must not keep others out: one more than there is room for shuts the one that has been
+// silent longest.
+static void make_room(cli_http *http)
+{
+    size_t count = 0;
+    guest *out = NULL;
+    for (guest *g = http->guest; g < http->guest + ROOM; g++) {
+        const bool stays = g->here && !g->out;
+        count += stays ? 1 : 0;
+        out = stays && (out == NULL || g->order < out->order) ? g : out;
+    }
+    if (count > GUESTS) {
+        (void)shutdown(out->socket, SHUT_RDWR);
+        out->out = true;
+    }
+}
+
+static void tell_waiting(const cli_http *http)
+{
+    size_t pages = 0;
+    for (const guest *g = http->guest; g < http->guest + ROOM; g++) {
+        pages += g->waits ? 1 : 0;
+    }
+    http->def.waiting(http->def.context, pages);
+}
+
+static void on_connection(void *context, struct MHD_Connection *connection, void **place,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    cli_http *http = context;
+    guest *g = *place;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+        for (g = http->guest; g->here && g < http->guest + ROOM - 1; g++) {
+        } // the library lets in no more than there is room for
+        *g = (guest){.here = true,
+                     .socket =
+                         http->mhd.info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd,
+                     .order = ++http->next};
+        *place = g;
+        make_room(http);
+    } else if (g != NULL) {
+        *g = (guest){0};
+        tell_waiting(http);
+    }
+}
+
+static guest *guest_of(const cli_http *http, struct MHD_Connection *connection)
+{
+    return http->mhd.info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT)->socket_context;
+}
+
+static void on_completed(void *context, struct MHD_Connection *connection, void **memory,
+                         enum MHD_RequestTerminationCode how)
+{
+    const cli_http *http = context;
+    guest *g = guest_of(http, connection);
+    (void)memory;
+    g->waits = g->waits && !(g->told && how == MHD_REQUEST_TERMINATED_COMPLETED_OK);
+    g->told = false;
+    tell_waiting(http);
+}
+
+// The version that a page says it has.
+static uint64_t version_of(const char *since)
+{
+    const bool number =
+        since != NULL && *since != '\0' && since[strspn(since, "0123456789")] == '\0';
+    return number ? strtoull(since, NULL, 10) : CLI_HTTP_NEWEST;
+}
+
+static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connection, bool head)
+{
+    const char *since = http->mhd.lookup(connection, MHD_GET_ARGUMENT_KIND, "since");
+    guest *g = guest_of(http, connection);
+    g->waits = g->waits || (since != NULL && !head);
+    tell_waiting(http);
+    char *json = http->def.data(http->def.context, version_of(since), &g->told);
+    g->told = g->told && !head;
+    return deliver(http, connection, MHD_HTTP_OK, "application/json", CLOSED_POLICY, json);
+}
+
+static enum MHD_Result answer(void *context, struct MHD_Connection *connection, const char *url,
+                              const char *method, const char *version, const char *upload,
+                              size_t *upload_size, void **memory)
+{
+    cli_http *http = context;
+    const bool head = strcmp(method, MHD_HTTP_METHOD_HEAD) == 0;
+    (void)version;
+    (void)upload;
+    if (*memory == NULL) { // the headers alone: what follows them may be refused unread
+        *memory = connection;
+        guest_of(http, connection)->order = ++http->next;
+        if (!is_local(http, connection)) {
+            return refuse(http, connection, MHD_HTTP_FORBIDDEN,
+                          "This page is at 127.0.0.1 and localhost alone.\n");
+        }
+        if (!head && strcmp(method, MHD_HTTP_METHOD_GET) != 0) {
+            return refuse(http, connection, MHD_HTTP_METHOD_NOT_ALLOWED, "Only GET and HEAD.\n");
+        }
+        return MHD_YES;
+    }
+    if (*upload_size > 0) {
+        *upload_size = 0;
+        return MHD_YES;
+    }
+    if (strcmp(url, "/") == 0) {
+        return send_page(http, connection);
+    }
+    return strcmp(url, "/data") == 0
+               ? send_data(http, connection, head)
+               : refuse(http, connection, MHD_HTTP_NOT_FOUND, "There is / and /data.\n");
+}
+
+// A path is compared as it was sent: what %00 and %2f would hide is no name here.
+static size_t leave_as_it_is(void *context, struct MHD_Connection *connection, char *text)
+{
+    (void)context;
+    (void)connection;
+    return strlen(text);
+}
+
+// Its thread takes no signals: those are the run's.
+static struct MHD_Daemon *start_daemon(cli_http *http)
+{
+    sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    struct MHD_Daemon *daemon = http->mhd.start(
+        MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL | MHD_USE_ITC, 0, NULL, NULL, answer, http,
+        MHD_OPTION_LISTEN_SOCKET, http->socket, MHD_OPTION_CONNECTION_LIMIT, (unsigned)ROOM,
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE, MHD_OPTION_NOTIFY_CONNECTION, on_connection,
+        http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_UNESCAPE_CALLBACK,
+        leave_as_it_is, NULL, MHD_OPTION_END);
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return daemon;
+}
+
+lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out, lac_error *err)
+{
+    lac_status status;
+    cli_http *http = calloc(1, sizeof *http);
+    *out = http;
+    if (http == NULL) {
+        return lac_fail_memory(err);
+    }
+    http->def = *def;
+    http->socket = -1;
+    LAC_TRY(load(http, err));
+    LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
+    LAC_TRY(listen_at(http, port, err));
+    http->daemon = start_daemon(http);
+    LAC_TRY(http->daemon != NULL
+                ? LAC_OK
+                : lac_fail(err, LAC_EIO, "--view: no server: %s", strerror(errno)));
+out:
+    if (status != LAC_OK) {
+        cli_http_stop(http);
+        *out = NULL;
+    }
+    return status;
+}
+
+unsigned cli_http_port(const cli_http *http) { return http->port; }
+
+void cli_http_stop(cli_http *http)
+{
+    if (http == NULL) {
+        return;
+    }
+    if (http->daemon != NULL) {
+        http->mhd.stop(http->daemon); // closes the socket too
+    } else if (http->socket >= 0) {
+        (void)close(http->socket);
+    }
+    if (http->library != NULL) {
+        (void)dlclose(http->library);
+    }
+    free(http);
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_VIEW_VIEW_HTTP_H
+#define LACUNA_CLI_VIEW_VIEW_HTTP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "lacuna/error.h"
+
+/// A server of pages on 127.0.0.1: `/` and `/data`, for reading only. docs/report.md
+typedef struct cli_http cli_http;
+
+/// In the place of a version: who asks names none, and is given the newest data.
+#define CLI_HTTP_NEWEST UINT64_MAX
+
+/// What it serves. Both are called on the server's one thread alone.
+typedef struct cli_http_def {
+    void *context;
+    /// JSON for who has the data of a version already, 0: none; NULL without memory; the server
+    /// frees it. @param last  nothing new will follow
+    char *(*data)(void *context, uint64_t since, bool *last);
+    /// How many pages are open that ask again and again and have not been sent the last data.
+    void (*waiting)(void *context, size_t pages);
+} cli_http_def;
+
+/// Loads libmicrohttpd, which nothing else needs, and serves from a thread of its own.
+/// @param port  0: one that is free
+/// @return LAC_OK; LAC_EINPUT (the port is taken); LAC_EIO (no library, built without it, no
+/// socket); LAC_ENOMEM
+lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out, lac_error *err);
+
+/// The port that it is at.
+unsigned cli_http_port(const cli_http *http);
+
+/// Closes all connections and waits for its thread; NULL is fine.
+void cli_http_stop(cli_http *http);
+
+#endif

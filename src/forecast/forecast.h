@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_FORECAST_FORECAST_H
+#define LACUNA_FORECAST_FORECAST_H
+
+#include "lacuna/param.h"
+#include "series/motion.h"
+
+enum {
+    LAC_FORECAST_TEXT = 200,
+    LAC_FORECAST_VALUES = 20,
+    LAC_FORECAST_LEVELS = 5, ///< 5, 25, 50, 75 and 95 %
+};
+
+/// What a method is given: the motion since the window's start, nothing after `now`. Times are
+/// seconds before now, so <= 0.
+typedef struct lac_window {
+    double now, start; ///< on the series' clock [s]
+    size_t n;
+    const double *time;         ///< [n] [s]
+    const double *displacement; ///< [n] [m] from the first one
+    const double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
+    size_t velocities;
+    const double *velocity_time; ///< [velocities] [s]
+    const double *velocity;      ///< [velocities] [m/s]
+    double noise;                ///< of one displacement [m]; NaN: not known
+    double resolution;           ///< last digit of one [m]; 0: not known
+    bool integrated;             ///< the displacements are integrals of the velocities
+} lac_window;
+
+/// A number that a method fitted.
+typedef struct lac_fitted {
+    const char *key; ///< ends in its unit where there is one
+    double value;
+} lac_fitted;
+
+/// What a method found.
+typedef struct lac_finding {
+    double remaining;     ///< time from now to failure [s]; NaN: none
+    double error;         ///< standard error of ln remaining, by the fit itself
+    double rms;           ///< of the residuals, in `rms_unit`
+    const char *rms_unit; ///< "m", or "s/m" of inverse velocities
+    double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
+    size_t points;        ///< that were fitted
+    bool posterior;       ///< the method has a posterior: `quantile` holds
+    double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
+    size_t count;
+    lac_fitted value[LAC_FORECAST_VALUES];
+    size_t ends;
+    const char *end[LAC_FORECAST_VALUES]; ///< keys whose best value stands at the end of its range
+    char reason[LAC_FORECAST_TEXT];       ///< why there is no forecast; "": there is one
+} lac_finding;
+
+/// Says why there is no forecast, or no value of an indicator.
+/// @return LAC_OK, so that it is one statement
+lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// Adds a fitted number.
+void lac_finding_add(lac_finding *fit, const char *key, double value);
+
+/// Adds a fitted number that is searched from `low` to `high`, and notes where it stands in the
+/// last hundredth at either end.
+void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
+                            double high);
+
+/// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
+/// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
+/// simulated failures (docs/theory/forecasting.md says which). Of a method with a posterior
+/// `remaining` is its median there, and `error` each quantile's distance from it over that of a
+/// standard normal distribution: a posterior that is right has the q of that distribution.
+typedef struct lac_calibration {
+    double spread, low90, low50, high50, high90;
+} lac_calibration;
+
+/// A method of forecasting: a row of a table.
+typedef struct lac_forecast_kind {
+    lac_descriptor about;
+    const char *estimator; ///< exactly what is computed from what
+    size_t least;          ///< readings or velocities that it needs
+    bool displacements;    ///< it fits displacements, not velocities
+    bool baseline;         ///< stands for no knowledge: what the others must beat
+    bool dates;            ///< its time of failure is the one that indicators take
+    double worst;          ///< misfit above which its forecast is not issued
+    lac_calibration calibration;
+    /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
+    /// @return LAC_OK; LAC_ENOMEM
+    lac_status (*fit)(const lac_window *window, lac_finding *fit, lac_error *err);
+} lac_forecast_kind;
+
+/// The index-th method in the registry, NULL past the end.
+const lac_forecast_kind *lac_forecast_kind_at(size_t index);
+
+/// The method `case`, which is none of the registry's: lac_foresee (foresee.h) makes it of a case,
+/// and its `fit` is NULL.
+extern const lac_forecast_kind lac_forecast_case;
+
+/// What keeps a forecast from being issued, in words.
+typedef struct lac_forecast_gate {
+    const char *name, *text;
+} lac_forecast_gate;
+
+/// The index-th gate in the order in which they are asked, NULL past the end.
+const lac_forecast_gate *lac_forecast_gate_at(size_t index);
+
+/// A method that stands beside those of the registry: a model of this very slope.
+typedef struct lac_forecast_model {
+    const lac_forecast_kind *kind; ///< its own `fit` is NULL
+    void *context;
+    /// Fits the motion, which ends at `now`, all of it: the window is of methods that know no more
+    /// of the slope.
+    /// @return LAC_OK, also where it says a reason; what ends the whole outlook
+    lac_status (*fit)(void *context, const lac_motion *motion, double now, lac_finding *found,
+                      lac_error *err);
+} lac_forecast_model;
+
+/// How forecasts are made.
+typedef struct lac_forecast_def {
+    lac_motion_def motion;
+    double since;     ///< start of what is fitted, accelerating or not [s]; NaN: the onset of it
+    size_t short_run; ///< velocities in the short mean of the onset
+    size_t long_run;  ///< in the long one
+    const lac_forecast_model *model; ///< asked before the baseline; NULL: none
+} lac_forecast_def;
+
+/// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017).
+lac_forecast_def lac_forecast_default(void);
+
+/// A forecast of one method at one time.
+typedef struct lac_forecast {
+    const lac_forecast_kind *kind;
+    bool issued;
+    double issue_time;                   ///< the last reading it could see [s]
+    double window_start;                 ///< [s]
+    double time;                         ///< of failure [s]; NaN: none
+    double low50, high50, low90, high90; ///< [s]; NaN: none. That of 90 % holds `time`, that of 50
+                                         ///< % may lie beside it: the method's bias
+    lac_finding fit;                     ///< also where it is not issued, as far as it went
+} lac_forecast;
+
+/// All methods at the last of the readings given.
+typedef struct lac_outlook {
+    lac_motion *motion; ///< owned; what the methods saw
+    bool asked;         ///< the gates before any method are open
+    bool accelerating;  ///< and the slope accelerates; else `since` was given
+    double issue_time, window_start;
+    size_t count;
+    lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned
+} lac_outlook;
+
+/// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.
+/// @param readings  one or more
+/// @return LAC_OK, also where no method issues one; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
+                              lac_outlook **out, lac_error *err);
+
+/// Frees an outlook; NULL is fine.
+void lac_outlook_free(lac_outlook *outlook);
+
+#endif

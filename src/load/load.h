@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_LOAD_LOAD_H
+#define LACUNA_LOAD_LOAD_H
+
+#include "lacuna/param.h"
+
+#define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
+
+/// How a shear force reaches the cells.
+typedef enum lac_share {
+    LAC_SHARE_PRESSURE = 0, ///< q_i in proportion to p_i
+    LAC_SHARE_EQUAL,        ///< the same q_i on all
+    LAC_SHARE_ELASTIC, ///< q in proportion to C^-1 1: as rock that slips as one puts it on them
+} lac_share;
+
+/// The load on the interface at one time, all shear and pore-pressure loads summed.
+typedef struct lac_load_state {
+    double ratio, ratio_rate;   ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
+    double stress, stress_rate; ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
+    double equal_ratio, elastic_ratio; ///< Q/P shared otherwise, constant in time [1]
+    double elastic, elastic_rate;      ///< stress shared as C^-1 1 [Pa], [Pa/s]
+    double spring_stiffness;           ///< of the mean slip, over the nominal area [Pa/m]
+    double spring_stress;        ///< sum of stiffness * travel of the far ends, and of other loads
+                                 ///< that put the same stress on every cell [Pa]
+    double spring_rate;          ///< its rate [Pa/s]
+    double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
+    double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]
+} lac_load_state;
+
+/// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
+/// near the faces are, or how densely they touch.
+typedef struct lac_normal_load {
+    lac_descriptor about;
+    bool needs_density;
+    /// @param density  of the rock [kg/m3]; NaN where the case names none
+    /// @return mean normal stress over the nominal area [Pa]; NaN where it follows from the contact
+    double (*pressure)(const void *params, double density);
+    /// The approach as in lac_contact_def [m]. NULL: it is not what is given
+    double (*approach)(const void *params);
+    /// The dimension as in lac_dyadic [1]. NULL: it is not what is given
+    double (*dimension)(const void *params);
+} lac_normal_load;
+
+struct lac_load_kind;
+
+/// A load made ready: its row, its parameters and what was prepared from them.
+typedef struct lac_load {
+    const struct lac_load_kind *kind;
+    const void *params; ///< borrowed from the slot
+    lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
+    void *state;        ///< what `prepare` made; NULL
+} lac_load;
+
+/// What loads have read from files, kept for when they are made again; for one thread.
+typedef struct lac_load_files lac_load_files;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_load_files_create(lac_load_files **out, lac_error *err);
+
+/// The index-th thing that was taken for want of a word in what was read ("p.csv: head: no unit is
+/// named: taken as Pa"), and should be asked about; NULL past the last.
+const char *lac_load_files_doubt(const lac_load_files *files, size_t index);
+
+/// Frees what was kept; NULL is fine.
+void lac_load_files_free(lac_load_files *files);
+
+/// The run that loads belong to.
+typedef struct lac_load_clock {
+    bool dated;            ///< the run starts at a date
+    double start;          ///< that date [s since 1970 UTC]
+    double end;            ///< of the run, since its start [s]; NaN where nothing is run
+    lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
+} lac_load_clock;
+
+/// A shear load or a pore-pressure load: adds its part to the sum.
+typedef struct lac_load_kind {
+    lac_descriptor about;
+    bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
+    bool needs_anchor; ///< acts through a transfer that holds uniform slip
+    bool linear;       ///< linear in time between its breaks
+    bool constant;     ///< the same at all times
+    /// Of the mean slip, which it brings [Pa/m]. NULL: none.
+    double (*stiffness)(const void *params);
+    /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
+    /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+    lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
+                          lac_error *err);
+    void (*release)(void *state);
+    /// Adds its values at time t [s since the start of the run].
+    void (*add)(const lac_load *load, double t, lac_load_state *sum);
+    /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
+    double (*next_break)(const lac_load *load, double t);
+    /// The longest step from t to the next break that cannot miss a swing [s]; INFINITY where it
+    /// does not swing. NULL: it never does.
+    double (*longest_step)(const lac_load *load, double t);
+} lac_load_kind;
+
+/// The loads of a scene.
+typedef struct lac_load_set {
+    lac_load *shear; ///< [shear_count]
+    size_t shear_count;
+    lac_load *pore; ///< [pore_count]
+    size_t pore_count;
+    double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
+                   ///< is false. Whoever knows the contact fills it: lac_transfer_tied
+} lac_load_set;
+
+/// The loads that a case names.
+typedef struct lac_load_slots {
+    const lac_slot *shear; ///< [shear_count] of lac_load_kind
+    size_t shear_count;
+    const lac_slot *pore; ///< [pore_count]
+    size_t pore_count;
+} lac_load_slots;
+
+/// Makes loads ready: reads the files that they name.
+/// @param slots  must outlive the set
+/// @return LAC_OK; LAC_EINPUT (data that do not fit the run ...); LAC_EIO; LAC_ENOMEM. The message
+///         names the load: "load.shear.0: ..."
+lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
+                               lac_load_set *set, lac_error *err);
+
+/// How the force of a load that a case names is shared by the cells.
+lac_share lac_load_slot_share(const lac_slot *slot);
+
+/// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
+bool lac_load_set_is_shaped(const lac_load_set *set);
+
+/// Q over the nominal area, springs' slip apart. @param pressure  mean normal stress [Pa]
+double lac_load_shear(const lac_load_state *state, double pressure);
+
+/// Frees what a set owns. The set is empty afterwards.
+void lac_load_set_clear(lac_load_set *set);
+
+/// Whether all of these loads are constant in time.
+bool lac_load_slots_constant(const lac_load_slots *slots);
+
+/// Whether any of these loads reads a file.
+bool lac_load_slots_need_files(const lac_load_slots *slots);
+
+/// The index-th row of each registry, NULL past the end.
+const lac_normal_load *lac_normal_load_at(size_t index);
+const lac_load_kind *lac_shear_load_at(size_t index);
+const lac_load_kind *lac_pore_load_at(size_t index);
+
+/// All loads at time t.
+void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
+
+/// The first time after t at which any load or its rate jumps; INFINITY if none.
+double lac_load_next_break(const lac_load_set *set, double t);
+
+/// The longest step from t to the next break that misses no swing of a load [s]; INFINITY if none.
+double lac_load_longest_step(const lac_load_set *set, double t);
+
+#endif

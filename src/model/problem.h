@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_MODEL_PROBLEM_H
+#define LACUNA_MODEL_PROBLEM_H
+
+#include "friction/friction.h"
+#include "load/load.h"
+#include "transfer/transfer.h"
+
+/// The first unknown x of every cell; the second is ln theta. docs/theory/creep.md.
+typedef enum lac_formulation {
+    LAC_FORMULATION_AUTO = 0, ///< as lac_formulation_choose says; to a problem: RATE
+    LAC_FORMULATION_RATE,     ///< ln v: the balance is differentiated in time; needs v > 0
+    LAC_FORMULATION_TRACTION, ///< tau = q - K slip, v solved from it, of either sign
+    LAC_FORMULATION_SLIP,     ///< slip, v solved from q - K slip, of either sign
+    LAC_FORMULATION_INERTIA,  ///< v on a logarithmic scale, and slip, where a block has mass
+} lac_formulation;
+
+/// What radiation takes off the traction of cell i under the total normal pressure p_i:
+/// cell v_i + (mean + shared p_i) V, V the mean slip rate over the contact cells;
+/// docs/theory/momentum.md eqs. 1 and 2.
+typedef struct lac_damping {
+    double cell;   ///< eta = G/(2 cs) [Pa s/m]
+    double mean;   ///< -eta where the block has mass: uniform slip is not damped [Pa s/m]
+    double shared; ///< eta (L^2/(n r^2) - 1) over the mean p_i: uniform slip is damped over the
+                   ///< nominal area, and as a shear force is shared [s/m]
+} lac_damping;
+
+/// Damping of the cells of a domain.
+/// @param eta      G/(2 cs) [Pa s/m]; 0: none
+/// @param massive  the sliding block has mass
+/// @return on full contact without mass `mean` and `shared` are 0; of a single cell with mass all
+/// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
+lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
+
+/// What a creep problem is made from; everything pointed at must outlive the problem, except the
+/// initial arrays, which are copied.
+typedef struct lac_problem_def {
+    const lac_domain *domain;
+    const lac_friction *friction; ///< of domain->n cells
+    const lac_transfer *transfer;
+    lac_load_set loads;
+    double damping;          ///< eta = G/(2 cs) [Pa s/m]; 0: none; lac_damping_over spreads it
+    double mass;             ///< of the sliding block, per nominal area [kg/m2]; 0: no inertia
+    double columns;          ///< part of it that stands on the cells as free columns, (0, 1]
+    const double *log_rate;  ///< [n] ln v at the start
+    const double *log_state; ///< [n] ln theta at the start
+    lac_formulation formulation;
+} lac_problem_def;
+
+/// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
+/// says: docs/theory/creep.md. With a mass y = (x, ln theta, slip): docs/theory/momentum.md.
+/// Immutable.
+typedef struct lac_problem lac_problem;
+
+/// What is seen of a state.
+typedef struct lac_observation {
+    double mean_rate;        ///< over contact cells, of either sign [m/s]
+    double max_rate;         ///< largest |v| [m/s]
+    double mean_slip;        ///< [m]
+    double shear_force;      ///< Q [N]
+    double normal_force;     ///< P, total [N]
+    double effective_force;  ///< P - u L^2 [N]
+    double balance_residual; ///< max |q - K slip - p f - damping - inertia| / (f0 p) [1]
+    double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
+                       ///< far the mean slip rate is off the balance, relative to itself [1]
+    size_t fastest;    ///< cell with the largest rate
+} lac_observation;
+
+/// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
+///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
+///         knows none); LAC_ENOMEM
+lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
+
+/// Frees a problem; NULL is fine.
+void lac_problem_free(lac_problem *problem);
+
+/// Contact cells n.
+size_t lac_problem_cells(const lac_problem *problem);
+
+/// Components of y: 2n, x of every cell, then ln theta; with a mass 3n, then slip.
+size_t lac_problem_unknowns(const lac_problem *problem);
+
+/// What a formulation is called in a case: "rate" ...
+const char *lac_formulation_name(lac_formulation formulation);
+
+/// The formulation in use, never AUTO, and what its x is called.
+lac_formulation lac_problem_formulation(const lac_problem *problem);
+const char *lac_problem_unknown(const lac_problem *problem);
+
+/// Whether slip is among the unknowns: it need not be integrated beside y then.
+bool lac_problem_has_slip(const lac_problem *problem);
+
+/// Where slip begins in y, if it is there: 0, or 2n after x and ln theta.
+size_t lac_problem_slip_place(const lac_problem *problem);
+
+/// Doubles of scratch that the functions below need. Its contents carry over from call to call:
+/// where rates are solved for, each solve begins from the last rates. Hand new scratch to
+/// lac_problem_forget first.
+size_t lac_problem_work(const lac_problem *problem);
+
+/// Makes the next solve begin afresh, so that what follows depends on y alone to the last bit.
+void lac_problem_forget(const lac_problem *problem, double *work);
+
+/// y at the start. @param y  [unknowns], as below
+void lac_problem_initial(const lac_problem *problem, double *y);
+
+/// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
+/// That is 1 for ln v and ln theta, a p for a traction; for slip dc, or a p over the stiffness of a
+/// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
+/// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a
+/// p over the stiffness. An unknown counts no finer than a double resolves it.
+/// @param weight  [unknowns]; overwritten
+void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
+
+/// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
+/// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
+/// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
+/// besides.
+/// @param tolerance  [n] absolute [m]; overwritten
+/// @return what counts besides, relative to the slip
+double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
+
+/// dy/dt.
+/// @param t     time since the start [s]
+/// @param y     [unknowns]
+/// @param ydot  [unknowns]; overwritten
+/// @param work  [lac_problem_work]; its first n doubles are then the slip rates
+/// @return true; false where a rate is not finite or the effective pressure not positive
+bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
+                            double *work);
+
+/// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), in O(n) where
+/// the transfer's solve is; exactly, but that damping of the mean is left out where it is below a
+/// thousandth of what friction holds.
+/// @param b  [unknowns]; overwritten by x
+/// @return false where the matrix is not positive definite: the step is too long
+bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
+                        double *b, double *work);
+
+/// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
+/// what has mass, and the state only where it responds to the normal pressure (alpha) and that
+/// jumps.
+/// @return true; false where no rate balances the traction
+bool lac_problem_jump(const lac_problem *problem, double t, double *y);
+
+/// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
+/// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
+/// Nothing where slip is an unknown: the balance holds.
+/// @param slip  [n] since the start [m]
+/// @return true; false where the transfer's solve fails
+bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
+                         double *work);
+
+/// What a run that came to no end asks: does the transfer find what the slip takes off the cells?
+/// @param slip  [n] [m], or slip rates [m/s]
+/// @return NULL: it does; the transfer's name where a finite slip has no finite stress
+const char *lac_problem_lost_transfer(const lac_problem *problem, const double *slip, double *work);
+
+/// Slip rate of every cell. @param v  [n] [m/s]
+void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
+                       double *work);
+
+/// Size of the mean slip rate, and the largest |v|, over the cells [m/s].
+void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
+                       double *max, double *work);
+
+/// Traction of every cell from the balance's elastic side, q - K slip.
+/// @param slip      [n] since the start [m]
+/// @param traction  [n] [Pa]
+void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
+                          double *traction, double *work);
+
+/// Means, extremes, forces and the balance residual.
+/// @param work  its first n hold the cells' slip rates afterwards [m/s]
+void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
+                         lac_observation *seen, double *work);
+
+/// The first time after t at which a load jumps or bends; INFINITY if none.
+double lac_problem_next_break(const lac_problem *problem, double t);
+
+/// The longest step from t to the next break [s]; INFINITY if any will do. A cell at rest does not
+/// feel a swing that a step leaps over.
+double lac_problem_longest_step(const lac_problem *problem, double t);
+
+/// A thousandth of the fastest cell's own time scale: that of its state, which counts b/(10 a)
+/// times where b > 10 a (with damping less), or of dc/v [s].
+double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work);
+
+/// How fast the fastest of a state changes [1/s]: the inverse of that time scale, or the decay of
+/// what a cell is behind its neighbours, v k/(p df/dln v + eta v) with the stiffest level's k. An
+/// explicit method of fifth order takes steps of at most some three times its inverse.
+double lac_problem_fastest(const lac_problem *problem, double t, const double *y, double *work);
+
+/// What a problem is made of, for those who treat its cells one by one.
+typedef struct lac_problem_parts {
+    const double *pressure; ///< [n] total normal pressure [Pa]
+    const double *traction; ///< [n] at t = 0 [Pa]
+    const lac_friction *friction;
+    const lac_transfer *transfer;
+    lac_damping damping;
+    bool linear; ///< the loads are linear in time between their breaks
+} lac_problem_parts;
+
+lac_problem_parts lac_problem_parts_of(const lac_problem *problem);
+
+/// What the loads do at one time: q_i = traction_i + pressure_i ratio + spring - stiffness mean
+/// slip, effective pressure pressure_i share; and their rates.
+typedef struct lac_problem_load {
+    double ratio, ratio_rate;   ///< [1], [1/s]
+    double spring, spring_rate; ///< [Pa], [Pa/s]
+    double stiffness;           ///< of the mean slip [Pa/m]
+    double share, share_rate;   ///< [1], [1/s]
+} lac_problem_load;
+
+/// @return false where the effective normal pressure is not positive
+bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load *load);
+
+/// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
+/// failure.
+#define LAC_NO_FAILURE_RATE 1e3
+
+/// What counts as failure: the first of the mean slip rate rising through `rate`, where that is
+/// lowered of all cells together (lac_problem_past_failure), and the mean slip, of either sign,
+/// coming to `slip`.
+typedef struct lac_failure {
+    double rate;  ///< [m/s]
+    bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
+    double slip;  ///< [m]
+    double start; ///< mean slip rate at the start [m/s]
+    double reach; ///< at which damping holds what weakening drives from there to the rate asked
+                  ///< for [m/s]; INFINITY: nothing is in the way
+} lac_failure;
+
+/// What acts on the mean slip of a joint at the start, over the nominal area.
+typedef struct lac_failure_start {
+    double rate;   ///< mean slip rate [m/s]
+    double direct; ///< a p [Pa]
+    double excess; ///< (b - a) p [Pa]
+    double eta;    ///< what uniform slip is damped by [Pa s/m]; 0: nothing
+    bool held;     ///< by a spring, or rock that stays behind
+    double length; ///< slip that is failure where none is named [m]
+} lac_failure_start;
+
+/// The one definition of failure, for runs, fits, forecasts and trades; docs/theory/creep.md.
+/// Weakening leaves (b - a) p ln(rate/rate at the start) to drive a joint, p the effective normal
+/// force at the start over the nominal area; radiation holds that at a speed of as much over eta.
+/// Where this is below the rate, a p/eta counts instead: from there on damping, not friction, holds
+/// the joint. So it is only where uniform slip is damped (a block with mass is not), nothing else
+/// holds it (a spring, rock that stays behind), and the joint starts slower.
+/// @param rate  asked for [m/s]; LAC_NO_FAILURE_RATE or more: no a p/eta in its place
+/// @param slip  asked for [m]; INFINITY: none; NaN or 0: the longer side of the interface, of one
+///              block 10 m
+/// @source derived from Rice (1993), doi 10.1029/93JB00191: the damping of plane waves
+lac_failure lac_problem_failure(const lac_problem *problem, double rate, double slip);
+
+/// The same of a joint whose cells are not known.
+lac_failure lac_failure_from(const lac_failure_start *start, double rate, double slip);
+
+/// How far a state is past the rate of failure, the one measure of runs, fits and forecasts: the
+/// logarithm of the mean slip rate over it. One cell that slips alone carries the mean of n cells
+/// past a rate that is lowered, and stops; so there it is no more than
+///     [sum p (f(v) - f(rate)) + n eta (mean - rate)]/[sum a p + n eta rate],
+/// which is >= 0 just where all cells, sliding as one with the states that they have under the load
+/// that they carry, would slide at `rate` or faster. Of cells that slip alike, or one, that is the
+/// same.
+/// @param work  its first n doubles are then the slip rates
+/// @return < 0 before failure; NaN where a rate is
+/// @cost  O(n)
+/// @source derived here; docs/theory/creep.md, eq. 11
+double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
+                                const double *y, double *work);
+
+/// Whether the effective normal pressure is positive at time t.
+bool lac_problem_pressed(const lac_problem *problem, double t);
+
+/// Whether the formulation can follow every cell: where its shear traction vanishes, slip stops or
+/// turns back, which ln v cannot do, nor the plain form of friction, infinite at v = 0.
+/// @param cell  the first that does not; untouched where all do
+bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work);
+
+/// ln|v| below which a cell with mass is at rest: slower, m/step^2 soon leaves the numbers.
+#define LAC_AT_REST (-300.0)
+
+/// Whether a cell with mass comes to rest for good: its friction, so little of it direct effect,
+/// would hold it below LAC_AT_REST only.
+/// @param cell  the first that does; untouched where none does
+bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
+                       double *work);
+
+/// What is asked of the initial rate and state (a case's section `initial`).
+typedef enum lac_initial_state {
+    LAC_STATE_FROM_LOAD, ///< theta balances the load at the given rate
+    LAC_STATE_STEADY,    ///< theta steady at the given rate, or rate and state steady under load
+    LAC_STATE_TIME,      ///< theta given [s]
+    LAC_STATE_RATIO,     ///< theta = x theta_ss at the load that follows
+} lac_initial_state;
+
+typedef struct lac_initial_def {
+    double slip_rate; ///< [m/s]; NaN: follows from the load
+    lac_initial_state state;
+    double state_value;   ///< theta [s] or x [1]
+    const double *rates;  ///< [n] slip rate of each cell instead of slip_rate; NULL
+    const double *states; ///< [n] theta or x of each cell instead of state_value; NULL
+} lac_initial_def;
+
+/// Initial ln v and ln theta of every cell, from what is given and the loads at t = 0.
+/// @param log_rate, log_state  [n]; overwritten
+/// @return LAC_OK; LAC_EINPUT where the load and the values given do not determine them, with
+///         the first cell that fails
+lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
+                             const lac_friction *friction, const lac_load_set *loads,
+                             lac_damping damping, double *log_rate, double *log_state,
+                             lac_error *err);
+
+#endif

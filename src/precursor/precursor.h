@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_PRECURSOR_PRECURSOR_H
+#define LACUNA_PRECURSOR_PRECURSOR_H
+
+#include <stdint.h>
+
+#include "forecast/hindcast.h"
+#include "lacuna/dataset.h"
+
+/// Catalogue of events of a run.
+typedef struct lac_event_list {
+    size_t n;
+    const double *time;   ///< [n] start [s], never decreasing
+    const double *moment; ///< [n] [N m]; NaN where not known
+    const double *end;    ///< [n] [s], from when on it is known; NULL: at once
+} lac_event_list;
+
+/// What slips in a run, record by record.
+typedef struct lac_slip_history {
+    size_t n, levels;         ///< records; levels of blocks
+    const double *time;       ///< [n] [s]
+    const double *n_slip;     ///< [n][levels] slipping blocks
+    const double *n_tot;      ///< [levels]
+    const double *length;     ///< [n] correlation length [m]
+    double critical_fraction; ///< fixed point of the cascade; NaN: none
+} lac_slip_history;
+
+/// What indicators look at: all of it up to the present. What a source does not have is NULL.
+typedef struct lac_observed {
+    const lac_motion *motion;
+    const lac_event_list *events;
+    const lac_slip_history *slip;
+    double tc;     ///< time of failure as the log law has it now [s]; NaN: it has none
+    double start;  ///< of the acceleration [s]; NaN: none
+    uint64_t seed; ///< of surrogates
+    size_t surrogates;
+} lac_observed;
+
+typedef enum lac_needs { LAC_NEEDS_MOTION = 0, LAC_NEEDS_EVENTS, LAC_NEEDS_CELLS } lac_needs;
+
+/// What an indicator says now.
+typedef struct lac_precursor {
+    const struct lac_precursor_kind *kind;
+    lac_finding found; ///< value[0 ... count - 1], points; reason: why there is none
+} lac_precursor;
+
+/// A number that an indicator can give.
+typedef struct lac_precursor_value {
+    const char *key;  ///< ends in its unit where there is one
+    const char *unit; ///< UDUNITS
+    const char *text; ///< what it is
+} lac_precursor_value;
+
+/// An indicator: a row of a table.
+typedef struct lac_precursor_kind {
+    lac_descriptor about;
+    lac_needs needs;
+    const char *estimator; ///< exactly what is computed from what
+    size_t value_count;
+    const lac_precursor_value *value; ///< [value_count] all that it can give, in this order
+    size_t headline;                  ///< which of them a table shows
+    bool page; ///< the page of a run tells it of the whole catalogue, of which it needs no more
+    /// Looks at what there is; needs are met.
+    /// @return LAC_OK; LAC_ENOMEM
+    lac_status (*look)(const lac_observed *seen, lac_finding *found, lac_error *err);
+} lac_precursor_kind;
+
+/// The index-th indicator in the registry, NULL past the end.
+const lac_precursor_kind *lac_precursor_kind_at(size_t index);
+
+/// What a kind needs: "series", "events" or "cells".
+const char *lac_needs_name(lac_needs needs);
+
+/// What it gave under a key; NaN: nothing.
+double lac_precursor_find(const lac_precursor *found, const char *key);
+
+/// All indicators.
+/// @param out  [LAC_PRECURSORS_MAX]
+/// @return LAC_OK; LAC_ENOMEM
+enum { LAC_PRECURSORS_MAX = 16 };
+lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
+                               lac_error *err);
+
+/// What a source holds besides its motion, all of it: the past of each time is cut from it.
+typedef struct lac_evidence {
+    const lac_event_list *events; ///< NULL: none
+    const lac_slip_history *slip; ///< NULL: none
+    uint64_t seed;                ///< of surrogates
+    size_t surrogates;
+} lac_evidence;
+
+/// All indicators as of an outlook's time of issue: from the motion it saw, the events that had
+/// ended and the records that had been made, tc and start as its log law has them if it issues.
+/// @param out  [LAC_PRECURSORS_MAX]
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
+                             lac_precursor *out, size_t *count, lac_error *err);
+
+/// Indicators in time.
+typedef struct lac_precursor_course {
+    const lac_evidence *evidence; ///< must outlive it
+    size_t most, issues, kinds;
+    lac_precursor *found; ///< [issues][kinds], room for `most`
+} lac_precursor_course;
+
+/// An empty one, with room for `most` times.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursor_course_create(const lac_evidence *evidence, size_t most,
+                                       lac_precursor_course **out, lac_error *err);
+
+/// Frees it; NULL is fine.
+void lac_precursor_course_free(lac_precursor_course *course);
+
+/// Adds the indicators as of an outlook: a lac_rolling_watch's `see`.
+/// @pre   fewer than `most` are there
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_precursor_course_see(void *course, const lac_outlook *outlook, lac_error *err);
+
+/// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
+/// @param dm     width of the bins that the magnitudes were rounded to; 0: none
+/// @param error  Shi & Bolt (1982): 2.30 b^2 (variance of the mean)^(1/2)
+/// @return b; NaN where fewer than two magnitudes count
+double lac_b_value(size_t n, const double *magnitude, double mc, double dm, double *error,
+                   size_t *used);
+
+/// b-value of the positive differences of successive magnitudes, at least `least` (van der Elst
+/// 2021): log10(e)/(mean - least). Knows nothing of a completeness that changes in time.
+/// @return b; NaN where fewer than two differences count
+double lac_b_positive(size_t n, const double *magnitude, double least, double *error, size_t *used);
+
+/// Kendall's tau of values against their order, tau-a.
+double lac_kendall(size_t n, const double *values);
+
+/// Rise of values that hold until the next: chance, if time did not matter, that the last of 20
+/// equal parts of the time has the largest value of all, or its rank. 5 % of false alarms
+/// where the largest may fall anywhere, fewer where values are equal.
+/// @param time  [n] never decreasing
+/// @return from 1/20 to 1; NaN where no time passes
+enum { LAC_RISE_PARTS = 20 };
+double lac_rise_p(size_t n, const double *time, const double *values);
+
+/// Chance that as many of n events as `late` fall into the last half of a time in which they come
+/// at a constant rate.
+double lac_half_p(size_t n, size_t late);
+
+/// Rising variance and lag-1 autocorrelation before a transition (Dakos et al. 2008): Kendall's
+/// tau and the share of surrogates with one as high.
+typedef struct lac_slowing {
+    double variance_tau, variance_p, variance_phase_p;
+    double autocorrelation_tau, autocorrelation_p, autocorrelation_phase_p;
+    double autocorrelation; ///< of the last window
+    double variance;        ///< same, of the values' unit squared
+} lac_slowing;
+
+/// Of evenly spaced values: a parabola is taken off, variance and autocorrelation are those of
+/// trailing windows of half the length, tau is over the windows. The surrogates are first-order
+/// autoregressions of the autocorrelation of what is left, and (`phase`) what is left with the
+/// phases of its Fourier transform at random (Theiler et al. 1992), all put through the same.
+/// @pre n >= 12
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
+                               lac_slowing *out, lac_error *err);
+
+/// Forecasts and indicators as they are told. Texts are borrowed and may be NULL.
+typedef struct lac_forecast_outcome {
+    const char *source;             ///< the file that they are of
+    const char *attribution;        ///< of its data
+    bool dated;                     ///< times are seconds since 1970 UTC
+    double failed_at;               ///< [s]; NaN: not known; INFINITY: never
+    const lac_outlook *outlook;     ///< at the last reading
+    const lac_rolling *rolling;     ///< NULL: the outlook alone is told
+    bool interrupted;               ///< rolling has not all issue times that it should have
+    size_t indicators;              ///< kinds of them; 0: none
+    const lac_precursor *indicator; ///< [issue times][indicators]
+} lac_forecast_outcome;
+
+/// Their variables, for a file; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
+                                 lac_error *err);
+
+#endif

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_RG_RG_STUDY_H
+#define LACUNA_RG_RG_STUDY_H
+
+#include "rg/rg.h"
+#include "rg/rg_map.h"
+
+/// A joint as the cascade needs it.
+typedef struct lac_rg_joint {
+    const lac_domain *domain;
+    const double *strength;    ///< [n] f p [Pa]
+    const double *drop;        ///< [n] (1 - beta) f p [Pa]
+    const lac_rg_path *path;   ///< how the shear force grows
+    const lac_rg_press *press; ///< solved again for the critical force of each place; NULL: that
+                               ///< of the path
+} lac_rg_joint;
+
+/// How an ensemble of joints is studied.
+typedef struct lac_rg_study_def {
+    lac_rg_rule rule;
+    size_t places;      ///< of the grid of blocks on each joint, at random, averaged; the first is
+                        ///< the grid's own
+    size_t loads;       ///< Q/Q_nom from 1/loads to 1, evenly; along a path that begins loaded
+                        ///< (lac_rg_path_further) from its start to its end
+    size_t resamplings; ///< of the bootstrap
+    uint64_t seed;      ///< of places and bootstrap
+} lac_rg_study_def;
+
+/// FIX, 16 places, 60 loads, 400 resamplings, seed 1.
+lac_rg_study_def lac_rg_study_default(void);
+
+/// A value, its standard error and its 95 % interval, by bootstrap over joints, over places where
+/// there is one joint; NaN where too few of the resamplings have one.
+typedef struct lac_rg_estimate {
+    double value, error, low, high;
+} lac_rg_estimate;
+
+/// A map fitted to groups of pairs, with the intervals that resampling the groups gives.
+typedef struct lac_rg_fit {
+    lac_rg_map map;
+    lac_rg_estimate fixed_point, lambda, nu;
+} lac_rg_fit;
+
+/// Fits the map of rg_map.h to pairs that come in groups.
+/// @param first        [groups + 1] first pair of each group, and how many pairs there are
+/// @param s, s_next    [first[groups]]
+/// @param resamplings  of the groups, with repetition
+/// @return LAC_OK, also where the pairs tell no map: all but map.points is NaN then; LAC_ENOMEM
+lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
+                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
+                               lac_error *err);
+
+/// A power law xi ~ (1 - Q/Q_crit)^-exponent, or none.
+typedef struct lac_rg_power {
+    size_t points;
+    double exponent, error; ///< NaN where fewer than four points
+    double curvature;       ///< of ln xi against ln(1 - Q/Q_crit), over its standard error
+    bool holds;             ///< xi grows by a factor of 4 at least, straight within two errors
+} lac_rg_power;
+
+/// Results of a study. Levels: 0 the cells ... levels the joint.
+typedef struct lac_rg_result {
+    size_t joints, places, levels, loads;
+    double critical;       ///< Q_crit/Q_nom, mean over joints and places [1]
+    double critical_sd;    ///< standard deviation among joints; among places where there is one
+    double critical_error; ///< of the mean: sd/sqrt(joints), or /sqrt(places) where there is one
+    double *of_joint;      ///< [joints] Q_crit/Q_nom of each, mean over places
+    double place_sd;       ///< standard deviation among the places of a joint, mean over joints
+    lac_rg_map map;        ///< fitted to all pairs of levels with 8 blocks at least
+    lac_rg_estimate fixed_point, lambda, nu;
+    lac_rg_power cluster_law, block_law; ///< of the two correlation lengths below
+    double *load;                        ///< [loads] Q/Q_nom
+    double *fraction;                    ///< [loads * (levels + 1)] N_slip/N_tot, mean
+    double *cluster;    ///< [loads] longer side of the largest slipped cluster [m], mean
+    double *block;      ///< [loads] side of the largest block slipped as a whole [m], mean
+    double *blocks;     ///< [levels + 1] N_tot, mean
+    double *slipping;   ///< [levels + 1] N_slip at Q_crit, just before the joint slides, mean
+    double *begin;      ///< [levels + 1] N_slip where a path begins loaded, mean; of the root: the
+                        ///< share of joints and places that slide there; else 0
+    lac_rg_sizes *size; ///< [levels + 1] mean over joints and places
+    double *cell_load;  ///< [n of the last joint] first load at which each cell has slipped [1]
+    double *own_level;  ///< [n of the last joint] level of the largest block around each cell that
+                        ///< slips by itself where a path begins loaded; NaN: none
+    size_t last_n;      ///< n of the last joint
+} lac_rg_result;
+
+/// One interface of the ensemble.
+typedef struct lac_rg_interface {
+    int64_t seed;            ///< INT64_MIN where it depends on none
+    double pressure;         ///< mean over the nominal area, as given or as found [Pa]
+    double contact_fraction; ///< [1]
+    double dimension;        ///< D_box [1]; NaN where it was not counted
+    double dyadic;           ///< dimension of the grid's own blocks [1], lac_dyadic
+} lac_rg_interface;
+
+/// An ensemble under study: joints are added one after the other.
+typedef struct lac_rg_study lac_rg_study;
+
+/// @return LAC_OK; LAC_EINPUT (no place, fewer than 10 loads or 2^16 of either); LAC_ENOMEM
+lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, lac_error *err);
+
+/// Lets the cascade run on one joint, its places shared among the threads; the results do not
+/// depend on how many these are.
+/// @return LAC_OK; LAC_EINPUT (a joint of other levels than those before); LAC_ENOMEM
+/// @cost   some 75 passes a place, and as many passes down for the first
+lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
+
+/// Statistics of what was added.
+/// @param result  freed with the study
+/// @return LAC_OK; LAC_EINPUT (no joint); LAC_ENOMEM
+lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err);
+
+/// Frees a study and its result; NULL is fine.
+void lac_rg_study_free(lac_rg_study *study);
+
+#endif

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SCENE_SCENE_H
+#define LACUNA_SCENE_SCENE_H
+
+#include "case/case.h"
+#include "contact/tangential.h"
+#include "fractal/fractal.h"
+#include "store/store.h"
+
+enum { LAC_SCENE_SIZES = 32 };
+
+/// What is measured of a contact beyond what a run needs.
+typedef struct lac_scene_fractal {
+    bool clustered; ///< `clusters` holds
+    lac_cluster_summary clusters;
+    bool scaled; ///< the contact was solved at coarser resolutions too: `scaling`, `sizes` hold
+    lac_scaling scaling;
+    lac_error why;                           ///< why not `scaled`
+    size_t sizes;                            ///< specimens
+    lac_size_strength size[LAC_SCENE_SIZES]; ///< [sizes] relative to the interface itself
+} lac_scene_fractal;
+
+/// How it is measured.
+typedef struct lac_scene_measure_def {
+    lac_scaling_def scaling; ///< `finest` is filled in
+    lac_box_def boxes;
+    size_t sizes;                 ///< specimens, at most LAC_SCENE_SIZES
+    double size[LAC_SCENE_SIZES]; ///< [sizes] their sides [m]
+} lac_scene_measure_def;
+
+/// The contact part of a scene: surface -> contact -> fractal measures.
+typedef struct lac_scene_contact {
+    lac_grid grid;
+    double mean_pressure;       ///< total, over the nominal area [Pa]
+    double e_star;              ///< [Pa]; NaN where no surface is pressed
+    double *heights, *gap;      ///< [ny * nx] [m]; NULL where there is no surface
+    double *pressure;           ///< [ny * nx] [Pa]
+    lac_surface_report surface; ///< what the heights look like, where they are kept
+    double tolerance;           ///< that it is solved to, relative
+    bool solved;                ///< a surface was pressed: `report` holds
+    lac_contact_report report;
+    bool counted; ///< box counting was possible: `boxes` holds
+    lac_box_count boxes;
+    lac_dyadic blocks;         ///< of the grid itself
+    lac_scene_fractal fractal; ///< filled by lac_scene_contact_measure
+    lac_domain *domain;
+} lac_scene_contact;
+
+/// A contact as it is told.
+typedef struct lac_contact_outcome {
+    const lac_scene_contact *contact;
+    const char *status; ///< complete; NULL: not yet said
+    bool brief;         ///< grid, pressures and dimension alone, for JSON
+} lac_contact_outcome;
+
+/// Its variables, for a file or JSON; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset **out,
+                                lac_error *err);
+
+/// What a case's load.history came to.
+typedef struct lac_history_result {
+    size_t steps, planned;     ///< solved, of the whole history
+    bool loaded;               ///< a shear load was reached and `first_slip` solved
+    lac_first_slip first_slip; ///< of the joint without any slip, under the first shear load
+    double first_place[2];     ///< centre of its cell [m]
+} lac_history_result;
+
+/// Where the steps of a history go, as they are solved. Members may be NULL.
+typedef struct lac_history_sink {
+    void *context;
+    /// @return LAC_OK; else the history ends with this status
+    lac_status (*step)(void *context, const lac_history_record *record, lac_error *err);
+    /// Cell by cell, after each step or after the last one, as load.history.fields says.
+    lac_status (*maps)(void *context, const lac_history_maps *maps, lac_error *err);
+    /// Asked before each step: whether to end here.
+    bool (*interrupted)(void *context);
+} lac_history_sink;
+
+/// The contact cells of a case that presses no surface, each with its pressure.
+/// @return LAC_OK; LAC_EINPUT (empty, a file of another grid or load); LAC_EIO; LAC_ENOMEM
+lac_status lac_scene_domain_create(const lac_case *c, lac_domain **domain, lac_error *err);
+
+/// Number of steps of a case's history, all increments counted.
+size_t lac_scene_history_steps(const lac_case *c);
+
+/// Goes through the history of a case: presses anew where the pressure changes, from the pressures
+/// before, and shears; docs/theory/tangential.md.
+/// A step ends a cycle when it comes back to the controls of an earlier one (the latest; or of the
+/// start): the pressure and, of each axis, the load or shift that is controlled, within 1e-6 of the
+/// largest so far, other controls having been in between.
+/// @param contact  of the case, solved with `all`; its pressures are where the history starts
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
+///         The steps up to there have gone to the sink.
+lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
+                                 const lac_history_sink *sink, lac_history_result *result,
+                                 lac_error *err);
+
+/// What a file says of the case it was made from; the command line, the libraries and the time are
+/// the caller's.
+/// @param case_text  the resolved case; borrowed
+lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
+
+/// Everything that a case's run needs, built stage by stage; only what the case names.
+typedef struct lac_scene {
+    const lac_case *source;
+    lac_scene_contact contact;
+    lac_hierarchy *hierarchy;
+    lac_transfer transfer;
+    lac_friction *friction;
+    lac_load_set loads;
+    double damping; ///< [Pa s/m]
+    lac_problem *problem;
+} lac_scene;
+
+/// Solves the contact of a case.
+/// @param all  keep heights, gap and pressure (for `contact`); else only what a run needs
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
+lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
+                                   lac_error *err);
+
+/// Area scaling from 64 cells a side where the grid has four resolutions, the finest left out;
+/// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
+lac_scene_measure_def lac_scene_measure_default(void);
+
+/// Measures the contact that was solved with `all`: clusters, area scaling, size effect; counts the
+/// boxes again where `def` asks for other ones.
+/// A contact whose area has no scaling (grid too small, no surface, coarse grids not solved) is
+/// measured all the same: `fractal.why` says why it has none.
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT (sizes of boxes or specimens)
+/// @cost   the contact once more at 2, 4, 8 ... times its cell: about half of what it took
+lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene_contact *contact,
+                                     lac_error *err);
+void lac_scene_contact_clear(lac_scene_contact *contact);
+
+/// eta = G/(2 cs) [Pa s/m]; no shear speed and no density: 0.
+double lac_damping_of(const lac_material_def *material);
+
+/// Builds the whole scene of a case. The case must outlive it.
+/// @return as lac_scene_contact_solve
+lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err);
+
+/// The same, with what its loads read kept for scenes made later.
+/// @param files  NULL: nothing is kept
+lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_scene **out,
+                                 lac_error *err);
+
+/// Makes a scene anew after values of friction or initial (or of loads) changed in its case; the
+/// contact, the hierarchy and the transfer stay. After an error the scene has no problem and can
+/// only be renewed or freed.
+/// @param files  as in lac_scene_create_with
+/// @param loads  make the loads anew too
+/// @return as lac_scene_create
+lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
+
+/// Frees a scene; NULL is fine.
+void lac_scene_free(lac_scene *scene);
+
+#endif

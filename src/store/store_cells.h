@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_STORE_CELLS_H
+#define LACUNA_STORE_STORE_CELLS_H
+
+#include "store/store.h"
+
+/// Which of a file's snapshots.
+typedef struct lac_snapshot_choice {
+    enum { LAC_SNAPSHOT_LAST = 0, LAC_SNAPSHOT_INDEX, LAC_SNAPSHOT_TIME } by;
+    size_t index; ///< from 0
+    double time;  ///< since the start [s]: the last snapshot that is not later
+} lac_snapshot_choice;
+
+/// What a file is.
+typedef enum lac_stored_kind {
+    LAC_STORED_RUN,     ///< of `lacuna run`; its snapshots in time
+    LAC_STORED_CONTACT, ///< of `lacuna contact`: one snapshot, without shear
+    LAC_STORED_HISTORY, ///< of `lacuna contact` with a history: its steps
+} lac_stored_kind;
+
+/// The contact cells of a file at one of its snapshots.
+typedef struct lac_stored_cells {
+    lac_stored_kind kind;
+    lac_domain *domain; ///< pressures before pore pressure
+    double *shear;      ///< [n] traction along x [Pa]
+    size_t snapshots;   ///< that are whole
+    size_t index;       ///< of this one
+    double time;        ///< since the start [s]; NaN: not in time
+    char *case_text;    ///< attribute `case`
+    char status[16];    ///< attribute `status`
+} lac_stored_cells;
+
+/// Reads the cells of a file of a run or a contact. The last snapshot of a run that was killed is
+/// passed over where it is torn.
+/// @param out  cleared by the caller, whatever the status
+/// @return LAC_OK; LAC_EINPUT (no such snapshot, no tractions kept, a force along y); LAC_EIO (not
+///         such a file, damaged); LAC_ENOMEM
+lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,
+                                 lac_stored_cells *out, lac_error *err);
+
+/// The contact cells alone: of a run, of a contact, or of the last step of a history that kept its
+/// pressures.
+/// @param domain  pressures before pore pressure; NULL where it fails
+/// @return LAC_OK; LAC_EINPUT (no contact cell); LAC_EIO (not such a file, damaged); LAC_ENOMEM
+lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err);
+
+/// Whether what a file holds begins as a netCDF file does; false where it cannot be read.
+bool lac_stored_is_netcdf(const char *path);
+
+/// Frees what it holds.
+void lac_stored_cells_clear(lac_stored_cells *cells);
+
+#endif

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_STORE_FILE_H
+#define LACUNA_STORE_STORE_FILE_H
+
+#include "store/recording.h"
+#include "store/store_events.h"
+
+/// A file of Lacuna that is read piece by piece: looked through and opened once.
+typedef struct lac_stored_file lac_stored_file;
+
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written); LAC_ENOMEM
+lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err);
+
+/// A run that is kept in memory, read as its file would be. It must outlive what is opened here,
+/// and not change while it is read.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
+                              lac_error *err);
+
+/// Whether the writer of a file was stopped before it had closed it, and all that was synced is
+/// there all the same: in FILE.journal, or, of a file of an older version that HDF5 has cut by at
+/// most 4 kB, in the file. The readers here then read a copy that is whole, made beside the file,
+/// or in /tmp where that folder cannot be written; other programs cannot. The file does not change.
+/// @return false also where somebody is writing it
+bool lac_store_is_cut(const char *path);
+
+/// What damage to the journal of a file that was not closed takes away. What a stopped write leaves
+/// at its end is none.
+typedef struct lac_store_loss {
+    bool damaged;     ///< else nothing is lost
+    uint64_t at;      ///< the first byte of the journal that cannot be read; 0: none of it can
+    uint64_t unread;  ///< bytes from there on
+    uint64_t records; ///< those that the journal gives all the same
+    int64_t own;      ///< those that the file shows without it; -1: it cannot be opened
+} lac_store_loss;
+
+/// Whether the journal of a file is damaged. The readers then read the file itself where that shows
+/// at least as many records as what is left of the journal gives, else the latter.
+/// @return false also where somebody is writing it
+bool lac_store_is_damaged(const char *path, lac_store_loss *loss);
+
+/// Makes such a file whole, so that every program can read it, in place: by a copy and rename. Its
+/// journal is removed, unless it is damaged. `status` stays what it was.
+/// @param mended  false: nothing was to be done
+/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written, full disk; the file shows
+///         more records than its damaged journal gives); LAC_ENOMEM
+lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
+
+/// Closes it; NULL is fine.
+void lac_stored_file_close(lac_stored_file *file);
+
+/// A whole variable, as lac_store_read_values; one that is not there is no error.
+/// @param out  cleared by the caller
+/// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
+lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err);
+
+/// The same of one place along the first dimension: the cells of a snapshot.
+/// @param row  from 0
+/// @param out  n is 1; cleared by the caller
+/// @return as lac_stored_file_values; LAC_EINPUT (no such row)
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
+                               lac_stored_values *out, lac_error *err);
+
+/// The comment of a variable, which says how it is defined; "" where there is none, or where it is
+/// longer than the room for it.
+void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
+                             size_t size);
+
+/// Any attribute of a variable as text; "" where there is none, or where it is longer than the
+/// room.
+void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+                          char *text, size_t size);
+
+/// An attribute of one number of a variable; NaN where there is none, as in a run in memory.
+double lac_stored_file_number(const lac_stored_file *file, const char *variable,
+                              const char *attribute);
+
+/// Name of a variable, in the order of the file.
+/// @param index  from 0
+/// @return false past the last one, or where the name is longer than the room for it
+bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
+
+/// A global attribute as text, as lac_store_read_attribute.
+/// @return LAC_OK; LAC_EIO
+lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
+                                     size_t size, lac_error *err);
+
+#endif

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_TRADE_TRADE_H
+#define LACUNA_TRADE_TRADE_H
+
+#include "lacuna/dataset.h"
+#include "scene/scene.h"
+
+/// Error against cost of a case under the settings that trade one for the other; docs/trade.md.
+
+enum { LAC_DIALS = 12, LAC_DIAL_VALUES = 16, LAC_DIAL_LABEL = 32, LAC_DIAL_YAML = 64 };
+
+/// One position of a dial.
+typedef struct lac_dial_value {
+    char label[LAC_DIAL_LABEL]; ///< as tables have it: "1e-05", "elastic"
+    char yaml[LAC_DIAL_YAML];   ///< what `--set KEY=` takes
+} lac_dial_value;
+
+/// What is computed, and what a dial belongs to (several of them with |).
+typedef enum lac_trade_of {
+    LAC_OF_RUN = 1,     ///< a run in time
+    LAC_OF_CASCADE = 2, ///< the cascade of a case with a section rg
+    LAC_OF_CONTACT = 4, ///< a contact that is pressed, and sheared where it has a history
+} lac_trade_of;
+
+/// A setting that trades accuracy for cost.
+typedef struct lac_dial {
+    const char *name, *key; ///< "method", "solver.method"
+    const char *doc;        ///< one line
+    unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
+    bool scene;             ///< it changes what is computed, not only how well
+    unsigned use;           ///< lac_trade_of
+    bool falls;             ///< of a ladder: a finer position is a smaller number
+    double ratio;           ///< its positions are a ladder from coarse to fine; that errors fall by
+                            ///< more than this a rung is not believed; 0: no ladder
+    const char *cascade;    ///< the label at which the cascade is computed, else a run; NULL: the
+                            ///< dial does not choose between them
+    /// Its positions on this case, the coarsest and cheapest first.
+    /// @param of   what is traded
+    /// @param out  [LAC_DIAL_VALUES]
+    /// @return how many; 0: nothing to turn on this case
+    size_t (*values)(const lac_case *c, lac_trade_of of, lac_dial_value *out);
+    /// The position that stands after the last one, for the reference; NULL: the last one is it.
+    void (*tighter)(const lac_dial_value *last, lac_dial_value *out);
+    /// The label of the position that a case has.
+    void (*current)(const lac_case *c, char label[LAC_DIAL_LABEL]);
+} lac_dial;
+
+/// The index-th dial, NULL past the end. The first is rtol.
+const lac_dial *lac_dial_at(size_t index);
+
+/// What a user wants to know of a scene.
+typedef enum lac_quantity {
+    LAC_QUANTITY_FAILURE = 0, ///< time of failure since the start [s]
+    LAC_QUANTITY_LIMIT,       ///< time at which a limit of time.stop_when is reached [s]
+    LAC_QUANTITY_SLIP,        ///< mean slip at the end [m]
+    LAC_QUANTITY_RATE,        ///< mean slip rate at the end [m/s]
+    LAC_QUANTITY_PEAK,        ///< largest slip rate of a cell at any record [m/s]
+    LAC_QUANTITY_CRITICAL,    ///< Q_crit/Q_nom: of the cascade, of a run the largest Q/Q_nom [1]
+    LAC_QUANTITY_EVENTS,      ///< events of the catalogue [1]
+    LAC_QUANTITY_FRACTION,    ///< contact cells over all cells [1]
+    LAC_QUANTITY_PRESSURE,    ///< mean normal pressure, where approach or dimension ask for it [Pa]
+    LAC_QUANTITY_DIMENSION,   ///< box dimension of the contact [1]
+    LAC_QUANTITY_WORK,        ///< frictional work of a contact's history [J]
+    LAC_QUANTITIES
+} lac_quantity;
+
+/// What a quantity is called on the command line, its SI unit, and what it is.
+typedef struct lac_quantity_about {
+    const char *name, *unit, *doc;
+    bool contact; ///< of a contact, not of a run
+} lac_quantity_about;
+
+/// @param quantity  below LAC_QUANTITIES
+const lac_quantity_about *lac_quantity_about_of(int quantity);
+
+/// A sink that looks at a run for the quantities and passes everything on.
+typedef struct lac_trade_probe {
+    lac_sink next;
+    double friction;         ///< Coulomb's f of Q_nom [1]; NaN: none
+    double rate, load;       ///< at the last record; largest Q/Q_nom so far
+    int64_t records, events; ///< so far
+} lac_trade_probe;
+
+/// @param c  of the run, for its friction
+lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next);
+lac_sink lac_trade_probe_sink(lac_trade_probe *probe);
+
+/// The quantities of a run that is over.
+/// @param catalogue  whether events were looked for
+/// @param value      [LAC_QUANTITIES] NaN: has none
+void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
+                            bool catalogue, double *value);
+
+/// A dial with the positions that are to be tried.
+typedef struct lac_trade_dial {
+    const lac_dial *dial;
+    size_t count; ///< positions
+    size_t shown; ///< of which the first so many are tried; those after are for the reference only
+    bool named;   ///< they are those that were asked for
+    lac_dial_value value[LAC_DIAL_VALUES];
+} lac_trade_dial;
+
+/// Why a run is made.
+enum { LAC_TRADE_TRIED = 1, LAC_TRADE_REFERENCE = 2, LAC_TRADE_CHECK = 4 };
+
+/// A combination of positions.
+typedef struct lac_trade_run {
+    short at[LAC_DIALS]; ///< [dials] position; -1: as the case has it
+    int why;             ///< LAC_TRADE_*
+} lac_trade_run;
+
+/// The runs of a trade. The reference has the finest position of every ladder and, of dials that
+/// change the scene, the last one; for each ladder two more runs, one and two rungs coarser, tell
+/// how far it is from its limit.
+typedef struct lac_trade_plan {
+    lac_trade_of of; ///< what is computed; of a cascade, but where the fidelity is another one
+    size_t dials, runs;
+    lac_trade_dial dial[LAC_DIALS];
+    lac_trade_run *run;         ///< [runs]
+    size_t ladder;              ///< dial whose rungs every other position is tried on; SIZE_MAX
+    size_t reference;           ///< index of a run
+    size_t coarser[LAC_DIALS];  ///< index of the run one rung coarser; SIZE_MAX: no ladder
+    size_t coarsest[LAC_DIALS]; ///< two rungs coarser; SIZE_MAX
+} lac_trade_plan;
+
+/// Plans a trade.
+/// @param c         the case
+/// @param of        what is traded
+/// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
+///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
+/// @param crossed   every position with every other; else each with those of the first ladder only
+/// @return LAC_OK; LAC_EINPUT (no such dial, nothing to turn, a case with solver.accuracy ...);
+///         LAC_ENOMEM
+lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
+                                 bool crossed, lac_trade_plan *out, lac_error *err);
+void lac_trade_plan_clear(lac_trade_plan *plan);
+
+/// What is computed by a run of the plan.
+lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run);
+
+/// Whether two runs differ in nothing but the rung of `ladder`, and `a` is coarser.
+bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b);
+
+/// How a run of a trade ended.
+typedef enum lac_trade_end {
+    LAC_TRADE_PENDING = 0,
+    LAC_TRADE_DONE,
+    LAC_TRADE_BROKEN,   ///< the computation failed
+    LAC_TRADE_GIVEN_UP, ///< it took too long
+    LAC_TRADE_REFUSED,  ///< the settings do not go together
+    LAC_TRADE_TWIN,     ///< the same settings as another run
+} lac_trade_end;
+
+/// What was measured of a run.
+typedef struct lac_trade_measure {
+    lac_trade_end end;
+    double value[LAC_QUANTITIES];      ///< NaN: has none
+    double wall_time, cpu_time;        ///< [s]
+    int64_t memory, output;            ///< peak, size of its file [bytes]
+    int64_t steps, evaluations, cells; ///< of the right-hand side; of a contact its solver's
+                                       ///< iterations and elastic products
+    char message[240];                 ///< what went wrong
+} lac_trade_measure;
+
+/// What is asked for.
+typedef struct lac_trade_ask {
+    int quantity; ///< lac_quantity; -1: time of failure, else of the limit, else slip; of a cascade
+                  ///< Q_crit/Q_nom; of a contact its fraction
+    double reach; ///< relative error to reach [1]; NaN
+    double within;    ///< the same as an amount; NaN
+    double spend;     ///< time that a run may take [s]; NaN
+    const char *unit; ///< SI unit of `within`, to be the quantity's; NULL: it is
+} lac_trade_ask;
+
+/// What a trade came to. Errors are relative to the reference's value.
+typedef struct lac_trade_verdict {
+    int quantity;
+    size_t reference;   ///< run; the tightest that was done
+    double value;       ///< of it, in the quantity's unit
+    double uncertainty; ///< estimated error of the reference, relative; NaN: not known
+    double *error;      ///< [runs] relative; NaN: has no value
+    bool *on_front;     ///< [runs]
+    size_t recommended; ///< run; SIZE_MAX: none does what was asked
+    size_t closest;     ///< run; what comes closest then
+} lac_trade_verdict;
+
+/// Error of the finest of three values on a ladder, by Richardson's extrapolation, and at least a
+/// twentieth of what the rung before the last changed; where they do not converge, what the last
+/// one did.
+/// @param coarse  NaN: only two values
+/// @param ratio   that errors fall by more than this a rung is not believed
+/// @return >= 0; NaN where `middle` or `fine` is
+double lac_richardson_error(double coarse, double middle, double fine, double ratio);
+
+/// Marks what is not beaten: no other costs no more and errs no more, and one of the two less.
+/// Errors below `floor` count as the same. What has a NaN is never on the front.
+void lac_pareto_front(size_t n, const double *cost, const double *error, double floor,
+                      bool *on_front);
+
+/// Judges the runs: CPU time is the cost.
+/// @return LAC_OK; LAC_EINPUT where the reference has no such quantity, or it has another unit;
+///         LAC_ENUMERIC where no run that could be the reference was done; LAC_ENOMEM
+lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
+                           const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
+void lac_trade_verdict_clear(lac_trade_verdict *verdict);
+
+/// One run of a trade, as it is written. NaN: missing.
+typedef struct lac_trade_row {
+    const char *settings; ///< "solver.rtol=1e-05 solver.method=bdf"
+    const char *end;      ///< done, broken, given up
+    double value, error, uncertainty;
+    double wall_time, cpu_time, memory, output; ///< [s], [bytes]
+    double steps, evaluations;
+    bool on_front;
+} lac_trade_row;
+
+/// A trade, as it is written.
+typedef struct lac_trade_view {
+    const char *quantity, *unit, *about; ///< name, SI unit, what it is
+    double value, uncertainty;           ///< of the reference; relative
+    const char *reference;               ///< its settings
+    const char *recommended;             ///< settings; NULL: none
+    const char *sentence;
+    size_t runs;
+    const lac_trade_row *row; ///< [runs]
+} lac_trade_view;
+
+/// Its variables, for a file; docs/format.md.
+/// @param view  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_trade_describe(const lac_trade_view *view, lac_dataset **out, lac_error *err);
+
+#endif
