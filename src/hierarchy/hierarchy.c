@@ -170,18 +170,3 @@ const uint32_t *lac_hierarchy_offsets(const lac_hierarchy *h, size_t level)
 {
     return h->part[h->of_level[level]].first;
 }
-
-void lac_hierarchy_project(const lac_hierarchy *h, size_t level, const double *x, double *y)
-{
-    const uint32_t *first = lac_hierarchy_offsets(h, level);
-    for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
-        double sum = 0;
-        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
-            sum += x[i];
-        }
-        double mean = sum / (first[b + 1] - first[b]);
-        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
-            y[i] = mean;
-        }
-    }
-}

@@ -244,12 +244,6 @@ static inline lac_friction_values lac_block_values(lac_block *s)
     return (lac_friction_values){.f = s->f, .f_u = s->f_u, .f_w = s->f_w, .g = s->g};
 }
 
-static inline lac_friction_slopes lac_block_slope_arrays(lac_block_slopes *s)
-{
-    return (lac_friction_slopes){
-        .f_uu = s->f_uu, .f_uw = s->f_uw, .f_ww = s->f_ww, .g_u = s->g_u, .g_w = s->g_w};
-}
-
 static inline size_t lac_block_length(size_t n, size_t first)
 {
     return n - first < LAC_FRICTION_BLOCK ? n - first : LAC_FRICTION_BLOCK;

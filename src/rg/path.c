@@ -187,8 +187,6 @@ out:
     return status;
 }
 
-bool lac_rg_path_is_equal(const lac_rg_path *path) { return path->loads == 0; }
-
 bool lac_rg_path_is_laden(const lac_rg_path *path) { return path->shear != NULL; }
 
 double lac_rg_path_load(const lac_rg_path *path, double part)

@@ -19,11 +19,6 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level)
     return layer_at(tree, level)->count;
 }
 
-const double *lac_rg_thresholds(const lac_rg_tree *tree, size_t level)
-{
-    return layer_at(tree, level)->gap;
-}
-
 bool lac_rg_slips(const lac_rg_tree *tree, double threshold)
 {
     return threshold <= tree->tolerance;
