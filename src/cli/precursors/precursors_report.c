@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "cli/common/words.h"
-#include "cli/precursors/indicators.h"
+#include "cli/precursors/precursors.h"
 
 // A unit of times to failure, by how long the issue times span.
 typedef struct unit {
