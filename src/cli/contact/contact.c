@@ -48,7 +48,7 @@ static bool changes_pressure(const lac_history_def *history)
 
 // Follows the history, whose file is that of the contact too.
 static lac_status follow_history(contact_job *job, const lac_provenance *provenance,
-                                 const lac_dataset *dataset, lac_error *err)
+                                 lac_dataset *dataset, lac_error *err)
 {
     static const lac_history_keep keeps[] = {[LAC_HISTORY_ALL] = LAC_KEEP_ALL,
                                              [LAC_HISTORY_LAST] = LAC_KEEP_LAST,
