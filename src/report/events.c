@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The catalogue of events: each in time, and how many are larger than what.
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_vector.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,12 +17,6 @@ static const char *const names[VARIABLES] = {"event_time",          "event_durat
                                              "event_max_slip_rate", "event_cut"};
 static const char *const keys[VARIABLES] = {"time",   "duration", "cells",    "potency",
                                             "moment", "size",     "max_rate", "cut"};
-
-static int descending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a < b) - (a > b);
-}
 
 // The larger half of what may stand on the page by potency, and of the others every `stride`th.
 static size_t choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
@@ -93,7 +89,9 @@ static lac_status write_events(const lac_page *page, size_t n, const lac_stored_
         const double potency = values[POTENCY].value[i];
         sorted[i] = isfinite(potency) ? potency : 0.0;
     }
-    qsort(sorted, n, sizeof *sorted, descending);
+    gsl_sort(sorted, 1, n);
+    gsl_vector_view falling = gsl_vector_view_array(sorted, n);
+    gsl_vector_reverse(&falling.vector);
     (void)choose(n, values[POTENCY].value, sorted, keep);
     lac_page_open(text, "events", '{');
     lac_page_number(text, "all", (double)n, 17);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fitted model forecasts: the predictive band of displacement and rate, when it fails, and
 // what it found, as lacuna fit has stored it.
+#include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/date.h"
+#include "base/statistics.h"
 #include "report/run.h"
 
 enum { NAME = 128, STEPS = 200, QUANTILES = 5 };
@@ -109,23 +110,6 @@ static void write_band(lac_page_text *text, const char *key, const lac_stored_va
     lac_page_close(text, ']');
 }
 
-static int ascending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-// The q-quantile of sorted values, as lacuna fit gives it: no number lies between one that is
-// finite and never.
-static double quantile(size_t n, const double *sorted, double q)
-{
-    const double at = q * (double)(n - 1);
-    const size_t low = (size_t)at, high = low + 1 < n ? low + 1 : low;
-    const double part = at - (double)low;
-    return isinf(sorted[high]) ? sorted[part > 0.5 ? high : low]
-                               : sorted[low] + part * (sorted[high] - sorted[low]);
-}
-
 // Times of failure of the draws that were run on, in order; those that do not fail stand last.
 static void write_failures(lac_page_text *text, const fitted *f)
 {
@@ -135,13 +119,14 @@ static void write_failures(lac_page_text *text, const fitted *f)
         failing += isfinite(all->value[i]) ? 1 : 0;
         all->value[i] = isfinite(all->value[i]) ? all->value[i] + f->shift : INFINITY;
     }
-    qsort(all->value, all->n, sizeof *all->value, ascending);
+    gsl_sort(all->value, 1, all->n);
     lac_page_open(text, "failure", '{');
     lac_page_number(text, "draws", (double)all->n, 17);
     lac_page_number(text, "failing", (double)failing, 17);
     lac_page_open(text, "quantile", '[');
     for (size_t q = 0; q < QUANTILES && f->value[QUANTILE].value != NULL; q++) {
-        lac_page_number(text, NULL, quantile(all->n, all->value, f->value[QUANTILE].value[q]), 12);
+        lac_page_number(text, NULL, lac_quantile(all->n, all->value, f->value[QUANTILE].value[q]),
+                        12);
     }
     lac_page_close(text, ']');
     const size_t steps = failing < STEPS ? failing : STEPS;
@@ -164,10 +149,10 @@ static void write_draws(lac_page_text *text, const lac_stored_values *draws)
     static const double share[] = {0.05, 0.5, 0.95};
     const size_t n = draws->n * draws->width;
     if (n > 1) { // one is the best fit alone
-        qsort(draws->value, n, sizeof *draws->value, ascending);
+        gsl_sort(draws->value, 1, n);
     }
     for (size_t i = 0; n > 1 && i < sizeof share / sizeof *share; i++) {
-        lac_page_number(text, keys[i], quantile(n, draws->value, share[i]), 5);
+        lac_page_number(text, keys[i], lac_quantile(n, draws->value, share[i]), 5);
     }
 }
 
