@@ -27,7 +27,7 @@ typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char ro
 typedef enum lac_held {
     LAC_HELD_NOT = 0,
     LAC_HELD_REAL,  ///< a double
-    LAC_HELD_COUNT, ///< a size_t
+    LAC_HELD_COUNT, ///< a size_t; SIZE_MAX: missing
     LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
     LAC_HELD_BOOL,  ///< a bool
     LAC_HELD_TEXT,  ///< a const char *

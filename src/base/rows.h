@@ -35,6 +35,10 @@
 /// What a descriptor says of its table of rows, whose offsets are in `holder`.
 #define LAC_ROWS(rows, holder)                                                                    \
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0], .params_size = sizeof(holder)
+
+/// A descriptor; after its rows what else it says (.fault = ...).
+#define LAC_ABOUT(title, text, source, rows, ...)                                                 \
+    {.name = (title), .summary = (text), .reference = (source), rows, __VA_ARGS__}
 // clang-format on
 
 #endif

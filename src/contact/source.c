@@ -195,10 +195,7 @@ lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, do
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
     pressure = malloc(cells * sizeof *pressure);
-    if (occupied == NULL || pressure == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(occupied != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(source->fill(slot->params, grid, occupied, err));
     spread_load(cells, occupied, mean_pressure, pressure);
     LAC_TRY(lac_domain_create(grid, pressure, domain, err));

@@ -221,7 +221,7 @@ static double held_number(const lac_entry *entry, const size_t *at, size_t place
         return real;
     case LAC_HELD_COUNT:
         memcpy(&count, from, sizeof count);
-        return (double)count;
+        return count != SIZE_MAX ? (double)count : NAN;
     case LAC_HELD_INT64:
         memcpy(&integer, from, sizeof integer);
         return integer != INT64_MIN ? (double)integer : NAN;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The catalogue of events: each in time, and how many are larger than what.
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_vector.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -22,12 +24,6 @@ static const struct {
     {"max_rate", "event_max_slip_rate"},
     {"cut", "event_cut"},
 };
-
-static int descending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a < b) - (a > b);
-}
 
 // The larger half of what may stand on the page by potency, and of the others every `stride`th.
 static size_t choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
@@ -96,7 +92,9 @@ static lac_status write_events(const lac_page *page, const char *key, size_t n,
         const double potency = values[POTENCY].value[i];
         sorted[i] = isfinite(potency) ? potency : 0.0;
     }
-    qsort(sorted, n, sizeof *sorted, descending);
+    gsl_sort(sorted, 1, n);
+    gsl_vector_view falling = gsl_vector_view_array(sorted, n);
+    gsl_vector_reverse(&falling.vector);
     (void)choose(n, values[POTENCY].value, sorted, keep);
     lac_json_open(page->json, key, '{');
     lac_json_integer(page->json, "all", (int64_t)n);

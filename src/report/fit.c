@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fitted model forecasts: the predictive band of displacement and rate, when it fails, and
 // what it found, as lacuna fit has stored it.
+#include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/date.h"
+#include "base/statistics.h"
 #include "report/run.h"
 
 enum { NAME = 128, STEPS = 200, QUANTILES = 5 };
@@ -99,23 +100,6 @@ static void write_band(const lac_page *page, const char *key, const lac_stored_v
     lac_json_close(page->json, ']');
 }
 
-static int ascending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-// The q-quantile of sorted values, as lacuna fit gives it: no number lies between one that is
-// finite and never.
-static double quantile(size_t n, const double *sorted, double q)
-{
-    const double at = q * (double)(n - 1);
-    const size_t low = (size_t)at, high = low + 1 < n ? low + 1 : low;
-    const double part = at - (double)low;
-    return isinf(sorted[high]) ? sorted[part > 0.5 ? high : low]
-                               : sorted[low] + part * (sorted[high] - sorted[low]);
-}
-
 // Times of failure of the draws that were run on, in order; those that do not fail stand last.
 static void write_failures(const lac_page *page, const fitted *f)
 {
@@ -126,12 +110,12 @@ static void write_failures(const lac_page *page, const fitted *f)
         failing += isfinite(all->value[i]) ? 1 : 0;
         all->value[i] = isfinite(all->value[i]) ? all->value[i] + f->shift : INFINITY;
     }
-    qsort(all->value, all->n, sizeof *all->value, ascending);
+    gsl_sort(all->value, 1, all->n);
     lac_json_open(page->json, "failure", '{');
     lac_json_integer(page->json, "draws", (int64_t)all->n);
     lac_json_integer(page->json, "failing", (int64_t)failing);
     for (size_t q = 0; q < share->n; q++) {
-        at[q] = quantile(all->n, all->value, share->value[q]);
+        at[q] = lac_quantile(all->n, all->value, share->value[q]);
     }
     lac_page_column(page, "quantile", share->n, at, NULL, 12);
     const size_t steps = failing < STEPS ? failing : STEPS;
@@ -170,7 +154,7 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
         return LAC_OK;
     }
     const size_t n = draws.n * draws.width;
-    qsort(draws.value, n, sizeof *draws.value, ascending);
+    gsl_sort(draws.value, 1, n);
     lac_stored_file_text(f->file, name, "units", unit, sizeof unit);
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "key", key);
@@ -181,7 +165,8 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
                         numbers[i].digits);
     }
     for (size_t i = 0; n > 1 && i < sizeof quantiles / sizeof *quantiles; i++) { // 1: the best fit
-        lac_json_digits(json, quantiles[i].key, quantile(n, draws.value, quantiles[i].share), 5);
+        lac_json_digits(json, quantiles[i].key, lac_quantile(n, draws.value, quantiles[i].share),
+                        5);
     }
     lac_json_close(json, '}');
 out:
