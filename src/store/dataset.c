@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "data/dataset.h"
 #include "store/nc.h"
 
 enum { UNIT = 64, MEANINGS = 512, MOST_MEANINGS = 64, CHUNK = 1 << 18 /* values, about 2 MB */ };

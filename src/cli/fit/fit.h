@@ -27,10 +27,6 @@ typedef struct cli_fit_columns {
 lac_status cli_fit_columns_create(const cli_request *request, cli_fit_columns *out, lac_error *err);
 void cli_fit_columns_clear(cli_fit_columns *columns);
 
-/// Whether the draws can be relied on.
-/// @return LAC_OK; LAC_ENUMERIC: says which unknown was sampled worst and what it trades off with
-lac_status cli_fit_judge(const lac_fit_result *result, lac_error *err);
-
 /// Prints it on stdout.
 void cli_fit_print(const cli_fit_view *view, bool verbose);
 
