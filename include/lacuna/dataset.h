@@ -12,7 +12,7 @@ LAC_BEGIN_C
 
 enum {
     LAC_MOST_DIMS = 3,  ///< of a variable
-    LAC_TEXT_ROOM = 256 ///< bytes that a text made on demand may take
+    LAC_TEXT_ROOM = 512 ///< bytes that a text made on demand may take
 };
 
 /// One value of a result. NaN and infinity are missing.
@@ -43,7 +43,8 @@ enum {
     LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
     LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
     LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
-    LAC_EMPTY = 128    ///< in a file also without values, its dimension without end
+    LAC_EMPTY = 128,   ///< in a file also without values, its dimension without end
+    LAC_NUMERAL = 256  ///< texts that may be numbers, and are written as such in JSON
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -58,8 +59,9 @@ typedef struct lac_variable {
     lac_getter value;     ///< either of these, or what is held
     lac_text_getter text; ///< of a text
     lac_held held;
-    unsigned flags;                                ///< LAC_MISSING | ...
-    size_t offset;                                 ///< of what is held [bytes]
+    unsigned flags;        ///< LAC_MISSING | ...
+    size_t offset;         ///< of what is held [bytes]
+    lac_text_getter label; ///< names the places of its last dimension, where `json` ends in {}
     bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
                                                    ///< the first of an object in JSON; NULL: true
 } lac_variable;
@@ -94,10 +96,6 @@ typedef struct lac_extent {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err);
-
-/// Names the places of a dimension that was added, for objects in JSON.
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
-                       const void *of);
 
 /// What times count from in a file.
 typedef enum lac_clock {

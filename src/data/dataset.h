@@ -12,12 +12,6 @@ enum {
     LAC_JSON_NAME = 64   ///< bytes of a part of a path in JSON
 };
 
-typedef struct lac_dim {
-    lac_extent extent;
-    lac_text_getter label; ///< NULL: its places have no names
-    const void *of;
-} lac_dim;
-
 /// A row and what it is laid on.
 typedef struct lac_entry {
     const lac_variable *row;
@@ -36,13 +30,13 @@ struct lac_dataset {
     lac_clock clock;
     double start;
     size_t dims, entries, room;
-    lac_dim *dim;
+    lac_extent *dim;
     lac_entry *entry;
 };
 
 /// Its dimensions. @return how many
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
-                      const lac_dim *dim[LAC_MOST_DIMS]);
+                      const lac_extent *dim[LAC_MOST_DIMS]);
 
 /// One value, text, and whether it is there. @param place  of all its values
 double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place);
