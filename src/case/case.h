@@ -264,6 +264,9 @@ bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 /// @return NULL, or what is wrong
 const char *lac_case_fault(const lac_case *c);
 
+/// The index-th file that a case names, a path from the working folder; NULL past the end.
+char **lac_case_file(const lac_case *c, size_t index);
+
 /// Puts a folder before every relative path of a case, which is then to be written elsewhere.
 /// @param folder  ends in a slash
 /// @return LAC_OK; LAC_ENOMEM

@@ -73,11 +73,7 @@ static void print_version(bool as_json)
         return;
     }
     lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_json_text(&json, "version", LACUNA_VERSION);
-    lac_json_text(&json, "libraries", text);
-    lac_json_text(&json, "netcdf", netcdf);
-    lac_json_close(&json, '}');
+    LAC_JSON_TEXTS(&json, "version", LACUNA_VERSION, "libraries", text, "netcdf", netcdf);
 }
 
 // A file that was not closed is read here, but not by others.
