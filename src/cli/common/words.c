@@ -81,10 +81,33 @@ const char *cli_quantity(double value, const char *unit, char *text, size_t size
     return text;
 }
 
+cli_text cli_format(const char *format, ...)
+{
+    cli_text text;
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text.s, sizeof text.s, format, args);
+    va_end(args);
+    return text;
+}
+
+cli_text cli_amount(double value, const char *unit)
+{
+    cli_text text;
+    (void)cli_quantity(value, unit, text.s, sizeof text.s);
+    return text;
+}
+
+cli_text cli_exact(double value, const char *unit)
+{
+    cli_text text;
+    (void)lac_units_format(value, unit, text.s, sizeof text.s);
+    return text;
+}
+
 void cli_row_quantity(const char *label, double value, const char *unit)
 {
-    char text[64];
-    cli_row(label, "%s", cli_quantity(value, unit, text, sizeof text));
+    cli_row(label, "%s", cli_amount(value, unit).s);
 }
 
 // @param lead  what the first line begins with, as wide as the others' indent

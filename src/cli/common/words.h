@@ -30,6 +30,16 @@ void cli_row(const char *label, const char *format, ...) __attribute__((format(p
 /// @return text, which also stands in `text`
 const char *cli_quantity(double value, const char *unit, char *text, size_t size);
 
+/// A short text by value: it lives as long as the statement that it stands in.
+typedef struct cli_text {
+    char s[200];
+} cli_text;
+cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/// The text of cli_quantity, and of a value in full.
+cli_text cli_amount(double value, const char *unit);
+cli_text cli_exact(double value, const char *unit);
+
 /// As cli_row, a text wrapped to 79 columns.
 void cli_row_wrap(const char *label, const char *text);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A sink that stands before the file's: it keeps the motion for the summary and the comparison.
-#include "cli/contact/history.h"
+#include "cli/run/history.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_CONTACT_HISTORY_H
-#define LACUNA_CLI_CONTACT_HISTORY_H
+#ifndef LACUNA_CLI_RUN_HISTORY_H
+#define LACUNA_CLI_RUN_HISTORY_H
 
 #include "run/run.h"
 #include "series/series.h"
