@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/common/exits.h"
+#include "cli/common/command.h"
 
 // Signal handlers can reach nothing but globals: these are the program's only ones.
 static volatile sig_atomic_t stop_asked, report_asked, held;

@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cli/common/exits.h"
+#include "cli/common/command.h"
 #include "cli/common/memory.h"
 #include "cli/common/signals.h"
 #include "cli/trade/trade.h"
