@@ -101,8 +101,10 @@ static void print_kind(const lac_kind *kind)
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         const lac_precursor_kind *precursor = precursor_of(kind, model);
         char text[300];
-        (void)snprintf(text, sizeof text, precursor != NULL ? "%s (needs %s)" : "%s",
-                       model->summary, precursor != NULL ? lac_needs_name(precursor->needs) : "");
+        (void)snprintf(text, sizeof text, "%s%s%s%s", model->summary,
+                       precursor != NULL ? " (needs " : "",
+                       precursor != NULL ? lac_needs_name(precursor->needs) : "",
+                       precursor != NULL ? ")" : "");
         cli_row_wrap(model->name, text);
     }
 }
@@ -157,10 +159,9 @@ static void print_precursor(const lac_precursor_kind *kind)
     for (size_t i = 0; i < kind->value_count; i++) {
         const lac_precursor_value *value = &kind->value[i];
         const bool bare = strcmp(value->unit, "1") == 0;
-        char text[200];
-        (void)snprintf(text, sizeof text, "%s%s%s", value->text, bare ? "" : ", ",
-                       bare ? "" : value->unit);
-        cli_row_wrap(value->key, text);
+        cli_row_wrap(
+            value->key,
+            cli_format("%s%s%s", value->text, bare ? "" : ", ", bare ? "" : value->unit).s);
     }
 }
 

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "cli/common/words.h"
 
 static bool is_required(const lac_param *param)
@@ -25,13 +24,12 @@ static bool is_bounded(double limit) { return fabs(limit) < DBL_MAX / 2; }
 static void print_default(const lac_param *param)
 {
     const double value = param->fallback;
-    char text[64];
     if (isnan(value)) {
         printf("%s", is_required(param) ? "required" : "no default");
     } else if (param->type == LAC_CHOICE) {
         printf("default %s", param->choices[(int)value]);
     } else if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
-        printf("default %s", lac_units_format(value, param->unit, text, sizeof text));
+        printf("default %s", cli_exact(value, param->unit).s);
     } else {
         printf("default %.10g", value);
     }
