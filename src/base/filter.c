@@ -69,6 +69,7 @@ struct lac_filter {
 #define FFT(x) fftw_##x
 #define NAME(x) double_##x
 #include "base/filter_kernels.h"
+#include "base/statistics.h"
 #undef REAL
 #undef FFT
 #undef NAME
@@ -309,9 +310,5 @@ double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *con
                 (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
         }
     }
-    double total = 0.0;
-    for (size_t k = 0; k < f->nkx; k++) {
-        total += f->column_power[k];
-    }
-    return total;
+    return lac_sum(f->nkx, f->column_power);
 }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "data/describe.h"
 #include "scene/describe.h"
 
@@ -21,25 +23,9 @@ LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_ce
 LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
 
 // Over the cells that touch.
-static double sum_pressure(const lac_domain *domain)
-{
-    double sum = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += domain->pressure[i];
-    }
-    return sum;
-}
-
-static double largest_pressure(const lac_domain *domain)
-{
-    double largest = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        largest = fmax(largest, domain->pressure[i]);
-    }
-    return largest;
-}
-LAC_GETTER(double, real_pressure, CONTACT, sum_pressure(c->domain) / (double)c->domain->n)
-LAC_GETTER(double, max_pressure, CONTACT, largest_pressure(c->domain))
+LAC_GETTER(double, real_pressure, CONTACT,
+           lac_sum(c->domain->n, c->domain->pressure) / (double)c->domain->n)
+LAC_GETTER(double, max_pressure, CONTACT, lac_vmost(c->domain->n, c->domain->pressure))
 
 LAC_GETTER(bool, solved, CONTACT, c->solved)
 #define SOLVED(name, expression) \
