@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 enum {
     BLOCK = 16,          // columns at a time
     LINE = 64,           // bytes of a cache line; everything begins at one
@@ -69,7 +71,6 @@ struct lac_filter {
 #define FFT(x) fftw_##x
 #define NAME(x) double_##x
 #include "base/filter_kernels.h"
-#include "base/statistics.h"
 #undef REAL
 #undef FFT
 #undef NAME

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/roots.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"
 #include "precursor/surrogates.h"
@@ -132,12 +133,7 @@ static double without_bias(const passage *p, double relation, double *w)
     double low = -steepest;
     double high = steepest;
     for (int i = 0; i < HALVINGS; i++) {
-        const double middle = 0.5 * (low + high);
-        if (expected_relation(p, middle, w) < relation) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        lac_halve(&low, &high, expected_relation(p, 0.5 * (low + high), w) < relation);
     }
     return 0.5 * (low + high);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/roots.h"
 #include "rg/rg_map.h"
 
 enum { MOST_POINTS = 64, MOST_SHARING = 16 };
@@ -73,11 +74,7 @@ static void find(const closure_map *f, lac_rg_closure *out)
     }
     for (int i = 0; i < 100; i++) {
         double middle = 0.5 * (low + high);
-        if (map(f, middle) < middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        lac_halve(&low, &high, map(f, middle) < middle);
     }
     const double h = 1e-4 * fmin(low, 1.0 - low);
     double near = (map(f, low + h) - map(f, low - h)) / (2.0 * h);
