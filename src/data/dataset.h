@@ -25,9 +25,7 @@ typedef struct lac_entry {
     size_t stride;
     bool pointers;
     const void *of;
-    char *name, *long_name; ///< owned; NULL: the row's
-    const char *unit, *comment;
-    size_t which;
+    lac_named named; ///< owned texts; without a name: the row's
     lac_laid attributes;
 } lac_entry;
 

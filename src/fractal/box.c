@@ -245,10 +245,7 @@ lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
     size_t nx = grid->nx + (grid->nx > 1 ? room : 0);
     size_t ny = grid->ny + (grid->ny > 1 ? room : 0);
     work = malloc(nx * ny);
-    if (work == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(work != NULL ? LAC_OK : lac_fail_memory(err));
     measure(domain, count_boxes(domain, def, work, result), result);
 out:
     free(work);

@@ -250,10 +250,7 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
     size_t room = def->finest != NULL && coarser > 0 ? cells / 4 : cells;
     double *heights = malloc(room * sizeof *heights);
     double *pressure = malloc(room * sizeof *pressure);
-    if (heights == NULL || pressure == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(heights != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t i = 0; i <= coarser; i++) {
         size_t m = (size_t)1 << (coarser - i);
         if (m == 1 && def->finest != NULL) {

@@ -13,14 +13,6 @@ static double logit(double s) { return log(s / (1.0 - s)); }
 
 static bool in_range(double s) { return s > lowest && s < 1.0 - lowest; }
 
-double lac_rg_map_at(const lac_rg_map *map, double s)
-{
-    if (s <= 0.0 || s >= 1.0) {
-        return s <= 0.0 ? 0.0 : 1.0;
-    }
-    return 1.0 / (1.0 + exp(-(map->lambda * logit(s) + map->g)));
-}
-
 lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
                           lac_error *err)
 {

@@ -208,8 +208,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
         set_loads(study, joint->path);
     }
     lac_rg_sample **grown = realloc(study->of_joint, (study->joints + 1) * sizeof *study->of_joint);
-    status = grown != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(grown != NULL ? LAC_OK : lac_fail_memory(err));
     study->of_joint = grown;
     LAC_TRY(create_samples(study, &samples, err));
     LAC_TRY(lac_rg_order_create(joint->domain, study->def.loads, &order, err));

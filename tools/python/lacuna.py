@@ -52,7 +52,8 @@ class _Error(ctypes.Structure):
 class _Recorded(ctypes.Structure):
     _fields_ = [("name", ctypes.c_char_p), ("unit", ctypes.c_char_p),
                 ("long_name", ctypes.c_char_p), ("dimensions", ctypes.c_char_p),
-                ("values", ctypes.POINTER(ctypes.c_double)), ("count", ctypes.c_size_t)]
+                ("values", ctypes.POINTER(ctypes.c_double)), ("count", ctypes.c_size_t),
+                ("comment", ctypes.c_char_p), ("places", ctypes.c_size_t)]
 
 
 _INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)

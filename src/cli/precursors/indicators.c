@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The events and cells of a run, from which `precursors` has its indicators; how those are shown.
-#include "cli/precursors/indicators.h"
+#include "cli/precursors/precursors.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -161,7 +161,7 @@ class Layers(unittest.TestCase):
         self.refuses("src/base/param.c", "#include <udunits2.h>", "src/base/units.c")
         self.refuses("src/contact/solve.c", "#include <fftw3.h>", "src/base/fft.c")
         self.refuses("src/surface/x.c", "#include <Random123/philox.h>", "src/base/rng.c")
-        self.refuses("src/run/run.h", "#include <gsl/gsl_sf.h>", "src/")
+        self.refuses("include/lacuna/case.h", "#include <gsl/gsl_sf.h>", "src/")
         self.refuses("src/cli/run/run.c", "#include <netcdf.h>", "src/store/")
         self.refuses("src/run/run.c", "#include <curl/curl.h>", "is new")
         self.assertEqual(self.complaints("src/run/x.c", "#include <cvodes/cvodes.h>"), [])
