@@ -20,7 +20,6 @@ lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, 
 void lac_slip_blocks_clear(lac_slip_blocks *b);
 
 /// A cell begins to slip or ceases.
-/// @cost  as many levels as change with it
 void lac_slip_blocks_change(lac_slip_blocks *b, uint32_t cell, bool slips);
 
 /// N_slip of a level.

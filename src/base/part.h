@@ -2,6 +2,8 @@
 #ifndef LACUNA_BASE_PART_H
 #define LACUNA_BASE_PART_H
 
+#include "lacuna/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -40,5 +42,10 @@ int lac_part_publish(const char *part, const char *path, bool force);
 /// Whether somebody writes a file: HDF5 then holds a lock on it.
 /// @param folder  that the path is relative to, or AT_FDCWD
 bool lac_part_locked(int folder, const char *path);
+
+/// Writes a text as a file that is never half there: under another name first, as a netCDF file.
+/// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.
+/// @param force  replaces a file that is there
+lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err);
 
 #endif

@@ -15,8 +15,6 @@
 #include <udunits2.h>
 #include <unistd.h>
 
-#include "base/units_usual.h"
-
 enum { MAX_QUANTITY = 128, MAX_UNIT = 64, MAX_NAME = 32, MAX_EXPONENT_DIGITS = 2 };
 
 // UDUNITS' database, read where a unit is not among the usual ones.

@@ -10,10 +10,7 @@ typedef struct lac_hierarchy lac_hierarchy;
 
 /// Builds the blocks over a domain; level 0 is the contact cells, level m the one root.
 /// 2^m is the smallest power of two that covers the grid.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err);
-
-/// Frees a hierarchy; NULL is fine.
 void lac_hierarchy_free(lac_hierarchy *h);
 
 /// Contact cells n.
@@ -38,9 +35,7 @@ size_t lac_hierarchy_work(const lac_hierarchy *h);
 /// @param k     [m] stiffness of each level [Pa/m]
 /// @param x     [n] slip [m]
 /// @param y     [n] stress taken off each cell [Pa]; overwritten
-/// @param work  [lac_hierarchy_work] scratch
 /// @pre   x and y do not overlap
-/// @cost  O(n): one pass up, one pass down; allocates nothing; cannot fail
 void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *x, double *y,
                          double *work);
 
@@ -50,11 +45,9 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
 /// @param diagonal  [n] D [Pa/m]; may be negative where K makes up for it
 /// @param y         [n] right-hand side
 /// @param x         [n] solution; overwritten; may be y itself
-/// @param work      [lac_hierarchy_work] scratch
 /// @return false where a pivot is not finite and positive, x is then undefined. Where true, the
 ///         matrix is positive definite; the converse holds where k falls with the level down to
 ///         k_mean, else a positive definite matrix with D_i <= -k_l may be refused as well
-/// @cost   O(n): one pass up, one pass down; allocates nothing
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);
 

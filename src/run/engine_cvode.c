@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include "run/newton.h"
+#include "run/engine.h"
 
 typedef struct cvode {
     void *mem;

@@ -46,9 +46,6 @@ typedef struct lac_follow {
 /// problem's own exact ones; the sensitivities' right-hand side J s + df/dp is by two central
 /// differences, along s and between the nudged problems.
 /// Nothing carries over from call to call: the same def gives the same bits.
-/// @return LAC_OK (also at failure); LAC_EINPUT (no slip at the start); LAC_ENUMERIC (the
-///         integrator gave up, too many steps); LAC_ENOMEM
-/// @cost   O(cells) a step, 1 + 4 nudges times
 lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err);
 
 #endif

@@ -23,7 +23,6 @@ enum { LAC_KRYLOV_WORK = 3 }; ///< vectors of scratch
 /// @param size  of the error that counts as 1, as precondition measures it; NaN: that of r
 /// @param tolerance  relative to the root of size
 /// @param most  iterations
-/// @param work  [3 n]
 /// @return iterations, at least 0; -1 where the system is not positive definite, a number is not
 ///         finite, or the iterations do not suffice
 int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, double tolerance,

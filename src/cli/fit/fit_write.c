@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/hidden.h"
-#include "base/write_text.h"
+#include "base/part.h"
 #include "cli/common/output.h"
 #include "cli/fit/fit.h"
 #include "cli/precursors/series.h"
