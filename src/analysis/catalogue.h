@@ -33,11 +33,12 @@ typedef struct lac_catalogue {
     double modulus;      ///< G [Pa]; NaN: none
     uint32_t *neighbour; ///< [8 n]
     bool begun;
-    double origin, local;     ///< of the last step [s]
-    double *rate, *slip;      ///< [n] then, |v| [m/s] and slip [m]
-    double *slip_at_rise;     ///< [n] of cells that move [m]
-    uint8_t *moves;           ///< [n]
-    uint32_t *event;          ///< [n] place of the open event it belongs to; UINT32_MAX: none
+    double origin, local; ///< of the last step [s]
+    double *rate, *slip;  ///< [n] then, |v| [m/s] and slip [m]
+    double *slip_at_rise; ///< [n] of cells that move [m]
+    uint8_t *moves;       ///< [n]
+    uint32_t *event; ///< [n] and the arrays of its kind below: place of the open event it belongs
+                     ///< to; UINT32_MAX: none
     uint32_t *active, *place; ///< [n] cells that move; where each of them stands there
     size_t actives;           ///< of them
     lac_open_event *open;     ///< [places]

@@ -22,11 +22,9 @@ bool lac_part_write(int fd, const void *bytes, size_t size);
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_part_sync_folder(const char *path);
 
-/// Holds a file whose name is to be taken, so that one process at a time does so. It is no lock
-/// that who reads or writes the file would see. Another that holds it is waited for, at most a
-/// second.
-/// @param held  to be given to lac_part_let_go
-/// @return false where another goes on holding it
+/// Holds a file whose name is to be taken, so that one process at a time does so; no lock that
+/// readers or writers would see. Another that holds it is waited for, at most a second; false where
+/// it goes on.
 bool lac_part_hold(const char *path, int *held);
 void lac_part_let_go(int held);
 

@@ -72,11 +72,8 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
 /// Whether a residual is within the tolerance.
 bool lac_residual_holds(const lac_residual *r, double tolerance);
 
-/// First guess of the pressures: the solution on the next coarser grid, roughly; uniform on the
-/// coarsest. Any sides will do.
-/// @param h         [ny * nx] heights
-/// @param fine      what is asked of the finest grid
-/// @param pressure  [ny * nx] overwritten; load control: with the given mean
+/// First guess of the pressures, from ever coarser grids of any sides; load control: of the given
+/// mean.
 lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
                             double *pressure, lac_error *err);
 

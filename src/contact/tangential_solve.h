@@ -32,10 +32,8 @@ typedef struct lac_shear_problem {
 /// The fields of u of all cells are in space->fft[axis]->real at the end, where used.
 lac_status lac_shear_solve(lac_shear_problem *p, lac_error *err);
 
-/// tau_i = the point nearest to y_i + lambda of the disc of radius limit_i, with lambda such that
-/// tractions sum to `load` along the axes that are held (as given along others).
-/// @param limited  [n] whether y_i + lambda lies outside the disc
-/// @param lambda   first guess; overwritten
+/// tau_i = the point of the disc of radius limit_i nearest to y_i + lambda; lambda, a first guess,
+/// is such that tractions sum to `load` along the axes held. `limited`: y_i + lambda lies outside.
 void lac_shear_project(const lac_shear_problem *p, const double *y, double *tau, uint8_t *limited,
                        double lambda[2]);
 

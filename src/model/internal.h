@@ -250,10 +250,9 @@ typedef struct lac_implicit {
     double gamma;
 } lac_implicit;
 
-// Eliminates ln theta and the balance from the Newton system; docs/theory/creep.md eq. 8.
-// @param b_w  [n] right-hand side of ln theta; overwritten by back b_w
-// @param ws   diagonal is set to D, kv to p f_w back b_w, v to d ln theta/dv: x_w = back b_w + v dv
-// @return false where ln theta cannot be eliminated
+// Eliminates ln theta and the balance from the Newton system; docs/theory/creep.md eq. 8:
+// ws->diagonal is D then, kv p f_w back b_w, v d ln theta/dv: x_w = back b_w + v dv. False where it
+// cannot be.
 bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, double *b_w,
                          const lac_workspace *ws);
 

@@ -25,10 +25,7 @@ typedef struct lac_damping {
                    ///< nominal area, and as a shear force is shared [s/m]
 } lac_damping;
 
-/// Damping of the cells of a domain.
-/// @param eta      G/(2 cs) [Pa s/m]; 0: none
-/// @param massive  the sliding block has mass
-/// @return on full contact without mass `mean` and `shared` are 0; of a single cell with mass all
+/// Damping of the cells of a domain by eta = G/(2 cs) [Pa s/m].
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 

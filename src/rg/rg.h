@@ -107,19 +107,14 @@ typedef struct lac_rg_series {
 /// f p(P - Q/f), its strength under the load that is left.
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err);
 
-/// Solves the contact at each part of the load, from one to the next.
-/// @param contact   load control
-/// @param domain    its solution's domain
-/// @param loads     as lac_rg_loads
-/// @param pressure  [loads * domain->n] [Pa]; overwritten
+/// Solves the contact, under load control, at each part of the load (lac_rg_loads), from one to the
+/// next.
+/// @param pressure  [loads * domain->n] [Pa]
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
                                size_t loads, double *pressure, lac_error *err);
 void lac_rg_path_free(lac_rg_path *path);
 
-/// Tractions and gaps at a load.
-/// @param load   Q/Q_nom [1], 0 to 1, or what lac_rg_path_further says
-/// @param shear  [n] [Pa]; overwritten
-/// @param gap    [n] [Pa]; overwritten
+/// Tractions and gaps at a load, Q/Q_nom [1].
 void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
 
 /// The smallest load at which the joint slides, as part of Q_nom = f P; where it slides already

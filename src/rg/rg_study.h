@@ -41,10 +41,8 @@ typedef struct lac_rg_fit {
     lac_rg_estimate fixed_point, lambda, nu;
 } lac_rg_fit;
 
-/// Fits the map of rg_map.h to pairs that come in groups.
-/// @param first        [groups + 1] first pair of each group, and how many pairs there are
-/// @param s, s_next    [first[groups]]
-/// @param resamplings  of the groups, with repetition
+/// Fits the map of rg_map.h to pairs in groups, group i from first[i] to first[i + 1]; groups are
+/// resampled.
 lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
                                const double *s_next, size_t resamplings, lac_rg_fit *fit,
                                lac_error *err);

@@ -101,8 +101,11 @@ static inline double lac_engine_time(const lac_engine *engine)
 // What a component of y is called, for messages.
 const char *lac_engine_unknown(const lac_engine *engine, size_t component);
 
-// Adds to a message about an integrator that gave up, where it is the transfer that failed.
-void lac_engine_blame(const lac_engine *engine, lac_error *err);
+// Errors of the kinds. @param name  of SUNDIALS' status, freed; with the transfer, where that
+// failed
+lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step, int64_t order,
+                              lac_error *err);
+lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err);
 
 // Mean of the cells' slip [m].
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip);

@@ -209,10 +209,8 @@ typedef struct lac_events_scene {
 /// Whether fidelity EVENTS follows such a scene.
 lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err);
 
-/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
-/// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
-/// @param asked  any but AUTO is given back
-/// @param form   of the friction law
+/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF, SLIP
+/// under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);
 
 /// Whether a run can start: what lac_run would refuse before its first step.

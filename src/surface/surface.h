@@ -157,12 +157,9 @@ lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *g
                                          double *heights, lac_surface_report *report,
                                          lac_error *err);
 
-/// Measures a height field: its mean taken off, and its mean plane where it is not periodic.
-/// Hurst exponent by weighted least squares on the radially averaged power, windowed (Hann) where
-/// not periodic; jrc = 32.2 + 32.47 log10 z2, also at the usual steps. docs/theory/surface.md,
-/// Measures.
-/// @param known  where the spectrum is known to be a power law, NaN where it is not known, narrows
-///               the wavelengths that are fitted; NULL: it does not
+/// Measures a height field, its mean and, unless periodic, its mean plane taken off:
+/// docs/theory/surface.md, Measures. @param known  where the spectrum is a power law narrows the
+/// wavelengths fitted; NULL
 /// @source Tse & Cruden (1979), doi 10.1016/0148-9062(79)90241-9
 lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
                                const lac_wave_range *known, lac_surface_measures *out,

@@ -40,13 +40,10 @@ void lac_compliance_slip(lac_compliance *c, const double *traction, double *slip
 /// traction = R F^-1 S F R^T slip: the slip held to 0 in the gaps; on full contact K itself.
 void lac_compliance_traction(lac_compliance *c, const double *slip, double *traction);
 
-/// Traction K slip that a slip of the contact cells needs, its mean left free (zero net force),
-/// and the energy slip . K slip, by preconditioned conjugate gradients.
-/// @param slip       [n] [m]
-/// @param tolerance  ends where the last two iterations added less to the energy, relative; the
-///                   energy is then good to about a tenth of it
-/// @param traction   [n] [Pa]; overwritten
-/// @param energy     [Pa m]; approached from below
+/// Traction K slip that a slip of the contact cells needs, its mean left free (zero net force), and
+/// the energy slip . K slip, by preconditioned conjugate gradients. They end where the last two
+/// iterations added less than the tolerance to the energy, which is then good to about a tenth of
+/// it.
 lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double tolerance,
                                  double *traction, double *energy, lac_error *err);
 
