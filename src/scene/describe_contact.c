@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "data/describe.h"
-#include "scene/describe.h"
+#include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
 #define OUTCOME const lac_contact_outcome *o = of
