@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
+#include "base/param.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/rows.h"
 
 static void *field(const lac_param *param, void *params) { return (char *)params + param->offset; }
 

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 // clang-format off
 #define LAC_REAL(name, si, where, absent, low, high, bits, text)                                  \
@@ -44,8 +44,5 @@
 #define LAC_ABOUT(title, text, source, ...)                                                       \
     {.name = (title), .summary = (text), .reference = (source), __VA_ARGS__}
 // clang-format on
-
-/// The row of a key among `count`, NULL where there is none.
-const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key);
 
 #endif
