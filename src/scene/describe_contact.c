@@ -7,7 +7,7 @@
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "data/describe.h"
-#include "scene/describe.h"
+#include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
 #define OUTCOME const lac_contact_outcome *o = of
