@@ -106,12 +106,6 @@ lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable
                : lac_fail(err, LAC_EINPUT, "%s: %s has no row %zu", file->path, variable, row);
 }
 
-void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
-                             size_t size)
-{
-    lac_stored_file_text(file, variable, "comment", text, size);
-}
-
 // An attribute of a recording's variable; NULL where there is none.
 static const char *text_of(const lac_recording *recording, const char *variable,
                            const char *attribute)
@@ -146,8 +140,14 @@ void lac_stored_file_text(const lac_stored_file *file, const char *variable, con
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute)
 {
-    int id = 0;
+    char text[64];
+    int id = NC_GLOBAL;
     double value = NAN;
+    if (variable == NULL) {
+        return lac_stored_file_attribute(file, attribute, text, sizeof text, NULL) == LAC_OK
+                   ? strtod(text, NULL)
+                   : NAN;
+    }
     const bool found = file->recording == NULL &&
                        nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
                        lac_input_number(&file->in, id, attribute, &value);
