@@ -214,7 +214,7 @@ static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, l
 {
     lac_dataset *dataset = NULL;
     lac_status status = lac_run_ending_describe(ending, &dataset, err);
-    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, err) : status;
+    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, false, err) : status;
     lac_dataset_free(dataset);
     return status;
 }

@@ -70,6 +70,8 @@ lac_status lac_store_dataset(const char *path, bool force, const lac_provenance 
 
 /// One solved step of a history of normal and shear load.
 typedef struct lac_history_record {
+    size_t number;   ///< from 1, increments counted
+    double area;     ///< nominal [m2]
     double pressure; ///< mean over the nominal area [Pa]
     lac_tangential_report shear;
     double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
@@ -96,8 +98,6 @@ typedef struct lac_history_store_def {
     bool force; ///< replace an existing file
     lac_provenance provenance;
     lac_dataset *contact; ///< where the history starts; gets its steps, and must outlive it
-    const lac_grid *grid; ///< of it
-    double friction;      ///< Coulomb's coefficient [1]
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;
@@ -122,13 +122,12 @@ lac_status lac_history_store_step(lac_history_store *store, const lac_history_re
 lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
                                   lac_error *err);
 
-/// Adds a number to the global attributes, NaN: does not; before the end.
-/// @return LAC_OK; LAC_EIO
-lac_status lac_history_store_number(lac_history_store *store, const char *name, double value,
-                                    lac_error *err);
+/// The variables of a step, laid on a lac_history_record; docs/format.md.
+/// @param stride  between records that stand one behind the other
+lac_variables lac_history_steps(size_t stride);
 
-/// Writes `status` ("complete", "failed", "interrupted") and closes the file. The store still has
-/// to be freed.
+/// Writes what attributes of the contact are LAC_LATE, `status` ("complete", "failed",
+/// "interrupted") and closes the file. The store still has to be freed.
 /// @return LAC_OK; LAC_EIO (a full disk shows up here)
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err);
 
