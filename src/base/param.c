@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
-#include "lacuna/param.h"
+#include "base/param.h"
 
 #include <math.h>
 #include <stdio.h>

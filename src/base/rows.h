@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 // clang-format off
 #define LAC_REAL(name, si, where, absent, low, high, bits, text)                                  \

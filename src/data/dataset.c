@@ -33,7 +33,18 @@ void lac_dataset_free(lac_dataset *dataset)
         free(dataset->entry);
         free(dataset->dim);
     }
+    if (dataset != NULL && dataset->release != NULL) {
+        dataset->release(dataset->result);
+    }
     free(dataset);
+}
+
+void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *result),
+                      const struct lac_provenance *made)
+{
+    dataset->result = result;
+    dataset->release = release;
+    dataset->made = made;
 }
 
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,

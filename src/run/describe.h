@@ -2,7 +2,7 @@
 #ifndef LACUNA_RUN_DESCRIBE_H
 #define LACUNA_RUN_DESCRIBE_H
 
-#include "lacuna/dataset.h"
+#include "data/dataset.h"
 #include "run/run.h"
 
 /// Per-cell fields that a run may keep.

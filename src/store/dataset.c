@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "data/dataset.h"
 #include "store/writer.h"
 
 // A date counts from a whole second, or in the unit to the microsecond.

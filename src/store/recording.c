@@ -208,7 +208,8 @@ static lac_status put_once(void *context, const double *once, lac_error *err)
 
 lac_sink lac_recording_sink(lac_recording *recording)
 {
-    return (lac_sink){.context = recording,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = recording,
                       .record = put_record,
                       .snapshot = put_snapshot,
                       .event = put_event,

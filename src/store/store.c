@@ -200,7 +200,8 @@ out:
 
 lac_sink lac_store_sink(lac_store *store)
 {
-    return (lac_sink){.context = store,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = store,
                       .record = put_record,
                       .snapshot = put_snapshot,
                       .event = store->place.of.events ? put_event : NULL,

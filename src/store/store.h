@@ -22,6 +22,9 @@ typedef struct lac_provenance {
     double now; ///< seconds since 1970, UTC: the library reads no clock
 } lac_provenance;
 
+/// Says who writes, when.
+void lac_provenance_sign(lac_provenance *provenance, const lac_write_options *options);
+
 typedef struct lac_store_def {
     const char *path;
     bool force; ///< replace an existing file
