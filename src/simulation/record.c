@@ -7,7 +7,7 @@
 
 #include "base/ask.h"
 #include "data/dataset.h"
-#include "simulation/simulation.h"
+#include "simulation/internal.h"
 
 enum { DIMS = 5, JSON_PATH = 80 };
 
@@ -34,15 +34,17 @@ out:
     return status;
 }
 
-static lac_recording_def made_from(const lac_outcome *of)
+lac_run_output lac_outcome_output(const lac_outcome *of)
 {
-    return (lac_recording_def){.domain = of->scene->contact.domain,
-                               .hierarchy = of->scene->hierarchy,
-                               .transfer = &of->scene->transfer,
-                               .fields = of->source->fields,
-                               .extras = of->extras,
-                               .extra = of->extra,
-                               .events = lac_analysis_has_events(of->analysis)};
+    return (lac_run_output){.domain = of->scene->contact.domain,
+                            .hierarchy = of->scene->hierarchy,
+                            .transfer = &of->scene->transfer,
+                            .fields = of->source->fields,
+                            .extras = of->extras,
+                            .extra = of->extra,
+                            .events = lac_analysis_has_events(of->analysis),
+                            .dated = of->source->dated,
+                            .start_date = of->source->start_date};
 }
 
 // A recording as the dataset that it is handed out as.
@@ -156,7 +158,7 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     LAC_TRY(LAC_NEED(err, simulation, out));
     *out = NULL;
     const lac_outcome *outcome = lac_simulation_outcome(simulation);
-    const lac_recording_def def = made_from(outcome);
+    const lac_recording_def def = lac_outcome_output(outcome);
     LAC_TRY(lac_recording_create(&def, &recording, err));
     const lac_sink sink = lac_recording_sink(recording);
     const lac_status ended = lac_simulation_run(simulation, &sink, err);

@@ -30,8 +30,6 @@ struct lac_history_store {
 LAC_GETTER(double, normal_force, STEP, r->pressure * r->area)
 LAC_GETTER(double, shear_force_x, STEP, r->shear.traction[0] * r->area)
 LAC_GETTER(double, shear_force_y, STEP, r->shear.traction[1] * r->area)
-LAC_GETTER(double, cycle_start, STEP,
-           r->cycle_start != SIZE_MAX ? (double)r->cycle_start : (double)NAN)
 LAC_GETTER(double, highest_ratio, STEP, isnan(r->highest[0]) ? (double)NAN : r->shear.highest_ratio)
 LAC_GETTER(bool, is_pressed, const step *s = of, s->pressed)
 
@@ -61,7 +59,7 @@ static const lac_variable of_step[] = {
     LAC_ROW("cumulative_dissipation", NULL, "J", "frictional work since the start",
             R(REAL, dissipated), J("cumulative_dissipation_J")),
     LAC_ROW("cycle_start", NULL, "1", "earlier step to whose loads this one comes back",
-            G(cycle_start), .flags = LAC_WHOLE | LAC_MISSING, J("cycle_start"),
+            R(COUNT, cycle_start), .flags = LAC_WHOLE | LAC_MISSING, J("cycle_start"),
             .comment = "missing where it comes back to none; 0: the start"),
     LAC_ROW("cycle_dissipation", NULL, "J", "frictional work since that step",
             R(REAL, cycle_dissipation), MISSING, J("cycle_dissipation_J"),

@@ -29,19 +29,11 @@ typedef struct lac_store_def {
     const char *path;
     bool force; ///< replace an existing file
     lac_provenance provenance;
-    bool dated;        ///< the run starts at a date
-    double start_date; ///< seconds since 1970 of t = 0
-    const lac_domain *domain;
-    const lac_hierarchy *hierarchy;
-    const lac_transfer *transfer; ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;              ///< LAC_FIELD_*; 0: no snapshots
-    bool single;                  ///< records and fields but times are written as floats
-    int64_t compression;          ///< deflate level of the snapshots, 0 to 9
-    int64_t sync_every;           ///< records between syncs
-    size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
-    bool events;            ///< a catalogue of events comes along
-    const char *inputs;     ///< what a checkpoint keeps of the files that the run reads; NULL
+    lac_run_output of;   ///< its extras outlive the store
+    bool single;         ///< records and fields but times are written as floats
+    int64_t compression; ///< deflate level of the snapshots, 0 to 9
+    int64_t sync_every;  ///< records between syncs
+    const char *inputs;  ///< what a checkpoint keeps of the files that the run reads; NULL
     const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
 } lac_store_def;
 

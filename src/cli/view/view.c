@@ -288,15 +288,7 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,
                          lac_error *err)
 {
-    lac_recording_def as = {.domain = def->domain,
-                            .hierarchy = def->hierarchy,
-                            .transfer = def->transfer,
-                            .fields = def->fields,
-                            .extras = def->extras,
-                            .extra = def->extra,
-                            .events = def->events,
-                            .dated = def->dated,
-                            .start_date = def->start_date};
+    lac_recording_def as = def->of;
     lac_status status;
     LAC_TRY(lac_recording_create(&as, &view->whole, err));
     as.passing = true;
