@@ -59,9 +59,9 @@ typedef struct lac_contact_outcome {
     const lac_scene_contact *contact;
     const char *status;               ///< complete; NULL: not yet said
     bool brief;                       ///< grid, pressures and dimension alone, for JSON
-    double friction;                  ///< of the history, for JSON; NaN
+    double friction;                  ///< of the history; NaN
     const lac_history_result *result; ///< same; NULL: there is none
-    const lac_history_record *record; ///< [result->steps]
+    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
 } lac_contact_outcome;
 
 /// Its variables, for a file or JSON; docs/format.md.
