@@ -66,8 +66,7 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, co
     a->levels = lac_hierarchy_levels(scene->hierarchy) + 1;
     a->indicator = calloc(count + 1, sizeof *a->indicator);
     a->first = calloc(count + 1, sizeof *a->first);
-    status = a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err));
     for (; a->n < count; a->n++) {
         lac_indicator *indicator = &a->indicator[a->n];
         indicator->kind = (const void *)slots[a->n].about; // the first member of the kind

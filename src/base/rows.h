@@ -20,6 +20,10 @@
     {.key = (name), .unit = "1", .fallback = (absent), .min = (low), .max = (high),               \
      .offset = (where), .flags = (bits), .doc = (text), .type = LAC_INTEGER}
 
+/// A seed: whole numbers that a double tells from their neighbours.
+#define LAC_SEED(where, absent, bits, text)                                                       \
+    LAC_INTEGER("seed", where, absent, 0, 9007199254740991, bits, text)
+
 #define LAC_CHOICE(name, where, absent, words, bits, text)                                        \
     {.key = (name), .unit = "1", .fallback = (absent), .choices = (words), .offset = (where),     \
      .flags = (bits), .doc = (text), .type = LAC_CHOICE}
@@ -35,6 +39,10 @@
 /// What a descriptor says of its table of rows, whose offsets are in `holder`.
 #define LAC_ROWS(rows, holder)                                                                    \
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0], .params_size = sizeof(holder)
+
+/// A descriptor; after its rows what else it says (.fault = ...).
+#define LAC_ABOUT(title, text, source, rows, ...)                                                 \
+    {.name = (title), .summary = (text), .reference = (source), rows, __VA_ARGS__}
 // clang-format on
 
 #endif

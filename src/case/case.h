@@ -228,6 +228,10 @@ typedef struct lac_case_value {
 /// @return false where there is none
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 
+/// The row of a key of a section ("solver.rtol"), whose offset is in lac_case; NULL where there is
+/// none.
+const lac_param *lac_case_row(const char *key);
+
 /// Whether the models' parameters, taken together, are sound: what no single range says.
 /// @return NULL, or what is wrong
 const char *lac_case_fault(const lac_case *c);

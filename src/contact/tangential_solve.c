@@ -30,6 +30,45 @@ typedef struct iteration {
     int64_t plain, failures; // steps along -g to come; how often the objective rose
 } iteration;
 
+// Tractions (or whatever) of the contact cells into the transforms, zeros elsewhere.
+static void scatter(const lac_shear_problem *p, const double *x)
+{
+    const size_t nx = p->space->nx;
+    for (size_t axis = 0; axis < 2; axis++) {
+        const lac_fft *fft = p->space->fft[axis];
+        const double *from = &x[axis * p->n];
+        if (!p->space->used[axis]) {
+            continue;
+        }
+        memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
+        for (size_t i = 0; i < p->n; i++) {
+            size_t at = p->cell[i];
+            fft->real[at + at / nx * (fft->nx - nx)] = from[i];
+        }
+    }
+}
+
+static void gather(const lac_shear_problem *p, double *x)
+{
+    const size_t nx = p->space->nx;
+    for (size_t axis = 0; axis < 2; axis++) {
+        const lac_fft *fft = p->space->fft[axis];
+        double *to = &x[axis * p->n];
+        for (size_t i = 0; i < p->n; i++) {
+            size_t at = p->cell[i];
+            to[i] = p->space->used[axis] ? fft->real[at + at / nx * (fft->nx - nx)] : 0.0;
+        }
+    }
+}
+
+// u = C tau on the contact cells; all cells stay in space->fft[axis]->real.
+static void displace(const lac_shear_problem *p, const double *tau, double *u)
+{
+    scatter(p, tau);
+    lac_shear_space_displace(p->space);
+    gather(p, u);
+}
+
 static bool moves(const iteration *it, size_t i) { return it->tx[i] == 0.0 && it->ty[i] == 0.0; }
 
 static double dot(size_t n, const double *restrict x, const double *restrict y)
@@ -216,7 +255,7 @@ static double mean_step(const iteration *it, size_t axis)
         it->ones[(1 - axis) * n + i] = 0.0;
         sum += sticks ? it->phi[axis * n + i] : 0.0;
     }
-    lac_shear_scatter(p, it->ones);
+    scatter(p, it->ones);
     double compliance = lac_shear_space_energy(p->space);
     it->p->products++;
     double shift = sum / compliance;
@@ -234,9 +273,9 @@ static void precondition(iteration *it)
         it->z[i] = sticks ? it->phi[i] : 0.0;
         it->z[n + i] = sticks ? it->phi[n + i] : 0.0;
     }
-    lac_shear_scatter(p, it->z);
+    scatter(p, it->z);
     lac_shear_space_unload(p->space);
-    lac_shear_gather(p, it->z);
+    gather(p, it->z);
     for (size_t i = 0; i < n; i++) {
         double c = 1.0 / (it->curve[i] + p->space->self);
         bool sticks = moves(it, i);
@@ -274,7 +313,7 @@ static bool step(iteration *it, double pt)
 {
     lac_shear_problem *p = it->p;
     const size_t n = p->n;
-    lac_shear_scatter(p, it->t);
+    scatter(p, it->t);
     double tct = lac_shear_space_energy(p->space);
     p->products++;
     for (size_t i = 0; i < n; i++) {
@@ -322,7 +361,7 @@ static void advance(iteration *it)
         plain_step(it);
         it->plain -= it->plain > 0 ? 1 : 0;
     }
-    lac_shear_displace(p, p->tau, p->u);
+    displace(p, p->tau, p->u);
     p->products++;
     evaluate(it);
     if (it->objective > last + it->noise) {
@@ -378,54 +417,17 @@ lac_status lac_shear_solve(lac_shear_problem *p, lac_error *err)
     }
     memcpy(it.z, p->tau, 2 * p->n * sizeof *p->tau);
     lac_shear_project(p, it.z, p->tau, p->limited, it.lambda);
-    lac_shear_displace(p, p->tau, p->u);
+    displace(p, p->tau, p->u);
     evaluate(&it);
     examine(&it);
     while (p->residual > p->tolerance && p->iterations < p->max_iterations) {
         advance(&it);
         p->iterations++;
     }
-    lac_shear_displace(p, p->tau, p->u);
+    displace(p, p->tau, p->u);
     p->products++;
 out:
     free(it.g);
     free(it.next_limited);
     return status;
-}
-
-void lac_shear_scatter(const lac_shear_problem *p, const double *x)
-{
-    const size_t nx = p->space->nx;
-    for (size_t axis = 0; axis < 2; axis++) {
-        const lac_fft *fft = p->space->fft[axis];
-        const double *from = &x[axis * p->n];
-        if (!p->space->used[axis]) {
-            continue;
-        }
-        memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
-        for (size_t i = 0; i < p->n; i++) {
-            size_t at = p->cell[i];
-            fft->real[at + at / nx * (fft->nx - nx)] = from[i];
-        }
-    }
-}
-
-void lac_shear_gather(const lac_shear_problem *p, double *x)
-{
-    const size_t nx = p->space->nx;
-    for (size_t axis = 0; axis < 2; axis++) {
-        const lac_fft *fft = p->space->fft[axis];
-        double *to = &x[axis * p->n];
-        for (size_t i = 0; i < p->n; i++) {
-            size_t at = p->cell[i];
-            to[i] = p->space->used[axis] ? fft->real[at + at / nx * (fft->nx - nx)] : 0.0;
-        }
-    }
-}
-
-void lac_shear_displace(const lac_shear_problem *p, const double *tau, double *u)
-{
-    lac_shear_scatter(p, tau);
-    lac_shear_space_displace(p->space);
-    lac_shear_gather(p, u);
 }

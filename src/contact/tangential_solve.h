@@ -39,11 +39,4 @@ lac_status lac_shear_solve(lac_shear_problem *p, lac_error *err);
 void lac_shear_project(const lac_shear_problem *p, const double *y, double *tau, uint8_t *limited,
                        double lambda[2]);
 
-/// Tractions (or whatever) of the contact cells into the transforms, zeros elsewhere; and back.
-void lac_shear_scatter(const lac_shear_problem *p, const double *x);
-void lac_shear_gather(const lac_shear_problem *p, double *x);
-
-/// u = C tau on the contact cells; all cells stay in space->fft[axis]->real.
-void lac_shear_displace(const lac_shear_problem *p, const double *tau, double *u);
-
 #endif

@@ -25,12 +25,14 @@ typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char ro
 typedef enum lac_held {
     LAC_HELD_NOT = 0,
     LAC_HELD_REAL,  ///< a double
-    LAC_HELD_COUNT, ///< a size_t
+    LAC_HELD_COUNT, ///< a size_t; SIZE_MAX: missing
     LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
     LAC_HELD_BOOL,  ///< a bool
     LAC_HELD_TEXT,  ///< a const char *
     LAC_HELD_REALS, ///< a const double * to all values (of one place along the first dimension, if
-                    ///< there is a stride or pointers); NULL: the variable is left out
+                    ///< there is a stride or pointers, or if that grows); NULL: the variable is
+                    ///< left out
+    LAC_HELD_BYTES, ///< the same, a const uint8_t *, bytes in a file
 } lac_held;
 
 enum {
@@ -41,7 +43,12 @@ enum {
     LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
     LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
     LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
-    LAC_EMPTY = 128    ///< in a file also without values, its dimension without end
+    LAC_EMPTY = 128,   ///< in a file also without values, its dimension without end
+    LAC_FILLED = 256,  ///< never missing, and yet has a _FillValue in a file
+    LAC_LONG = 512,    ///< with LAC_WHOLE: of 64 bits
+    LAC_ROUGH = 1024,  ///< may be written as floats
+    LAC_CELLS = 2048,  ///< over many cells: compressed, and written place by place, not in batches
+    LAC_LATE = 4096    ///< its values are known only after it is defined
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -52,6 +59,8 @@ typedef struct lac_variable {
                       ///< rows of the same path make a list; NULL: it stands in none
     const char *unit; ///< SI; NULL: 1
     const char *long_name, *comment, *coordinates;
+    const char *cell_methods, *cell_measures, *standard_name; ///< as CF has them; NULL: none
+    const char *meanings; ///< what its values 0, 1 ... mean, a word each; NULL: they are numbers
     const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
     lac_getter value;     ///< either of these, or what is held
     lac_text_getter text; ///< of a text
@@ -75,6 +84,10 @@ typedef struct lac_variables {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err);
 
+/// Length of a dimension that grows: variables over it, the first of theirs, have at any time the
+/// values of one place, which is written before the next.
+#define LAC_GROWS SIZE_MAX
+
 /// A dimension. Variables over one of length 0 are left out of a file, but for LAC_EMPTY.
 typedef struct lac_extent {
     const char *name;
@@ -94,11 +107,12 @@ void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter la
 typedef enum lac_clock {
     LAC_CLOCK_NONE = 0, ///< from the results' own zero
     LAC_CLOCK_START,    ///< the same, which is a date
-    LAC_CLOCK_1970      ///< results and file count from 1970
+    LAC_CLOCK_1970,     ///< results and file count from 1970
+    LAC_CLOCK_DATE      ///< from LAC_CLOCK_START's date to the microsecond, as CF has time
 } lac_clock;
 
 /// Sets the clock of its times in a file.
-/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START
+/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
 void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
 
 /// That clock, and what the dataset is.
@@ -118,9 +132,9 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
 
 /// A variable whose name the result gives.
 typedef struct lac_named {
-    const char *name, *long_name; ///< copied
-    const char *unit, *comment;   ///< as they are
-    size_t which;                 ///< handed to its getters behind the places
+    const char *name, *long_name, *unit, *comment; ///< copied
+    size_t which;                                  ///< handed to its getters behind the places
+    const char *cell_methods;                      ///< copied
 } lac_named;
 
 /// Adds one. @param row  all else that is told of it
@@ -135,9 +149,10 @@ void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
 /// One variable as it is asked for. It holds until the dataset is freed or added to.
 typedef struct lac_item {
     const lac_variable *row;
-    const char *name, *long_name, *unit, *comment;
-    size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all
+    const char *name, *long_name, *unit, *comment, *cell_methods;
+    size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all, or of one place
     const char *dim[LAC_MOST_DIMS];            ///< names
+    const char *dims;                          ///< all of them, between spaces
     bool is_text;
     size_t next;                   ///< for lac_dataset_next
     const struct lac_entry *entry; ///< for what follows
@@ -155,8 +170,9 @@ bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *it
 /// All values of a variable. @param out  [item->count] NaN or infinite: missing
 void lac_item_values(const lac_item *item, double *out);
 
-/// The array that holds all its values as they are, in their order; NULL: they are in none.
-const double *lac_item_array(const lac_item *item);
+/// The array that holds all its values as they are, in their order, doubles or bytes; NULL: they
+/// are in none.
+const void *lac_item_array(const lac_item *item);
 
 /// One of its texts. @param place  of item->count @return NULL: missing
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM]);
@@ -192,13 +208,10 @@ typedef struct lac_entry {
     size_t stride;
     bool pointers;
     const void *of;
-    char *name, *long_name; ///< owned; NULL: the row's
-    const char *unit, *comment;
-    size_t which;
+    lac_named named; ///< owned texts; without a name: the row's
     lac_laid attributes;
 } lac_entry;
 
-/// Holds no values: they are asked for where they are needed.
 struct lac_dataset {
     const char *summary;
     lac_clock clock;

@@ -2,6 +2,7 @@
 // A density made of the walkers' places, from which the sampler draws new places, also far away.
 #include "fit/kernel.h"
 
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,13 +102,6 @@ static double distance(size_t d, const double *x, const double *y)
     return sum;
 }
 
-static int rising(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Coordinates in which the walkers have no mean and unit covariance.
 static bool set_places(lac_kernels *k, const double *x)
 {
@@ -146,7 +140,7 @@ static bool set_spread(lac_kernels *k, size_t which)
     for (size_t i = 0; i < k->count; i++) {
         k->away[i] = sorted[i] = distance(d, k->place + i * d, at);
     }
-    qsort(sorted, k->count, sizeof *sorted, rising);
+    gsl_sort(sorted, 1, k->count);
     memset(s, 0, d * d * sizeof *s);
     for (size_t i = 0; i < k->count; i++) {
         if (k->away[i] <= sorted[k->next]) {

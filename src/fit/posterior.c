@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 enum { TRIES = 200 };
@@ -16,12 +17,7 @@ void lac_fit_quantiles(size_t n, double *x, double quantile[LAC_FIT_QUANTILES])
     static const double share[LAC_FIT_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
     gsl_sort(x, 1, n);
     for (size_t q = 0; n > 0 && q < LAC_FIT_QUANTILES; q++) {
-        double at = share[q] * (double)(n - 1);
-        size_t below = (size_t)at;
-        size_t above = below + 1 < n ? below + 1 : below;
-        // no number lies between one that is finite and never
-        quantile[q] = isinf(x[above]) ? x[at - (double)below > 0.5 ? above : below]
-                                      : x[below] + (at - (double)below) * (x[above] - x[below]);
+        quantile[q] = lac_quantile(n, x, share[q]);
     }
 }
 

@@ -127,10 +127,7 @@ lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, l
     lac_status status = LAC_OK;
     uint8_t *merge = calloc(domain->n, sizeof *merge);
     lac_hierarchy *h = calloc(1, sizeof *h);
-    if (merge == NULL || h == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(merge != NULL && h != NULL ? LAC_OK : lac_fail_memory(err));
     h->cells = domain->n;
     h->levels = covering_levels(&domain->grid);
     find_merges(domain, merge);
@@ -169,19 +166,4 @@ size_t lac_hierarchy_rank(const lac_hierarchy *h, size_t level)
 const uint32_t *lac_hierarchy_offsets(const lac_hierarchy *h, size_t level)
 {
     return h->part[h->of_level[level]].first;
-}
-
-void lac_hierarchy_project(const lac_hierarchy *h, size_t level, const double *x, double *y)
-{
-    const uint32_t *first = lac_hierarchy_offsets(h, level);
-    for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
-        double sum = 0;
-        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
-            sum += x[i];
-        }
-        double mean = sum / (first[b + 1] - first[b]);
-        for (uint32_t i = first[b]; i < first[b + 1]; i++) {
-            y[i] = mean;
-        }
-    }
 }

@@ -58,8 +58,4 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);
 
-/// y = P_level x: every cell gets the mean over the contact cells of its block.
-/// @param x, y  [n]; may be the same array
-void lac_hierarchy_project(const lac_hierarchy *h, size_t level, const double *x, double *y);
-
 #endif

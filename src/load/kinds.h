@@ -5,6 +5,17 @@
 #include "base/rows.h"
 #include "load/load.h"
 
+#define LAC_PI 3.14159265358979323846
+
+/// Parameters of a load that is one number.
+typedef struct lac_load_value {
+    double value;
+} lac_load_value;
+
+/// The row of the number of a load whose first member it is.
+#define LAC_VALUE_ROW(si, low, high, bits, text) \
+    LAC_REAL("value", si, offsetof(lac_load_value, value), NAN, low, high, bits, text)
+
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57
 
@@ -18,12 +29,17 @@ extern const char *const lac_share_names[];
                "as elastic rock puts it on them when all slip alike (elastic; needs a material)")
 
 /// Rows of keys that several loads have, by the member of the same name.
+#define LAC_ANGLE_ROW(holder)                                                  \
+    LAC_REAL("angle", "rad", offsetof(holder, angle), NAN, 0, LAC_STEEPEST, 0, \
+             "dip of the interface")
 #define LAC_START_ROW(holder)                                                  \
     LAC_REAL("start", "s", offsetof(holder, start), 0, -INFINITY, INFINITY, 0, \
              "when it begins, since the start of the run")
 #define LAC_TIME_COLUMN_ROW(holder)             \
     LAC_TEXT("time", offsetof(holder, time), 0, \
              "name of the time column: dates, or seconds since the start of the run")
+#define LAC_OFFSET_ROW(holder, text) \
+    LAC_REAL("offset", "s", offsetof(holder, offset), 0, -INFINITY, INFINITY, 0, text)
 
 /// LAC_ROWS of a pore pressure that a table shares with a force, whose share comes last: all cells
 /// feel it alike.
@@ -31,7 +47,9 @@ extern const char *const lac_share_names[];
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
     .params_size = sizeof(holder)
 
-#define LAC_PI 3.14159265358979323846
+/// The first end of the window [start, end), end NaN: never, after t; INFINITY where none is, or
+/// where the window is empty.
+double lac_window_break(double start, double end, double t);
 
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
     lac_normal_approach, lac_normal_dimension;

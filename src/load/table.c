@@ -161,22 +161,6 @@ void lac_readings_clear(lac_readings *readings)
     *readings = (lac_readings){0};
 }
 
-lac_status lac_readings_cover(const lac_readings *readings, const char *path,
-                              const lac_load_clock *clock, const char *remedy, lac_error *err)
-{
-    double last = readings->t[readings->n - 1];
-    if (readings->t[0] > 0.0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: begins %g s after the run's start; must not begin after it%s", path,
-                        readings->t[0], remedy);
-    }
-    if (last < clock->end) {
-        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run's end; must reach it%s",
-                        path, clock->end - last, remedy);
-    }
-    return LAC_OK;
-}
-
 size_t lac_readings_before(const double *t, size_t n, double at)
 {
     size_t low = 0;

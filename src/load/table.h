@@ -22,28 +22,23 @@ typedef struct lac_readings_def {
     double offset;      ///< laid on the run this much later [s]
 } lac_readings_def;
 
-/// Reads a column. One without a unit, and without `per`, is asked about as that of a monitoring
-/// series is (lac_series_read): taken as SI, which the clock's `files` keep as a doubt, or refused.
-/// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+/// Reads a column, or takes it from what the clock's `files` keep. One without a unit, and without
+/// `per`, is asked about as that of a monitoring series is (lac_series_read): taken as SI, which
+/// `files` keep as a doubt, or refused.
+/// @param remedy  what the user may do, for the message, where they do not cover the run; NULL:
+///                they need not
 lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
-                             lac_readings *out, lac_error *err);
+                             const char *remedy, lac_readings *out, lac_error *err);
 
-/// The same without a look at what the clock's `files` keep.
+/// The same without a look at what `files` keep.
 lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *clock,
                              lac_readings *out, lac_error *err);
 
 /// Keeps a doubt about a file that was read: lac_load_files_doubt.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
                                lac_error *err);
 
 void lac_readings_clear(lac_readings *readings);
-
-/// Refuses readings that do not cover a run from its start to its end.
-/// @param remedy  what the user may do, for the message
-/// @return LAC_OK; LAC_EINPUT
-lac_status lac_readings_cover(const lac_readings *readings, const char *path,
-                              const lac_load_clock *clock, const char *remedy, lac_error *err);
 
 /// Index of the last reading at or before t; SIZE_MAX before the first.
 size_t lac_readings_before(const double *t, size_t n, double at);

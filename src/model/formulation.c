@@ -78,12 +78,12 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
                                 .v = s->speed,
                                 .normal_rate = drive->share_rate / drive->share};
     lac_friction_values values = lac_block_values(s);
-    if (d == NULL) {
-        lac_friction_evaluate(problem->friction, &cells, &values, NULL);
-    } else {
-        lac_friction_slopes slopes = lac_block_slope_arrays(d);
-        lac_friction_evaluate(problem->friction, &cells, &values, &slopes);
+    lac_friction_slopes slopes = {0};
+    if (d != NULL) {
+        slopes = (lac_friction_slopes){
+            .f_uu = d->f_uu, .f_uw = d->f_uw, .f_ww = d->f_ww, .g_u = d->g_u, .g_w = d->g_w};
     }
+    lac_friction_evaluate(problem->friction, &cells, &values, d != NULL ? &slopes : NULL);
     return length;
 }
 

@@ -190,17 +190,26 @@ typedef struct lac_problem_parts {
 
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem);
 
-/// What the loads do at one time: q_i = traction_i + pressure_i ratio + spring - stiffness mean
-/// slip, effective pressure pressure_i share; and their rates.
-typedef struct lac_problem_load {
-    double ratio, ratio_rate;   ///< [1], [1/s]
-    double spring, spring_rate; ///< [Pa], [Pa/s]
-    double stiffness;           ///< of the mean slip [Pa/m]
-    double share, share_rate;   ///< [1], [1/s]
-} lac_problem_load;
+/// What acts on the cells neither alike nor as their pressures do.
+typedef struct lac_far {
+    double back;    ///< slip of the rock around, since the start [m]
+    double elastic; ///< mean traction of what is shared as C^-1 1, since the start [Pa]
+} lac_far;
 
-/// @return false where the effective normal pressure is not positive
-bool lac_problem_load_at(const lac_problem *problem, double t, lac_problem_load *load);
+/// What the loads do at one time, as the cells feel it.
+typedef struct lac_drive {
+    double ratio;            ///< (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
+    double ratio_rate;       ///< [1/s]
+    double spring;           ///< traction of each cell from the far ends' travel [Pa]
+    double spring_rate;      ///< [Pa/s]
+    double spring_stiffness; ///< traction lost per metre of mean slip [Pa/m]
+    lac_far far, far_rate;   ///< and its rate
+    double share;            ///< effective over total normal pressure: p_i -> p_i share
+    double share_rate;       ///< [1/s]
+} lac_drive;
+
+/// Evaluates the loads; false where the effective normal pressure is not positive.
+bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
 
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.
@@ -244,9 +253,6 @@ lac_failure lac_failure_from(const lac_failure_start *start, double rate, double
 /// @source derived here; docs/theory/creep.md, eq. 11
 double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
                                 const double *y, double *work);
-
-/// Whether the effective normal pressure is positive at time t.
-bool lac_problem_pressed(const lac_problem *problem, double t);
 
 /// Whether the formulation can follow every cell: where its shear traction vanishes, slip stops or
 /// turns back, which ln v cannot do, nor the plain form of friction, infinite at v = 0.

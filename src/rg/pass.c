@@ -25,7 +25,8 @@ static int compare(const void *a, const void *b)
     return before(x, y) ? -1 : before(y, x) ? 1 : 0;
 }
 
-size_t lac_rg_sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order)
+// The children of a block in the order in which they slip; gives back how many.
+static size_t sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order)
 {
     const size_t few = 16;
     const size_t n = end - begin;
@@ -93,7 +94,7 @@ static double threshold(lac_rg_tree *tree, const lac_rg_layer *below, const lac_
     if (child[1] - child[0] == 2) {
         return threshold_of_two(tree, below, all, child[0]);
     }
-    size_t n = lac_rg_sort(below, child[0], child[1], tree->order);
+    size_t n = sort(below, child[0], child[1], tree->order);
     double best = -INFINITY;
     slide s = {.left = all};
     for (size_t i = 0; i < n; i++) {
@@ -121,11 +122,17 @@ static void sum_shear(lac_rg_tree *tree)
     }
 }
 
+// The caller's number of a cell.
+static size_t cell_of(const lac_rg_tree *tree, size_t i)
+{
+    return tree->cell != NULL ? tree->cell[i] : i;
+}
+
 static void load_cells(const lac_rg_tree *tree, const double *shear, const double *gap)
 {
     const lac_rg_layer *cells = &tree->layer[0];
     for (size_t i = 0; i < cells->count; i++) {
-        size_t c = lac_rg_cell(tree, i);
+        size_t c = cell_of(tree, i);
         cells->shear[i] = shear[c];
         cells->gap[i] = gap != NULL ? gap[c] : cells->strength[i] - cells->shear[i];
     }
@@ -162,7 +169,7 @@ static void settle_block(lac_rg_tree *tree, size_t k, size_t block)
                .received = received,
                .excess = received * layer->cells[block]};
     double share = received;
-    size_t n = whole ? 0 : lac_rg_sort(below, begin, end, tree->order);
+    size_t n = whole ? 0 : sort(below, begin, end, tree->order);
     size_t i = 0;
     for (; i < n && s.left > 0.0 && tree->order[i].gap <= share + tree->tolerance; i++) {
         below->received[tree->order[i].block] = INFINITY;
@@ -201,7 +208,7 @@ void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
     }
     const lac_rg_layer *cells = &tree->layer[0];
     for (size_t i = 0; i < cells->count; i++) {
-        size_t c = lac_rg_cell(tree, i);
+        size_t c = cell_of(tree, i);
         slipped[c] = cells->gap[i] <= cells->received[i] + tree->tolerance ? 1 : 0;
         if (stress != NULL) {
             stress[c] = slipped[c] != 0 ? 0.0 : cells->received[i];
@@ -227,6 +234,6 @@ void lac_rg_own_levels(lac_rg_tree *tree, double *level)
         }
     }
     for (size_t i = 0; i < tree->layer[0].count; i++) {
-        level[lac_rg_cell(tree, i)] = tree->layer[0].received[i];
+        level[cell_of(tree, i)] = tree->layer[0].received[i];
     }
 }

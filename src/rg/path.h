@@ -8,9 +8,6 @@
 
 enum { LAC_RG_SCAN = 60 }; // loads at which it is seen whether the joint slides, at least
 
-/// Whether every cell gets the same stress, up to its cap.
-bool lac_rg_path_is_equal(const lac_rg_path *path);
-
 /// Whether the joint carries tractions before the path begins.
 bool lac_rg_path_is_laden(const lac_rg_path *path);
 

@@ -61,9 +61,6 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
 /// @cost   O(blocks); allocates nothing; cannot fail
 double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, const double *gap);
 
-/// Thresholds of a level after a pass: [blocks of the level] [Pa].
-const double *lac_rg_thresholds(const lac_rg_tree *tree, size_t level);
-
 /// Whether a threshold counts as reached: within 1e-12 of the mean strength.
 bool lac_rg_slips(const lac_rg_tree *tree, double threshold);
 
@@ -163,17 +160,6 @@ typedef struct lac_rg_press {
 lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
                                   const lac_rg_path *path, double *critical, lac_error *err);
 
-/// N_slip/N_tot of every level along a path.
-/// @param n         loads
-/// @param load      [n] Q/Q_nom
-/// @param fraction  [n * (levels + 1)] of level l at load i: fraction[i * (levels + 1) + l];
-///                  overwritten
-/// @param work      [2 cells] scratch
-/// @return LAC_OK; LAC_ENOMEM
-/// @cost   a pass a load; with FIX and `equal` one pass and a sort of each level for all loads
-lac_status lac_rg_curve(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, size_t n,
-                        const double *load, double *fraction, double *work, lac_error *err);
-
 /// When the blocks of each level slip by themselves along a path: the size effect of the strength.
 typedef struct lac_rg_sizes {
     size_t blocks;   ///< of the level that slip before all of the joint's strength is used up
@@ -181,14 +167,5 @@ typedef struct lac_rg_sizes {
     double strength; ///< force that they carry then over their nominal area, mean [Pa]
     double spread;   ///< standard deviation of that [Pa]
 } lac_rg_sizes;
-
-/// Strength of blocks as a function of their size, from a scan of the path.
-/// @param sizes  [levels + 1] overwritten; blocks of level l have 4^l cells (2^l on a line)
-/// @param line   the grid is a line of cells
-/// @param work   [2 cells] scratch
-/// @return LAC_OK; LAC_ENOMEM
-/// @cost   128 passes
-lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
-                              bool line, lac_rg_sizes *sizes, double *work, lac_error *err);
 
 #endif

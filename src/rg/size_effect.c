@@ -8,8 +8,6 @@
 #include "rg/path.h"
 #include "rg/tree.h"
 
-enum { SCAN = 128 };
-
 lac_status lac_rg_states_create(const lac_rg_tree *tree, lac_rg_block_state **states,
                                 lac_error *err)
 {
@@ -103,24 +101,4 @@ void lac_rg_sizes_close(const lac_rg_tree *tree, bool line, double critical, lac
                 critical * tree->layer[top].strength[0] / pow(line ? 2.0 : 4.0, (double)level);
         }
     }
-}
-
-lac_status lac_rg_size_effect(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
-                              bool line, lac_rg_sizes *sizes, double *work, lac_error *err)
-{
-    lac_rg_block_state *s = NULL;
-    lac_status status = lac_rg_states_create(tree, &s, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    double before = lac_rg_path_load(path, 0.0);
-    for (int i = 0; i <= SCAN; i++) {
-        double load = lac_rg_path_load(path, (double)i / SCAN);
-        (void)lac_rg_root(tree, rule, path, load, work);
-        lac_rg_states_note(tree, before, load, s);
-        before = load;
-    }
-    lac_rg_states_summarise(tree, s, line, sizes);
-    free(s);
-    return LAC_OK;
 }

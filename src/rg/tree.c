@@ -19,11 +19,6 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level)
     return layer_at(tree, level)->count;
 }
 
-const double *lac_rg_thresholds(const lac_rg_tree *tree, size_t level)
-{
-    return layer_at(tree, level)->gap;
-}
-
 bool lac_rg_slips(const lac_rg_tree *tree, double threshold)
 {
     return threshold <= tree->tolerance;
@@ -190,17 +185,14 @@ lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *st
     LAC_TRY(check_blocks(blocks, err));
     LAC_TRY(check_cells(blocks->count[0], strength, drop, err));
     tree = calloc(1, sizeof *tree);
-    status = tree != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(tree != NULL ? LAC_OK : lac_fail_memory(err));
     size_t above = number_layers(tree, blocks);
     tree->memory = calloc(SUMS * (blocks->count[0] + above), sizeof *tree->memory);
     tree->links = malloc((above + tree->layers) * sizeof *tree->links);
-    status = tree->memory != NULL && tree->links != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(tree->memory != NULL && tree->links != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(link_layers(tree, blocks, tree->links, err));
     tree->order = malloc(most_children(tree) * sizeof *tree->order);
-    status = tree->order != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(tree->order != NULL ? LAC_OK : lac_fail_memory(err));
     place_sums(tree, tree->memory);
     fill_sums(tree, strength, drop);
     *out = tree;

@@ -36,16 +36,6 @@ struct lac_rg_tree {
     lac_rg_rule rule; ///< of the last pass
 };
 
-/// The caller's number of a cell.
-static inline size_t lac_rg_cell(const lac_rg_tree *tree, size_t i)
-{
-    return tree->cell != NULL ? tree->cell[i] : i;
-}
-
-/// The children of a block in the order in which they slip: by threshold, strength, place.
-/// @return how many
-size_t lac_rg_sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order);
-
 /// After a pass up: of each cell the level of the largest block around it that slips by itself, NaN
 /// where none does.
 /// @param level  [n] overwritten

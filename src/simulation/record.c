@@ -98,23 +98,16 @@ static lac_status take(recorded *r, const lac_recording *recording, lac_error *e
     return LAC_OK;
 }
 
-// How long the dimensions are: as the variables over one alone, or what these leave of one over
-// two.
+// How long the dimensions are, as the variables say that run over each alone.
 static void measure(const recorded *r, lac_extent dim[DIMS])
 {
     static const char *const names[DIMS] = {"time", "snapshot", "event", "level", "cell"};
     for (size_t d = 0; d < DIMS; d++) {
         dim[d] = (lac_extent){names[d], 0};
         for (size_t i = 0; i < r->count; i++) {
-            const char *dims = r->seen[i].dimensions;
-            const char *behind = strchr(dims, ' ');
-            if (strcmp(dims, names[d]) == 0) {
-                dim[d].length = r->seen[i].count;
-                break;
-            }
-            const size_t first = behind != NULL && dims[0] == 't' ? dim[0].length : dim[1].length;
-            if (behind != NULL && strcmp(behind + 1, names[d]) == 0 && first > 0) {
-                dim[d].length = r->seen[i].count / first;
+            const lac_recorded *v = &r->seen[i];
+            if (strcmp(v->dimensions, names[d]) == 0) {
+                dim[d].length = v->count;
             }
         }
     }

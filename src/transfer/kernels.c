@@ -25,7 +25,10 @@ static double slab_in_plane(double nu, double q)
     return (c * cosh(2 * q) + rest) / (c * sinh(2 * q) + 2 * q);
 }
 
-double lac_wave_stiffness(const lac_rock *rock, double kx, double ky)
+// Stiffness of a wave of slip along x, with its traction along x held in mind:
+// S = G/2 (ky^2 + kx^2/(1-nu))/|k|; on slabs docs/theory/transfer.md, equation 10a. [Pa/m]; at k =
+// 0 that of the slabs, 0 for half-spaces.
+static double wave_stiffness(const lac_rock *rock, double kx, double ky)
 {
     double k = hypot(kx, ky);
     if (!(k > 0)) {
@@ -47,7 +50,7 @@ static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock 
         double ky = 2 * pi * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
         for (size_t i = 0; i < fft->nkx; i++) {
             double kx = 2 * pi * (double)i / ((double)fft->nx * grid->dx);
-            double s = lac_wave_stiffness(rock, kx, ky);
+            double s = wave_stiffness(rock, kx, ky);
             stiffness[i * fft->ny + j] = s / cells;
             compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
         }

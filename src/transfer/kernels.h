@@ -16,11 +16,6 @@ typedef struct lac_rock {
     bool measure;     ///< transforms are planned by measuring
 } lac_rock;
 
-/// Stiffness of a wave of slip along x, with its traction along x held in mind:
-/// S = G/2 (ky^2 + kx^2/(1-nu))/|k|; on slabs docs/theory/transfer.md, equation 10a.
-/// @return [Pa/m]; at k = 0 that of the slabs, G/(2H), 0 for half-spaces
-double lac_wave_stiffness(const lac_rock *rock, double kx, double ky);
-
 /// Tables for lac_fft_filter, [nkx * ny] by columns, with the 1/N of the transforms.
 /// @param stiffness   S of each mode; creeping: of slip uniform on each cell of a doubled grid
 /// @param compliance  1/S, 0 where S is 0; free: of traction uniform on each cell

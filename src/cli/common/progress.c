@@ -20,6 +20,13 @@ double cli_clock(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double cli_cpu_time(void)
+{
+    struct timespec used;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
 void cli_progress_start(cli_progress *progress, const cli_request *request)
 {
     const char *term = getenv("TERM"), *no_colour = getenv("NO_COLOR");
@@ -114,11 +121,6 @@ void cli_progress_stage(cli_progress *progress, const char *what, size_t done, s
         (void)snprintf(text, sizeof text, "%zu of %zu %s", done, total, what);
         put_out(progress, wanted, total > 0 ? (double)done / (double)total : 0.0, text);
     }
-}
-
-void cli_progress_steps(cli_progress *progress, size_t done, size_t total)
-{
-    cli_progress_stage(progress, "steps of the history", done, total);
 }
 
 void cli_progress_clear(cli_progress *progress)

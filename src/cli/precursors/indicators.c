@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The events and cells of a run, from which `precursors` has its indicators; how those are shown.
-#include "cli/precursors/indicators.h"
+#include "cli/precursors/precursors.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "store/store_file.h"
 
 void cli_cells_clear(cli_cells *cells)
@@ -49,13 +50,6 @@ typedef struct event {
     double time, end, moment;
 } event;
 
-static int compare(const void *left, const void *right)
-{
-    const double a = ((const event *)left)->time;
-    const double b = ((const event *)right)->time;
-    return (a > b) - (a < b);
-}
-
 // The events in the order of their starts, on the series' clock.
 static lac_status sort_events(cli_cells *c, double start, lac_error *err)
 {
@@ -72,7 +66,7 @@ static lac_status sort_events(cli_cells *c, double start, lac_error *err)
             list[kept++] = (event){from, to, c->event_moment.value[i]};
         }
     }
-    qsort(list, kept, sizeof *list, compare);
+    qsort(list, kept, sizeof *list, lac_by_first);
     for (size_t i = 0; i < kept; i++) {
         c->event_time.value[i] = list[i].time;
         c->event_duration.value[i] = list[i].end;

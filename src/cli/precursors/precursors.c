@@ -12,7 +12,6 @@
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
-#include "cli/precursors/indicators.h"
 #include "store/store.h"
 
 typedef struct precursors_job {

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/date.h"
-#include "cli/precursors/indicators.h"
+#include "cli/precursors/precursors.h"
 
 static void write_time(lac_json *json, const cli_precursors_result *r, const char *key,
                        const char *date_key, double t)

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "cli/common/words.h"
-#include "cli/precursors/indicators.h"
+#include "cli/precursors/precursors.h"
 
 // A unit of times to failure, by how long the issue times span.
 typedef struct unit {
@@ -37,7 +37,7 @@ static void print_input(const cli_precursors_result *r)
     const lac_readings *in = &r->watched->readings;
     const lac_motion *m = r->outlook->motion;
     const lac_series *s = r->watched->series;
-    char first[40], last[40], length[32], longest[32];
+    char first[40], last[40];
     printf("%s\n", r->watched->path);
     cli_row("readings", "%zu from %s to %s", in->n, when(r, in->time[0], first, sizeof first),
             when(r, in->time[in->n - 1], last, sizeof last));
@@ -46,9 +46,8 @@ static void print_input(const cli_precursors_result *r)
                 s->duplicates, s->disordered);
     }
     if (isfinite(m->interval)) { // of two readings and more
-        cli_row("  intervals", "%s (median), longest %s, %zu gaps",
-                cli_quantity(m->interval, "s", length, sizeof length),
-                cli_quantity(m->longest_gap, "s", longest, sizeof longest), m->gaps);
+        cli_row("  intervals", "%s (median), longest %s, %zu gaps", cli_amount(m->interval, "s").s,
+                cli_amount(m->longest_gap, "s").s, m->gaps);
     }
     cli_row("  cleaned", "%zu outliers dropped, %zu resets of the sensor taken out", m->outliers,
             m->resets);
@@ -211,7 +210,7 @@ static const char *number(double value, char *text, size_t size)
 static void print_skill(const cli_precursors_result *r)
 {
     const unit *u = unit_of(r->rolling);
-    char a[16], b[16], c[16], d[16], e[16], horizon[32];
+    char a[16], b[16], c[16], d[16], e[16];
     (void)snprintf(a, sizeof a, "error (%s)", u->name);
     (void)snprintf(b, sizeof b, "CRPS (%s)", u->name);
     printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued", a, "in 50 %",
@@ -227,7 +226,7 @@ static void print_skill(const cli_precursors_result *r)
                s->false_alarms, s->misses);
     }
     printf("  An alarm: failure within %s with a chance of three in four.\n",
-           cli_quantity(r->plan->horizon, "s", horizon, sizeof horizon));
+           cli_amount(r->plan->horizon, "s").s);
 }
 
 void cli_precursors_print(const cli_precursors_result *r, bool verbose)

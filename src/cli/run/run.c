@@ -64,9 +64,8 @@ static lac_status shorten(const char *text, lac_case *c, lac_error *err)
         return status;
     }
     if (!(until > 0) || until > c->run.end) {
-        char end[64];
         return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
-                        lac_units_format(c->run.end, "s", end, sizeof end));
+                        cli_exact(c->run.end, "s").s);
     }
     c->run.end = until;
     return LAC_OK;
@@ -77,7 +76,6 @@ static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT
 // Reads what --resume goes on from, of the case as it is run.
 static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
 {
-    char time[64];
     char *text = lac_case_text(c);
     lac_status status = text == NULL ? lac_fail_memory(err)
                                      : cli_resume_read(job->path, text, job->inputs, job->libraries,
@@ -86,7 +84,7 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,
                         "--resume: the checkpoint of %s is at %s, not before the end of the run",
-                        job->path, lac_units_format(job->resume.from.time, "s", time, sizeof time));
+                        job->path, cli_exact(job->resume.from.time, "s").s);
     }
     return status;
 }
@@ -214,10 +212,9 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
         return finished;
     }
     if (status == LAC_EINTERRUPT) {
-        char time[64];
         bool saved = job->history.saved || goes_on(job);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
-                        lac_units_format(run->time, "s", time, sizeof time), job->path,
+                        cli_exact(run->time, "s").s, job->path,
                         saved ? ", and --resume goes on" : "");
     }
     return status;

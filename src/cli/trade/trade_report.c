@@ -76,45 +76,34 @@ static const char *settings_text(const cli_trade_job *job, size_t run, char *tex
 }
 
 // "0.12 %", "3e-07"
-static const char *error_text(double error, char *text, size_t size)
+static cli_text error_text(double error)
 {
-    if (isnan(error)) {
-        (void)snprintf(text, size, "-");
-    } else if (error >= 9.995e-4) {
-        (void)snprintf(text, size, "%.2g %%", 100.0 * error);
-    } else {
-        (void)snprintf(text, size, "%.1e", error);
-    }
-    return text;
+    return isnan(error)        ? cli_format("-")
+           : error >= 9.995e-4 ? cli_format("%.2g %%", 100.0 * error)
+                               : cli_format("%.1e", error);
 }
 
-static const char *asked_text(const cli_trade_job *job, char *text, size_t size)
+static cli_text asked_text(const cli_trade_job *job)
 {
     const lac_trade_ask *ask = &job->ask;
-    char error[64] = "", time[32];
+    cli_text error = {""};
     if (!isnan(ask->within)) {
-        (void)lac_units_format(ask->within, lac_quantity_about_of(job->verdict.quantity)->unit,
-                               error, sizeof error);
+        error = cli_exact(ask->within, lac_quantity_about_of(job->verdict.quantity)->unit);
     } else if (!isnan(ask->reach) || isnan(ask->spend)) {
-        (void)snprintf(error, sizeof error, "%.3g %%",
-                       100.0 * (isnan(ask->reach) ? 0.01 : ask->reach));
+        error = cli_format("%.3g %%", 100.0 * (isnan(ask->reach) ? 0.01 : ask->reach));
     }
-    const bool both = error[0] != '\0' && !isnan(ask->spend);
-    (void)snprintf(text, size, "%s%s%s", error, both ? " within " : "",
-                   isnan(ask->spend) ? "" : cli_quantity(ask->spend, "s", time, sizeof time));
-    return text;
+    const bool both = error.s[0] != '\0' && !isnan(ask->spend);
+    return cli_format("%s%s%s", error.s, both ? " within " : "",
+                      isnan(ask->spend) ? "" : cli_amount(ask->spend, "s").s);
 }
 
 // "error 0.05 % +- 1e-07, 0.12 s of CPU, 24 MB"
-static const char *run_text(const cli_trade_job *job, size_t run, char *text, size_t size)
+static cli_text run_text(const cli_trade_job *job, size_t run)
 {
     const lac_trade_measure *m = &job->measure[run];
-    char error[32], sure[32], cpu[32];
-    (void)snprintf(text, size, "error %s +- %s, %s of CPU, %.3g MB",
-                   error_text(job->verdict.error[run], error, sizeof error),
-                   error_text(job->verdict.uncertainty, sure, sizeof sure),
-                   cli_quantity(m->cpu_time, "s", cpu, sizeof cpu), (double)m->memory / 1e6);
-    return text;
+    return cli_format("error %s +- %s, %s of CPU, %.3g MB", error_text(job->verdict.error[run]).s,
+                      error_text(job->verdict.uncertainty).s, cli_amount(m->cpu_time, "s").s,
+                      (double)m->memory / 1e6);
 }
 
 // The command that the settings are for.
@@ -141,17 +130,17 @@ static const char *choice_text(const cli_trade_job *job, size_t run, char *text,
 
 const char *cli_trade_sentence(const cli_trade_job *job, char *text, size_t size)
 {
-    char asked[96], choice[SETTINGS + 32], run[160];
+    char choice[SETTINGS + 32];
     const lac_trade_verdict *v = &job->verdict;
-    (void)asked_text(job, asked, sizeof asked);
+    const cli_text asked = asked_text(job);
     if (v->recommended != SIZE_MAX) {
-        (void)snprintf(text, size, "For %s: %s (%s).", asked,
+        (void)snprintf(text, size, "For %s: %s (%s).", asked.s,
                        choice_text(job, v->recommended, choice, sizeof choice),
-                       run_text(job, v->recommended, run, sizeof run));
+                       run_text(job, v->recommended).s);
     } else if (v->closest != SIZE_MAX) {
-        (void)snprintf(text, size, "Nothing tried does for %s; the closest is %s (%s).", asked,
+        (void)snprintf(text, size, "Nothing tried does for %s; the closest is %s (%s).", asked.s,
                        choice_text(job, v->closest, choice, sizeof choice),
-                       run_text(job, v->closest, run, sizeof run));
+                       run_text(job, v->closest).s);
     } else {
         (void)snprintf(text, size, "Nothing tried has this quantity.");
     }
@@ -177,7 +166,6 @@ static int width_of(const cli_trade_job *job, size_t d)
 static void print_row(const cli_trade_job *job, size_t run)
 {
     const lac_trade_measure *m = &job->measure[run];
-    char error[32], sure[32], cpu[32], wall[32], steps[32] = "-"; // a cascade has none
     printf("%c ", job->verdict.on_front[run] ? '*' : ' ');
     for (size_t d = 0; d < job->plan.dials; d++) {
         if (job->plan.dial[d].shown > 0) {
@@ -188,26 +176,23 @@ static void print_row(const cli_trade_job *job, size_t run)
         printf("  %s: %s\n", end_word(m->end), m->message);
         return;
     }
-    if (lac_trade_of_run(&job->plan, run) != LAC_OF_CASCADE) {
-        (void)snprintf(steps, sizeof steps, "%" PRId64, m->steps);
-    }
-    printf(" %9s +- %-7s %10s %10s %8.3g %9s\n",
-           error_text(job->verdict.error[run], error, sizeof error),
-           error_text(job->verdict.uncertainty, sure, sizeof sure),
-           cli_quantity(m->cpu_time, "s", cpu, sizeof cpu),
-           cli_quantity(m->wall_time, "s", wall, sizeof wall), (double)m->memory / 1e6, steps);
+    const bool none = lac_trade_of_run(&job->plan, run) == LAC_OF_CASCADE; // it has no steps
+    printf(" %9s +- %-7s %10s %10s %8.3g %9s\n", error_text(job->verdict.error[run]).s,
+           error_text(job->verdict.uncertainty).s, cli_amount(m->cpu_time, "s").s,
+           cli_amount(m->wall_time, "s").s, (double)m->memory / 1e6,
+           none ? "-" : cli_format("%" PRId64, m->steps).s);
 }
 
 static void print_head(const cli_trade_job *job)
 {
     const lac_trade_verdict *v = &job->verdict;
     const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
-    char value[64], sure[32], settings[SETTINGS];
+    char settings[SETTINGS];
     if (job->source->title != NULL) {
         puts(job->source->title);
     }
-    cli_row(about->doc, "%s +- %s", cli_quantity(v->value, about->unit, value, sizeof value),
-            error_text(v->uncertainty, sure, sizeof sure));
+    cli_row(about->doc, "%s +- %s", cli_amount(v->value, about->unit).s,
+            error_text(v->uncertainty).s);
     cli_row("reference", "%s", settings_text(job, v->reference, settings, sizeof settings));
     printf("\n  ");
     for (size_t d = 0; d < job->plan.dials; d++) {

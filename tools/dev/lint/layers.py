@@ -52,8 +52,8 @@ SHARED = {
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
     "rg": {"rg_map.h", "rg_study.h"},
-    "run": {"sensitivity.h"},
-    "scene": {"scene_rg.h"},
+    "run": {"describe.h", "sensitivity.h"},
+    "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
     "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_events.h", "store_file.h", "store_map.h"},
 }
