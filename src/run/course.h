@@ -2,6 +2,7 @@
 #ifndef LACUNA_RUN_COURSE_H
 #define LACUNA_RUN_COURSE_H
 
+#include "lacuna/simulation.h"
 #include "run/cadence.h"
 #include "run/engine.h"
 

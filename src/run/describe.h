@@ -3,10 +3,8 @@
 #define LACUNA_RUN_DESCRIBE_H
 
 #include "data/dataset.h"
+#include "lacuna/simulation.h"
 #include "run/run.h"
-
-/// Per-cell fields that a run may keep.
-enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
 
 /// What a run puts out.
 typedef struct lac_run_output {

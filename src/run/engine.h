@@ -2,6 +2,7 @@
 #ifndef LACUNA_RUN_ENGINE_H
 #define LACUNA_RUN_ENGINE_H
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 #include "run/vector.h"
 

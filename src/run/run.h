@@ -3,8 +3,20 @@
 #define LACUNA_RUN_RUN_H
 
 #include "base/tape.h"
-#include "lacuna/simulation.h"
 #include "model/problem.h"
+
+// Of lacuna/simulation.h, which only those include who look inside.
+typedef struct lac_sink lac_sink;
+typedef struct lac_record lac_record;
+typedef struct lac_snapshot lac_snapshot;
+typedef struct lac_step lac_step;
+typedef struct lac_event lac_event;
+typedef struct lac_extra lac_extra;
+typedef struct lac_progress lac_progress;
+typedef struct lac_run_result lac_run_result;
+
+/// Per-cell fields that a run may keep.
+enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 
@@ -23,13 +35,13 @@ typedef struct lac_cadence {
 } lac_cadence;
 
 /// Where a run stands: all that it needs to go on, in another process of the same program too.
-struct lac_checkpoint {
+typedef struct lac_checkpoint {
     bool planned; ///< the run begins anew there whether or not it is stopped, so that one that goes
                   ///< on from it is the same to the last bit; else to the tolerance
     double time;  ///< [s]
     size_t size;  ///< [bytes]
     const unsigned char *state; ///< the engine's, then the sinks'
-};
+} lac_checkpoint;
 
 /// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
 /// lac_run_def.beyond.

@@ -5,7 +5,6 @@
 #include "contact/tangential.h"
 #include "fractal/fractal.h"
 #include "lacuna/dataset.h"
-#include "run/describe.h"
 #include "store/store_checkpoint.h"
 #include "surface/surface.h"
 
