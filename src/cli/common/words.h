@@ -32,7 +32,7 @@ const char *cli_quantity(double value, const char *unit, char *text, size_t size
 
 /// A short text by value: it lives as long as the statement that it stands in.
 typedef struct cli_text {
-    char s[200];
+    char s[560]; ///< longer than LAC_TEXT_ROOM
 } cli_text;
 cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
