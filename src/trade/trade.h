@@ -2,7 +2,7 @@
 #ifndef LACUNA_TRADE_TRADE_H
 #define LACUNA_TRADE_TRADE_H
 
-#include "lacuna/dataset.h"
+#include "data/dataset.h"
 #include "lacuna/simulation.h"
 #include "scene/scene.h"
 
