@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "analysis/neighbours.h"
+#include "lacuna/simulation.h"
 
 static const uint32_t none = UINT32_MAX;
 

@@ -14,6 +14,7 @@
 #include "base/rg_rows.h"
 #include "base/rows.h"
 #include "base/units.h"
+#include "lacuna/simulation.h"
 
 #define FIELD(name) offsetof(lac_analysis_rg, name)
 

@@ -400,6 +400,9 @@ char *lac_case_text(const lac_case *c)
 {
     const lac_part *part;
     const char *absent = NULL; // what is below it is left out too
+    if (c == NULL) {
+        return NULL;
+    }
     lac_writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
     put(&w, "lacuna: 1\n");
     for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {

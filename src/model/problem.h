@@ -3,9 +3,12 @@
 #define LACUNA_MODEL_PROBLEM_H
 
 #include "friction/friction.h"
-#include "lacuna/simulation.h"
 #include "load/load.h"
 #include "transfer/transfer.h"
+
+// Of lacuna/simulation.h.
+typedef struct lac_observation lac_observation;
+typedef struct lac_failure lac_failure;
 
 /// The first unknown x of every cell; the second is ln theta. docs/theory/creep.md.
 typedef enum lac_formulation {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "run/engine.h"
 #include "run/run.h"
 

@@ -4,6 +4,7 @@
 
 #include <sundials/sundials_nonlinearsolver.h>
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 #include "run/vector.h"
 

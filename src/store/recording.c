@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/describe.h"
 #include "store/columns.h"
 #include "store/store_file.h"
 

@@ -2,7 +2,6 @@
 #ifndef LACUNA_STORE_RECORDING_H
 #define LACUNA_STORE_RECORDING_H
 
-#include "run/describe.h"
 #include "store/store_checkpoint.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.

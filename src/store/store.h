@@ -3,9 +3,8 @@
 #define LACUNA_STORE_STORE_H
 
 #include "contact/tangential.h"
+#include "data/dataset.h"
 #include "fractal/fractal.h"
-#include "lacuna/dataset.h"
-#include "run/describe.h"
 #include "store/store_checkpoint.h"
 #include "surface/surface.h"
 

@@ -6,6 +6,7 @@
 #include <netcdf.h>
 #include <sys/stat.h>
 
+#include "lacuna/simulation.h"
 #include "scene/scene.h"
 #include "support/contact_file.h"
 #include "support/scratch_group.h"

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "lacuna/simulation.h"
 #include "store/store.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"
