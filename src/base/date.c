@@ -8,29 +8,28 @@
 #include <stdio.h>
 
 enum { SECONDS_A_DAY = 86400, DAYS_A_CENTURY4 = 146097, MAX_FRACTION_DIGITS = 15 };
+enum { SINCE_0 = 719468, MONTHS_5 = 153 }; // days to 1970, and of five months from March on
 
-static bool is_leap(int64_t year) { return (year % 4 == 0 && year % 100 != 0) || year % 400 == 0; }
-
-static int64_t days_in_month(int64_t year, int64_t month)
-{
-    static const int64_t days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    return days[month - 1] + (month == 2 && is_leap(year) ? 1 : 0);
-}
-
-// Days from year 0 to the first of January of a year >= 0.
-static int64_t days_before_year(int64_t year)
-{
-    int64_t past = year - 1; // years whose leap days lie behind, year 0 apart
-    return year == 0 ? 0 : year * 365 + past / 4 - past / 100 + past / 400 + 1;
-}
-
+// Years that begin in March have their leap day last. The calendar is older than year 0 by 400
+// years, so that nothing is divided below 0.
 static int64_t days_since_1970(int64_t year, int64_t month, int64_t day)
 {
-    int64_t days = days_before_year(year) - days_before_year(1970);
-    for (int64_t m = 1; m < month; m++) {
-        days += days_in_month(year, m);
-    }
-    return days + day - 1;
+    const int64_t y = year + 400 - (month < 3 ? 1 : 0);
+    const int64_t of_year = (MONTHS_5 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    return y * 365 + y / 4 - y / 100 + y / 400 + of_year - DAYS_A_CENTURY4 - SINCE_0;
+}
+
+static void date_of(int64_t days, int64_t *year, int64_t *month, int64_t *day)
+{
+    const int64_t all = days + SINCE_0 + DAYS_A_CENTURY4;
+    const int64_t of_400 = all % DAYS_A_CENTURY4; // the last day of 4, 100 and 400 years is theirs
+    const int64_t y =
+        (of_400 - of_400 / 1460 + of_400 / 36524 - of_400 / (DAYS_A_CENTURY4 - 1)) / 365;
+    const int64_t of_year = of_400 - (y * 365 + y / 4 - y / 100);
+    const int64_t m = (5 * of_year + 2) / MONTHS_5;
+    *day = of_year - (MONTHS_5 * m + 2) / 5 + 1;
+    *month = m < 10 ? m + 3 : m - 9;
+    *year = y + all / DAYS_A_CENTURY4 * 400 - 400 + (*month < 3 ? 1 : 0);
 }
 
 // Exactly n digits.
@@ -58,18 +57,14 @@ static bool read_mark(const char **at, char mark)
 
 static bool read_day(const char **at, int64_t *days)
 {
-    int64_t year;
-    int64_t month;
-    int64_t day;
+    int64_t year, month, day, same[3];
     if (!read_digits(at, 4, &year) || !read_mark(at, '-') || !read_digits(at, 2, &month) ||
         !read_mark(at, '-') || !read_digits(at, 2, &day)) {
         return false;
     }
-    if (month < 1 || month > 12 || day < 1 || day > days_in_month(year, month)) {
-        return false;
-    }
     *days = days_since_1970(year, month, day);
-    return true;
+    date_of(*days, &same[0], &same[1], &same[2]); // another where there is no such day
+    return month >= 1 && same[0] == year && same[1] == month && same[2] == day;
 }
 
 // Digits after the point; those that no double holds are read over.
@@ -169,21 +164,10 @@ const char *lac_date_format(double seconds, char *text, size_t size)
         return size > 0 ? text : "";
     }
     int64_t since_0 = (int64_t)(rounded - first);
-    int64_t day = since_0 / SECONDS_A_DAY;
     int64_t clock = since_0 % SECONDS_A_DAY;
-    int64_t year = day * 400 / DAYS_A_CENTURY4; // right or one too many
-    while (days_before_year(year) > day) {
-        year--;
-    }
-    while (days_before_year(year + 1) <= day) {
-        year++;
-    }
-    day -= days_before_year(year);
-    int64_t month = 1;
-    while (day >= days_in_month(year, month)) {
-        day -= days_in_month(year, month++);
-    }
-    (void)snprintf(text, size, "%04d-%02d-%02dT%02d:%02d:%02dZ", (int)year, (int)month,
-                   (int)day + 1, (int)(clock / 3600), (int)(clock / 60 % 60), (int)(clock % 60));
+    int64_t year, month, day;
+    date_of(since_0 / SECONDS_A_DAY + days_since_1970(0, 1, 1), &year, &month, &day);
+    (void)snprintf(text, size, "%04d-%02d-%02dT%02d:%02d:%02dZ", (int)year, (int)month, (int)day,
+                   (int)(clock / 3600), (int)(clock / 60 % 60), (int)(clock % 60));
     return text;
 }

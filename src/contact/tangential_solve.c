@@ -73,15 +73,6 @@ static void displace(const lac_shear_problem *p, const double *tau, double *u)
 
 static bool moves(const iteration *it, size_t i) { return it->tx[i] == 0.0 && it->ty[i] == 0.0; }
 
-static double largest(size_t n, const double *restrict x)
-{
-    double most = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        most = fabs(x[i]) > most ? fabs(x[i]) : most;
-    }
-    return most;
-}
-
 // Cells that slip a long way take little part in what keeps the load.
 static double share(const iteration *it, size_t i)
 {
@@ -312,7 +303,7 @@ static bool step(iteration *it, double pt)
         tct += it->curve[i] * (it->t[i] * it->t[i] + it->t[n + i] * it->t[n + i]);
     }
     // no further than all discs are wide: the mean of full contacts meets no elastic resistance
-    double alpha = fmin(pt / tct, it->widest / largest(2 * n, it->t));
+    double alpha = fmin(pt / tct, it->widest / lac_vmost(2 * n, it->t));
     if (!(pt > 0.0 && tct >= 0.0 && isfinite(alpha))) {
         return false;
     }

@@ -3,6 +3,7 @@
 // sampler takes (docs/theory/fitting.md eq. 4).
 #include <math.h>
 
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 enum { GRID = 33, NARROWINGS = 40 };
@@ -23,24 +24,14 @@ static double likelihood(guess *g, double time)
     const lac_fit_errors_at unit = {.displacement = 1.0, .time = time};
     double *w = g->scratch;
     double *e = g->scratch + data->n;
-    double ew = 0.0;
     double ee = 0.0;
-    double squares = 0.0;
     double log_det = lac_fit_whiten(data, &unit, g->r, w);
     if (g->fit->def->offset) {
-        for (size_t i = 0; i < data->n; i++) {
-            e[i] = 1.0;
-        }
-        (void)lac_fit_whiten(data, &unit, e, e);
-        for (size_t i = 0; i < data->n; i++) {
-            ew += e[i] * w[i];
-            ee += e[i] * e[i];
-        }
+        double offset;
+        lac_fit_whiten_one(data, &unit, e);
+        ee = lac_fit_take_offset(data->n, e, w, &offset);
     }
-    for (size_t i = 0; i < data->n; i++) {
-        double by = w[i] - (ee > 0.0 ? ew / ee * e[i] : 0.0);
-        squares += by * by;
-    }
+    const double squares = lac_dot(data->n, w, w);
     double n = (double)data->displacements - (ee > 0.0 ? 1.0 : 0.0);
     g->scale = isnan(g->held) ? sqrt(squares / n) : g->held;
     return -0.5 * squares / (g->scale * g->scale) - n * log(g->scale) - 0.5 * log_det -

@@ -122,6 +122,10 @@ void lac_fit_put(const lac_fit_def *def, const double *u, double *const *at);
 double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors, const double *r,
                       double *white);
 
+// What an offset of 1 adds to them, and the best one taken out of them. @return its weight
+void lac_fit_whiten_one(const lac_fit_data *data, const lac_fit_errors_at *errors, double *one);
+double lac_fit_take_offset(size_t n, const double *one, double *white, double *offset);
+
 // ln of the likelihood, the offset integrated out. @param scratch  [3 n]
 lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *errors,
                                   const double *slip, const double *log_rate, double *scratch);

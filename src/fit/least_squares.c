@@ -89,15 +89,10 @@ static void read_line(const lac_fit *fit, const gsl_vector *z, double *u)
 static void project(const search *s, const double *r, double *white)
 {
     const lac_fit_data *data = &s->fit->data;
-    double ew = 0.0;
-    double ee = 0.0;
+    double offset;
     (void)lac_fit_whiten(data, &s->errors, r, white);
-    for (size_t i = 0; i < data->n && s->fit->def->offset; i++) {
-        ew += s->one[i] * white[i];
-        ee += s->one[i] * s->one[i];
-    }
-    for (size_t i = 0; i < data->n && ee > 0.0; i++) {
-        white[i] -= ew / ee * s->one[i];
+    if (s->fit->def->offset) {
+        (void)lac_fit_take_offset(data->n, s->one, white, &offset);
     }
 }
 
@@ -224,10 +219,7 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
 static void set_errors(search *s, const double *x)
 {
     s->errors = lac_fit_errors_of(s->fit, x);
-    for (size_t i = 0; i < s->fit->data.n; i++) {
-        s->white[i] = 1.0;
-    }
-    (void)lac_fit_whiten(&s->fit->data, &s->errors, s->white, s->one);
+    lac_fit_whiten_one(&s->fit->data, &s->errors, s->one);
 }
 
 // Unknown errors as the residuals of a run have them.

@@ -2,6 +2,7 @@
 // What the readings say of the unknowns; docs/theory/fitting.md eqs 3 to 5.
 #include <math.h>
 
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 static const double log_two_pi = 1.8378770664093454836;
@@ -60,6 +61,24 @@ double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors,
     return log_det;
 }
 
+void lac_fit_whiten_one(const lac_fit_data *data, const lac_fit_errors_at *errors, double *one)
+{
+    for (size_t i = 0; i < data->n; i++) {
+        one[i] = 1.0;
+    }
+    (void)lac_fit_whiten(data, errors, one, one);
+}
+
+double lac_fit_take_offset(size_t n, const double *one, double *white, double *offset)
+{
+    const double ee = lac_dot(n, one, one);
+    *offset = ee > 0.0 ? lac_dot(n, one, white) / ee : 0.0;
+    for (size_t i = 0; i < n; i++) {
+        white[i] -= *offset * one[i];
+    }
+    return ee;
+}
+
 // Displacements: r^T C^-1 r after the best offset, which is integrated over.
 static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at *errors,
                                     const double *slip, double *scratch)
@@ -75,20 +94,8 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
     double log_det = lac_fit_whiten(data, errors, r, w);
     lac_fit_misfit out = {.peak = -0.5 * (log_det + (double)data->displacements * log_two_pi)};
     if (fit->def->offset) {
-        double ew = 0.0;
-        double ee = 0.0;
-        for (size_t i = 0; i < n; i++) {
-            r[i] = 1.0;
-        }
-        (void)lac_fit_whiten(data, errors, r, e);
-        for (size_t i = 0; i < n; i++) {
-            ew += e[i] * w[i];
-            ee += e[i] * e[i];
-        }
-        out.offset = ew / ee;
-        for (size_t i = 0; i < n; i++) {
-            w[i] -= out.offset * e[i];
-        }
+        lac_fit_whiten_one(data, errors, e);
+        const double ee = lac_fit_take_offset(n, e, w, &out.offset);
         out.log_likelihood = 0.5 * (log_two_pi - log(ee));
     }
     for (size_t i = 0; i < n; i++) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes.
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -21,11 +22,7 @@ static double fullest_bin(size_t n, const double *magnitude)
 {
     size_t count[BINS] = {0};
     size_t best = 0;
-    double lowest = magnitude[0];
-    for (size_t i = 1; i < n; i++) {
-        lowest = fmin(lowest, magnitude[i]);
-    }
-    lowest = bin * floor(lowest / bin);
+    const double lowest = bin * floor(gsl_stats_min(magnitude, 1, n) / bin);
     for (size_t i = 0; i < n; i++) {
         const double at = (magnitude[i] - lowest) / bin;
         count[at < BINS ? (size_t)at : BINS - 1]++;

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/vsum.h"
 #include "series/text.h"
 
 enum {
@@ -92,13 +93,10 @@ lac_status lac_series_resolve(size_t n, const double *time, const double *x, dou
                               lac_error *err)
 {
     static const double type[] = {DBL_EPSILON, FLT_EPSILON};
-    double most = 0.0;
+    const double most = lac_vmost(n, x);
     double *gap = malloc((n > 0 ? n : 1) * sizeof *gap);
     if (gap == NULL) {
         return lac_fail_memory(err);
-    }
-    for (size_t i = 0; i < n; i++) {
-        most = fmax(most, fabs(x[i]));
     }
     for (size_t k = 0; k < sizeof type / sizeof *type; k++) {
         const double error = bits * type[k] * most;

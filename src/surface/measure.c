@@ -3,9 +3,11 @@
 #include "surface/surface.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/fft.h"
 #include "base/statistics.h"
+#include "surface/fit.h"
 
 #define TWO_PI 6.283185307179586476925286766559
 
@@ -35,47 +37,23 @@ static lac_status check(const lac_grid *grid, const double *heights, lac_error *
     return LAC_OK;
 }
 
-// Takes off the mean, and where the ends do not meet the least-squares plane too.
-static void detrend(const lac_grid *grid, const double *heights, double *out)
-{
-    size_t n = lac_grid_cells(grid);
-    double cx = 0.5 * (double)(grid->nx - 1);
-    double cy = 0.5 * (double)(grid->ny - 1);
-    double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        double x = (double)(i % grid->nx) - cx;
-        double y = (double)(i / grid->nx) - cy;
-        s += heights[i] / (double)n;
-        sx += x * heights[i];
-        sy += y * heights[i];
-        sxx += x * x;
-        syy += y * y;
-    }
-    double ax = grid->periodic || sxx == 0.0 ? 0.0 : sx / sxx;
-    double ay = grid->periodic || syy == 0.0 ? 0.0 : sy / syy;
-    for (size_t i = 0; i < n; i++) {
-        double x = (double)(i % grid->nx) - cx;
-        double y = (double)(i / grid->nx) - cy;
-        out[i] = heights[i] - s - ax * x - ay * y;
-    }
-}
-
-// rms difference of neighbours along x (or y) over their distance; 0 where there are none
-static double rms_difference(const lac_grid *grid, const double *h, bool along_x)
+// rms difference of cells `lag` apart along x (or y) over their distance; 0 where there are none
+static double rms_slope(const lac_grid *grid, const double *h, bool along_x, size_t lag)
 {
     size_t count = along_x ? grid->nx : grid->ny;
-    size_t last = grid->periodic || count == 0 ? count : count - 1;
+    size_t last = grid->periodic ? count : count - lag;
     size_t other = along_x ? grid->ny : grid->nx;
     double sum = 0.0;
     for (size_t j = 0; j < other; j++) {
         for (size_t i = 0; i < last; i++) {
-            size_t k = (i + 1) % count;
+            size_t k = (i + lag) % count;
             double d = along_x ? h[j * grid->nx + k] - h[j * grid->nx + i]
                                : h[k * grid->nx + j] - h[i * grid->nx + j];
             sum += d * d;
         }
     }
-    return last == 0 ? 0.0 : sqrt(sum / (double)(last * other)) / (along_x ? grid->dx : grid->dy);
+    double step = (double)lag * (along_x ? grid->dx : grid->dy);
+    return last == 0 ? 0.0 : sqrt(sum / (double)(last * other)) / step;
 }
 
 static double hann(size_t i, size_t n)
@@ -186,21 +164,6 @@ static void measure_hurst(const lac_grid *grid, lac_fft *fft, lac_surface_measur
 
 static double tse_cruden(double z2) { return z2 > 0.0 ? 32.2 + 32.47 * log10(z2) : (double)NAN; }
 
-// rms slope along x between cells `lag` apart
-static double lagged_slope(const lac_grid *grid, const double *h, size_t lag)
-{
-    size_t last = grid->periodic ? grid->nx : grid->nx - lag;
-    double sum = 0.0;
-    for (size_t j = 0; j < grid->ny; j++) {
-        const double *row = h + j * grid->nx;
-        for (size_t i = 0; i < last; i++) {
-            double d = row[(i + lag) % grid->nx] - row[i];
-            sum += d * d;
-        }
-    }
-    return sqrt(sum / (double)(last * grid->ny)) / ((double)lag * grid->dx);
-}
-
 // The usual steps that a whole number of cells makes, to a tenth.
 static void measure_profiles(const lac_grid *grid, const double *h, lac_surface_measures *m)
 {
@@ -214,7 +177,7 @@ static void measure_profiles(const lac_grid *grid, const double *h, lac_surface_
         }
         lac_profile_measure *profile = &m->profile[m->profiles++];
         profile->step = step;
-        profile->z2 = lagged_slope(grid, h, (size_t)lag);
+        profile->z2 = rms_slope(grid, h, true, (size_t)lag);
         profile->jrc = tse_cruden(profile->z2);
         profile->jrc_yu = k == 0 ? 60.32 * profile->z2 - 4.51 : (double)NAN;
     }
@@ -232,10 +195,12 @@ static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_
                               .fit_shortest = range.shortest};
     LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
     size_t n = lac_grid_cells(grid);
-    detrend(grid, heights, fft->real);
+    memcpy(fft->real, heights, n * sizeof *heights);
+    // a plane where the ends do not meet
+    lac_detrend(grid->periodic ? LAC_DETREND_MEAN : LAC_DETREND_PLANE, grid, fft->real);
     m.rms_height = sqrt(lac_dot(n, fft->real, fft->real) / (double)n);
-    m.rms_slope_x = rms_difference(grid, fft->real, true);
-    m.rms_slope_y = rms_difference(grid, fft->real, false);
+    m.rms_slope_x = rms_slope(grid, fft->real, true, 1);
+    m.rms_slope_y = rms_slope(grid, fft->real, false, 1);
     m.z2 = m.rms_slope_x;
     m.z2_step = grid->dx;
     m.jrc = tse_cruden(m.z2);
