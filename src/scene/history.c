@@ -53,11 +53,7 @@ static lac_status press(history *h, double mean, lac_history_record *record, lac
         return LAC_OK;
     }
     lac_contact_report report = {0};
-    lac_contact_def def = lac_contact_default();
-    def.grid = contact->grid;
-    def.heights = contact->heights;
-    def.e_star = contact->e_star;
-    def.tolerance = contact->tolerance;
+    lac_contact_def def = lac_scene_contact_def(contact);
     def.mean_pressure = mean;
     def.start = h->next;
     lac_status status = lac_contact_solve(&def, h->next, NULL, &report, err);
