@@ -2,7 +2,7 @@
 #ifndef LACUNA_STORE_RECORDING_H
 #define LACUNA_STORE_RECORDING_H
 
-#include "store/store_checkpoint.h"
+#include "store/store.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -42,6 +42,11 @@ lac_status lac_recording_add(lac_recording *recording, const char *name, const c
 /// Sets a text that a file has among its global attributes; one of that name is replaced.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
+                              lac_error *err);
+
+/// Sets all that a file has of where it comes from.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
                               lac_error *err);
 
 /// Such a text; NULL where there is none.

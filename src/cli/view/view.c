@@ -11,8 +11,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/date.h"
-#include "cli/common/libraries.h"
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
@@ -28,7 +26,7 @@ static const double last_wait = 10.0; // a busy machine takes its time to draw w
 
 // Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps
 // those it has.
-enum { NO_FORECASTS = -1, SOME_FORECASTS = 12, ALL_FORECASTS = 0, TEXT = 40 };
+enum { NO_FORECASTS = -1, SOME_FORECASTS = 12, ALL_FORECASTS = 0 };
 
 // Data of a kind: when they were ready, how long they took.
 typedef struct pace {
@@ -253,38 +251,6 @@ out:
     return status;
 }
 
-// What the run's file says of itself, beside its variables.
-static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *err)
-{
-    const lac_provenance *from = &def->provenance;
-    char netcdf[32], libraries[320], date[TEXT], seed[TEXT] = "";
-    const struct {
-        const char *name, *text;
-    } texts[] = {
-        {"title", from->title},
-        {"institution", from->institution},
-        {"references", from->references},
-        {"source", "Lacuna " LACUNA_VERSION},
-        {"history", from->command_line},
-        {"libraries", libraries},
-        {"fidelity", from->fidelity},
-        {"case", from->case_text},
-        {"status", "running"},
-        {"date_created", lac_date_format(from->now, date, sizeof date)},
-        {"seed", from->seed != INT64_MIN ? seed : NULL},
-    };
-    lac_status status = LAC_OK;
-    (void)snprintf(seed, sizeof seed, "%.17g", (double)from->seed);
-    (void)cli_netcdf_version(netcdf, sizeof netcdf); // as the file has it
-    (void)snprintf(libraries, sizeof libraries, "%s, netCDF %s", from->libraries, netcdf);
-    for (size_t i = 0; i < sizeof texts / sizeof *texts && status == LAC_OK; i++) {
-        if (texts[i].text != NULL) {
-            status = lac_recording_text(view->whole, texts[i].name, texts[i].text, err);
-        }
-    }
-    return status;
-}
-
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,
                          lac_error *err)
 {
@@ -295,7 +261,8 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
     LAC_TRY(lac_recording_create(&as, &view->taken, err));
     LAC_TRY(lac_recording_create(&as, &view->coming, err));
     view->into = lac_recording_sink(view->coming);
-    LAC_TRY(describe(view, def, err));
+    LAC_TRY(lac_recording_sign(view->whole, &def->provenance, err));
+    LAC_TRY(lac_recording_text(view->whole, "status", "running", err));
     if (def->resume != NULL) {
         LAC_TRY(lac_recording_load(view->coming, def->path, def->resume, err));
     }
