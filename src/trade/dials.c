@@ -53,42 +53,36 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *ou
     return n;
 }
 
-static void rtol_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmax(strtod(last->yaml, NULL) / 10.0, 1e-13));
-}
+#define VALUES(name, count)                                                              \
+    static size_t name##_values(const lac_case *c, lac_trade_of of, lac_dial_value *out) \
+    {                                                                                    \
+        (void)c, (void)of;                                                               \
+        return (count);                                                                  \
+    }
+#define CURRENT(name, format, value)                                          \
+    static void name##_current(const lac_case *c, char label[LAC_DIAL_LABEL]) \
+    {                                                                         \
+        (void)snprintf(label, LAC_DIAL_LABEL, format, value);                 \
+    }
+#define TIGHTER(name, value)                                                    \
+    static void name##_tighter(const lac_dial_value *last, lac_dial_value *out) \
+    {                                                                           \
+        const double finest = strtod(last->yaml, NULL);                         \
+        put_number(out, value);                                                 \
+    }
 
-static void rtol_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%.10g", c->run.rtol);
-}
+TIGHTER(rtol, fmax(finest / 10.0, 1e-13))
+CURRENT(rtol, "%.10g", c->run.rtol)
 
 static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
+VALUES(method, c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(methods, 3, out))
+CURRENT(method, "%s", methods[c->run.method])
 
-static size_t method_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(methods, 3, out);
-}
-
-static void method_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", methods[c->run.method]);
-}
-
-static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    static const char *const names[] = {"rate", "traction", "slip"};
-    (void)of;
-    bool fixed = c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0;
-    return fixed ? 0 : put_names(names, 3, out);
-}
-
-static void formulation_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   lac_formulation_name((lac_formulation)c->formulation));
-}
+static const char *const formulations[] = {"rate", "traction", "slip"};
+VALUES(formulation, c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0
+                        ? 0
+                        : put_names(formulations, 3, out))
+CURRENT(formulation, "%s", lac_formulation_name((lac_formulation)c->formulation))
 
 // Whether cells take one another's load.
 static bool is_coupled(const lac_case *c)
@@ -112,10 +106,7 @@ static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value
                : 0;
 }
 
-static void fidelity_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", lac_fidelity_name(c->run.fidelity));
-}
+CURRENT(fidelity, "%s", lac_fidelity_name(c->run.fidelity))
 
 // The grid, halved and halved again.
 static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
@@ -151,38 +142,21 @@ static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value
     return 2;
 }
 
-static void transfer_current(const lac_case *c, char label[LAC_DIAL_LABEL])
+CURRENT(transfer, "%s", c->transfer.about != NULL ? c->transfer.about->name : "none")
+
+static bool transforms(const lac_case *c)
 {
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   c->transfer.about != NULL ? c->transfer.about->name : "none");
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    return kind != NULL && kind->transforms;
 }
 
 static const char *const plannings[] = {"estimate", "measure"};
-
-static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
-    return kind != NULL && kind->transforms ? put_names(plannings, 2, out) : 0;
-}
-
-static void planning_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", plannings[c->fft_planning]);
-}
+VALUES(planning, transforms(c) ? put_names(plannings, 2, out) : 0)
+CURRENT(planning, "%s", plannings[c->fft_planning])
 
 static const char *const precisions[] = {"float", "double"};
-
-static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)c, (void)of;
-    return put_names(precisions, 2, out);
-}
-
-static void precision_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", precisions[c->single ? 0 : 1]);
-}
+VALUES(precision, put_names(precisions, 2, out))
+CURRENT(precision, "%s", precisions[c->single ? 0 : 1])
 
 // A whole number from its quarter or half up to the case's own.
 static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_value *out)
@@ -200,142 +174,49 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_
     return n + 1;
 }
 
-static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    return c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0;
-}
+VALUES(contacts, c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0)
+TIGHTER(contacts, fmin(2.0 * finest, LAC_RG_MOST_LOADS))
+CURRENT(contacts, "%" PRId64, c->rg.contacts)
 
-static void contacts_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmin(2.0 * strtod(last->yaml, NULL), LAC_RG_MOST_LOADS));
-}
+VALUES(shifts, count_values(c->rg.shifts, 4, 1, out))
+TIGHTER(shifts, fmin(4.0 * finest, 10000.0))
+CURRENT(shifts, "%" PRId64, c->rg.shifts)
 
-static void contacts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->rg.contacts);
-}
+static const char *const fields[] = {"uniform", "equal", "elastic"}; // the coarsest first
+static const int field_at[] = {[LAC_RG_UNIFORM] = 0, [LAC_RG_EQUAL] = 1, [LAC_RG_ELASTIC] = 2};
+VALUES(field, put_names(fields,
+                        c->surface.about != NULL && !isnan(c->material.shear_modulus) ? 3 : 2, out))
+CURRENT(field, "%s", fields[field_at[c->rg.field]])
 
-static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    return count_values(c->rg.shifts, 4, 1, out);
-}
-
-static void shifts_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmin(4.0 * strtod(last->yaml, NULL), 10000.0));
-}
-
-static void shifts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->rg.shifts);
-}
-
-static const char *const fields[] = {
-    [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
-
-static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
-{
-    (void)of;
-    const bool pressed = c->surface.about != NULL && !isnan(c->material.shear_modulus);
-    put(&out[0], fields[LAC_RG_UNIFORM], fields[LAC_RG_UNIFORM]);
-    put(&out[1], fields[LAC_RG_EQUAL], fields[LAC_RG_EQUAL]);
-    put(&out[2], fields[LAC_RG_ELASTIC], fields[LAC_RG_ELASTIC]);
-    return pressed ? 3 : 2;
-}
-
-static void field_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", fields[c->rg.field]);
-}
+#define DIAL(name_, key_, doc_, ...)                                            \
+    {                                                                           \
+        .name = #name_, .key = (key_), .doc = (doc_), .values = name_##_values, \
+        .current = name_##_current, __VA_ARGS__                                 \
+    }
+#define ASKED(of) .use = (of), .asked = (of)
 
 static const lac_dial dials[] = {
-    {.name = "rtol",
-     .key = "solver.rtol",
-     .doc = "tolerance, in decades",
-     .use = LAC_OF_RUN,
-     .falls = true,
-     .ratio = 4, // tenfold at most, and mostly five- to sevenfold: docs/trade.md
-     .values = rtol_values,
-     .tighter = rtol_tighter,
-     .current = rtol_current},
-    {.name = "method",
-     .key = "solver.method",
-     .doc = "of integration: bdf, adams, erk",
-     .use = LAC_OF_RUN,
-     .values = method_values,
-     .current = method_current},
-    {.name = "formulation",
-     .key = "solver.formulation",
-     .doc = "unknown besides the state: rate, traction, slip",
-     .use = LAC_OF_RUN,
-     .values = formulation_values,
-     .current = formulation_current},
-    {.name = "fidelity",
-     .key = "solver.fidelity",
-     .doc = "events, ode; of Q_crit also static, the cascade",
-     .use = LAC_OF_RUN | LAC_OF_CASCADE,
-     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
-     .scene = true,
-     .cascade = CASCADE,
-     .values = fidelity_values,
-     .current = fidelity_current},
-    {.name = "levels",
-     .key = "interface.levels",
-     .doc = "2^levels cells a side, halved twice",
-     .use = LAC_OF_RUN | LAC_OF_CASCADE | LAC_OF_CONTACT,
-     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
-     .scene = true,
-     .ratio = 4,
-     .values = levels_values,
-     .current = levels_current},
-    {.name = "transfer",
-     .key = "transfer",
-     .doc = "of stress: hierarchy, elastic",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .scene = true,
-     .values = transfer_values,
-     .current = transfer_current},
-    {.name = "planning",
-     .key = "solver.fft_planning",
-     .doc = "of Fourier transforms: estimate, measure",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .values = planning_values,
-     .current = planning_current},
-    {.name = "precision",
-     .key = "output.precision",
-     .doc = "of what is written: float, double",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .values = precision_values,
-     .current = precision_current},
-    {.name = "field",
-     .key = "rg.field",
-     .doc = "of the cascade: uniform, equal, elastic",
-     .use = LAC_OF_CASCADE,
-     .asked = LAC_OF_CASCADE,
-     .scene = true,
-     .values = field_values,
-     .current = field_current},
-    {.name = "contacts",
-     .key = "rg.contacts",
-     .doc = "solved along the cascade's path",
-     .use = LAC_OF_CASCADE,
-     .ratio = 4,
-     .values = contacts_values,
-     .tighter = contacts_tighter,
-     .current = contacts_current},
-    {.name = "shifts",
-     .key = "rg.shifts",
-     .doc = "places of the cascade's blocks",
-     .use = LAC_OF_CASCADE,
-     .ratio = 2,
-     .values = shifts_values,
-     .tighter = shifts_tighter,
-     .current = shifts_current},
+    // Its errors fall tenfold at most a rung, and mostly five- to sevenfold: docs/trade.md.
+    DIAL(rtol, "solver.rtol", "tolerance, in decades", .use = LAC_OF_RUN, .falls = true, .ratio = 4,
+         .tighter = rtol_tighter),
+    DIAL(method, "solver.method", "of integration: bdf, adams, erk", .use = LAC_OF_RUN),
+    DIAL(formulation, "solver.formulation", "unknown besides the state: rate, traction, slip",
+         .use = LAC_OF_RUN),
+    DIAL(fidelity, "solver.fidelity", "events, ode; of Q_crit also static, the cascade",
+         ASKED(LAC_OF_RUN | LAC_OF_CASCADE), .scene = true, .cascade = CASCADE),
+    DIAL(levels, "interface.levels", "2^levels cells a side, halved twice",
+         .use = LAC_OF_RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = LAC_OF_RUN | LAC_OF_CASCADE,
+         .scene = true, .ratio = 4),
+    DIAL(transfer, "transfer", "of stress: hierarchy, elastic", ASKED(LAC_OF_RUN), .scene = true),
+    DIAL(planning, "solver.fft_planning", "of Fourier transforms: estimate, measure",
+         ASKED(LAC_OF_RUN)),
+    DIAL(precision, "output.precision", "of what is written: float, double", ASKED(LAC_OF_RUN)),
+    DIAL(field, "rg.field", "of the cascade: uniform, equal, elastic", ASKED(LAC_OF_CASCADE),
+         .scene = true),
+    DIAL(contacts, "rg.contacts", "solved along the cascade's path", .use = LAC_OF_CASCADE,
+         .ratio = 4, .tighter = contacts_tighter),
+    DIAL(shifts, "rg.shifts", "places of the cascade's blocks", .use = LAC_OF_CASCADE, .ratio = 2,
+         .tighter = shifts_tighter),
 };
 
 const lac_dial *lac_dial_at(size_t index)

@@ -48,11 +48,9 @@ static double fraction(const lac_progress *now)
 // "12.3 day of 200 day, 1.2 cm/week, 345 steps"
 static const char *describe(const lac_progress *now, char *text, size_t size)
 {
-    char time[32], end[32], rate[32];
     (void)snprintf(text, size, "%s of %s, mean slip rate %s, %" PRId64 " steps",
-                   cli_quantity(now->time, "s", time, sizeof time),
-                   cli_quantity(now->end, "s", end, sizeof end),
-                   cli_quantity(now->mean_rate, "m/s", rate, sizeof rate), now->steps);
+                   cli_amount(now->time, "s").s, cli_amount(now->end, "s").s,
+                   cli_amount(now->mean_rate, "m/s").s, now->steps);
     return text;
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/date.h"
 #include "base/nearest.h"
 #include "base/units.h"
 #include "cli/common/clean.h"
@@ -56,14 +57,6 @@ void cli_row(const char *label, const char *format, ...)
     va_end(args);
 }
 
-const char *cli_quantity(double value, const char *unit, char *text, size_t size)
-{
-    char exact[64], *rest;
-    double number = strtod(lac_units_format(value, unit, exact, sizeof exact), &rest);
-    (void)snprintf(text, size, "%.4g%s", number, rest);
-    return text;
-}
-
 cli_text cli_format(const char *format, ...)
 {
     cli_text text;
@@ -74,17 +67,25 @@ cli_text cli_format(const char *format, ...)
     return text;
 }
 
-cli_text cli_amount(double value, const char *unit)
-{
-    cli_text text;
-    (void)cli_quantity(value, unit, text.s, sizeof text.s);
-    return text;
-}
-
 cli_text cli_exact(double value, const char *unit)
 {
     cli_text text;
     (void)lac_units_format(value, unit, text.s, sizeof text.s);
+    return text;
+}
+
+cli_text cli_amount(double value, const char *unit)
+{
+    char *rest;
+    const cli_text exact = cli_exact(value, unit);
+    const double number = strtod(exact.s, &rest);
+    return cli_format("%.4g%s", number, rest);
+}
+
+cli_text cli_date(double seconds)
+{
+    cli_text text;
+    (void)lac_date_format(seconds, text.s, sizeof text.s);
     return text;
 }
 

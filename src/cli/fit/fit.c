@@ -106,17 +106,11 @@ static lac_status set_columns(fit_job *job, lac_error *err)
 
 static lac_status read_series(fit_job *job, lac_error *err)
 {
-    const lac_fit_def *fit = &job->source->fit;
-    lac_series_def def = {.path = job->request.argument[1],
-                          .time = fit->time,
-                          .time_format = fit->time_format,
-                          .displacement = fit->displacement,
-                          .displacement_unit = fit->displacement_unit,
-                          .velocity = fit->velocity,
-                          .velocity_unit = fit->velocity_unit,
-                          .value = fit->sigma,
-                          .value_unit = fit->sigma_unit,
-                          .value_si = "m"};
+    lac_series_def def = cli_series_of_fit(&job->source->fit, job->request.argument[1]);
+    def.value = def.sigma; // as it is read, whatever its sign
+    def.value_unit = def.sigma_unit;
+    def.value_si = "m";
+    def.sigma = NULL;
     lac_units *units = NULL;
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {

@@ -12,7 +12,9 @@
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
+#include "cli/report/report.h"
 #include "data/dataset.h"
+#include "fit/foresee.h"
 #include "store/store.h"
 #include "store/store_events.h"
 #include "store/store_file.h"
@@ -143,7 +145,10 @@ out:
 typedef struct precursors_job {
     const cli_request *request;
     lac_units *units;
-    cli_foreseer foreseer;
+    lac_case *source; // the slope's own model, with --case
+    lac_fit_watch watch;
+    lac_foresight how;
+    lac_forecast_model model;
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
@@ -155,6 +160,31 @@ typedef struct precursors_job {
     lac_precursor_course *course;
     lac_skill *skill;
 } precursors_job;
+
+static bool on_interrupted(void *context)
+{
+    (void)context;
+    return cli_signals_stop();
+}
+
+// The case that forecasts beside the methods that know only the motion.
+static lac_status read_case(precursors_job *job, lac_error *err)
+{
+    cli_request of_case = *job->request;
+    const char *path = of_case.argument[0] = of_case.forecast.case_file;
+    if (path == NULL) {
+        return of_case.set_count == 0
+                   ? LAC_OK
+                   : lac_fail(err, LAC_EINPUT, "--set: overrides a case: --case names one");
+    }
+    const lac_status status = cli_case_read(&of_case, LAC_FOR_FIT, &job->source, NULL, err);
+    job->watch.interrupted = on_interrupted;
+    job->how = (lac_foresight){.source = job->source,
+                               .threads = of_case.threads > 0 ? of_case.threads : 1,
+                               .watch = &job->watch};
+    job->model = lac_foresee(&job->how);
+    return status;
+}
 
 static bool go_on(void *context, size_t done, size_t all)
 {
@@ -189,7 +219,7 @@ out:
 static lac_status write_file(const precursors_job *job, const lac_dataset *dataset, lac_error *err)
 {
     char libraries[256];
-    const lac_case *c = job->foreseer.source;
+    const lac_case *c = job->source;
     char *text = c != NULL ? lac_case_text(c) : NULL;
     if (c != NULL && text == NULL) {
         return lac_fail_memory(err);
@@ -248,21 +278,20 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     precursors_job job = {.request = request};
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
-    LAC_TRY(cli_foreseer_read(request, &job.foreseer, err));
+    LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
-        LAC_TRY(cli_output_check(request, job.foreseer.source, request->output, err));
+        LAC_TRY(cli_output_check(request, job.source, request->output, err));
     }
-    LAC_TRY(cli_watched_read(&job.foreseer.named, job.units, &job.watched, err));
+    LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
-    if (job.foreseer.source != NULL) {
-        job.foreseer.how.dated = job.watched.dated;
-        job.plan.def.model = &job.foreseer.model;
+    if (job.source != NULL) {
+        job.how.dated = job.watched.dated;
+        job.plan.def.model = &job.model;
         cli_signals_hold();
-        cli_say(request, "fitting %s to %zu readings", job.foreseer.source->path,
-                job.watched.readings.n);
+        cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
@@ -283,7 +312,7 @@ out:
     cells_clear(&job.cells);
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
-    cli_foreseer_clear(&job.foreseer);
+    lac_case_free(job.source);
     lac_units_free(job.units);
     return status;
 }

@@ -405,8 +405,7 @@ void cli_estimate_print(const cli_estimate *e)
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
     if (e->failure.lowered) {
-        char rate[64];
-        printf("#   failure rate    %s\n", cli_quantity(e->failure.rate, "m/s", rate, sizeof rate));
+        printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
         cli_wrap("#     ", cli_failure_lowered);
     }
     if (e->own_steps) {

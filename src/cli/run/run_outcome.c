@@ -7,7 +7,6 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "cli/common/failure.h"
 #include "cli/common/progress.h"
@@ -45,12 +44,8 @@ static double failure_time(const cli_outcome *outcome)
 // "" where the run has no date or no failure.
 static cli_text failure_date(const cli_outcome *outcome)
 {
-    cli_text text = {""};
-    if (!isnan(failure_time(outcome)) && outcome->of->source->dated) {
-        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text.s,
-                              sizeof text.s);
-    }
-    return text;
+    const lac_case *c = outcome->of->source;
+    return c->dated ? cli_date(c->start_date + failure_time(outcome)) : cli_format("%s", "");
 }
 
 static const char *formulation(const cli_outcome *outcome)
