@@ -160,21 +160,16 @@ static bool on_interrupted(void *context)
 static lac_status finish_store(const contact_job *job, lac_error *err)
 {
     const lac_history_result *r = &job->result;
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
-        {"first_slip_q_over_fp", r->loaded ? r->first_slip.factor : NAN},
-        {"first_slip_x_m", r->loaded ? r->first_place[0] : NAN},
-        {"first_slip_y_m", r->loaded ? r->first_place[1] : NAN},
-    };
-    lac_status status = LAC_OK;
-    for (size_t i = 0; status == LAC_OK && i < sizeof numbers / sizeof numbers[0]; i++) {
-        status = lac_history_store_number(job->store, numbers[i].name, numbers[i].value, err);
+    lac_history_store *s = job->store;
+    lac_status status = LAC_OK, closed;
+    if (r->loaded) {
+        LAC_TRY(lac_history_store_number(s, "first_slip_q_over_fp", r->first_slip.factor, err));
+        LAC_TRY(lac_history_store_number(s, "first_slip_x_m", r->first_place[0], err));
+        LAC_TRY(lac_history_store_number(s, "first_slip_y_m", r->first_place[1], err));
     }
-    const lac_status closed =
-        lac_history_store_finish(job->store, status == LAC_OK ? job->outcome.status : "failed",
-                                 status == LAC_OK ? err : NULL);
+out:
+    closed = lac_history_store_finish(s, status == LAC_OK ? job->outcome.status : "failed",
+                                      status == LAC_OK ? err : NULL);
     return status == LAC_OK ? closed : status;
 }
 

@@ -21,49 +21,39 @@
 
 enum { SEED = 1, SURROGATES = 199 };
 
+enum { EVENT_TIME, EVENT_DURATION, EVENT_MOMENT, TIME, N_SLIP, N_TOT, LENGTH, CRITICAL, VALUES };
+
 // What a source holds besides its motion: of a run its events and cells.
 typedef struct cells {
-    lac_stored_values event_time, event_duration, event_moment; // the second turns into ends
-    lac_stored_values time, n_slip, n_tot, length, critical;
+    lac_stored_values value[VALUES]; // durations of events turn into their ends
     lac_event_list events;
     lac_slip_history slip;
     lac_evidence evidence; // of the two above; points into this
 } cells;
 
-static void cells_clear(cells *c)
-{
-    lac_stored_values *const all[] = {&c->event_time, &c->event_duration, &c->event_moment,
-                                      &c->time,       &c->n_slip,         &c->n_tot,
-                                      &c->length,     &c->critical};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        lac_stored_values_clear(all[i]);
-    }
-}
-
 static lac_status read_values(const char *path, cells *c, lac_error *err)
 {
-    const struct {
-        const char *name;
-        lac_stored_values *to;
-    } wanted[] = {
-        {"event_time", &c->event_time},
-        {"event_duration", &c->event_duration},
-        {"event_moment", &c->event_moment},
-        {"time", &c->time},
-        {"n_slip", &c->n_slip},
-        {"n_tot", &c->n_tot},
-        {"correlation_length", &c->length},
-        {"critical_fraction", &c->critical},
-    };
+    static const char *const names[VALUES] = {
+        "event_time", "event_duration", "event_moment",       "time",
+        "n_slip",     "n_tot",          "correlation_length", "critical_fraction"};
     lac_stored_file *file = NULL;
     lac_status status = LAC_OK;
     LAC_TRY(lac_stored_file_open(path, &file, err));
-    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        LAC_TRY(lac_stored_file_values(file, wanted[i].name, wanted[i].to, err));
+    for (size_t i = 0; i < VALUES; i++) {
+        LAC_TRY(lac_stored_file_values(file, names[i], &c->value[i], err));
     }
 out:
     lac_stored_file_close(file);
     return status;
+}
+
+// Whether all that stands in [first, last] is there.
+static bool has_all(const cells *c, size_t first, size_t last)
+{
+    while (first <= last && c->value[first].value != NULL) {
+        first++;
+    }
+    return first > last;
 }
 
 // An event, to be put in the order of starts.
@@ -74,49 +64,48 @@ typedef struct event {
 // The events in the order of their starts, on the series' clock.
 static lac_status sort_events(cells *c, double start, lac_error *err)
 {
-    const size_t n = c->event_time.n;
+    const size_t n = c->value[EVENT_TIME].n;
+    double *time = c->value[EVENT_TIME].value, *end = c->value[EVENT_DURATION].value;
+    double *moment = c->value[EVENT_MOMENT].value;
     event *list = malloc((n > 0 ? n : 1) * sizeof *list);
     size_t kept = 0;
     if (list == NULL) {
         return lac_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        const double from = c->event_time.value[i] + start;
-        const double to = c->event_time.value[i] + c->event_duration.value[i] + start;
+        const double from = time[i] + start, to = time[i] + end[i] + start;
         if (isfinite(from) && isfinite(to)) {
-            list[kept++] = (event){from, to, c->event_moment.value[i]};
+            list[kept++] = (event){from, to, moment[i]};
         }
     }
     qsort(list, kept, sizeof *list, lac_by_first);
     for (size_t i = 0; i < kept; i++) {
-        c->event_time.value[i] = list[i].time;
-        c->event_duration.value[i] = list[i].end;
-        c->event_moment.value[i] = list[i].moment;
+        time[i] = list[i].time;
+        end[i] = list[i].end;
+        moment[i] = list[i].moment;
     }
     free(list);
-    c->events = (lac_event_list){.n = kept,
-                                 .time = c->event_time.value,
-                                 .moment = c->event_moment.value,
-                                 .end = c->event_duration.value};
+    c->events = (lac_event_list){.n = kept, .time = time, .moment = moment, .end = end};
     return LAC_OK;
 }
 
 // The records of slipping blocks, on the series' clock.
 static void take_slip(cells *c, double start)
 {
-    size_t n = c->time.n < c->n_slip.n ? c->time.n : c->n_slip.n;
-    n = n < c->length.n ? n : c->length.n;
+    const lac_stored_values *v = c->value;
+    size_t n = v[TIME].n < v[N_SLIP].n ? v[TIME].n : v[N_SLIP].n;
+    n = n < v[LENGTH].n ? n : v[LENGTH].n;
     for (size_t i = 0; i < n; i++) {
-        c->time.value[i] += start;
+        v[TIME].value[i] += start;
     }
     c->slip = (lac_slip_history){.n = n,
-                                 .levels = c->n_slip.width,
-                                 .time = c->time.value,
-                                 .n_slip = c->n_slip.value,
-                                 .n_tot = c->n_tot.value,
-                                 .length = c->length.value,
+                                 .levels = v[N_SLIP].width,
+                                 .time = v[TIME].value,
+                                 .n_slip = v[N_SLIP].value,
+                                 .n_tot = v[N_TOT].value,
+                                 .length = v[LENGTH].value,
                                  .critical_fraction =
-                                     c->critical.value != NULL ? c->critical.value[0] : NAN};
+                                     v[CRITICAL].value != NULL ? v[CRITICAL].value[0] : NAN};
 }
 
 // Where what it reads ends is cut off at each time of issue.
@@ -128,13 +117,11 @@ static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *
         return LAC_OK;
     }
     LAC_TRY(read_values(watched->path, out, err));
-    if (out->event_time.value != NULL && out->event_duration.value != NULL &&
-        out->event_moment.value != NULL) {
+    if (has_all(out, EVENT_TIME, EVENT_MOMENT)) {
         LAC_TRY(sort_events(out, watched->start, err));
         out->evidence.events = &out->events;
     }
-    if (out->time.value != NULL && out->n_slip.value != NULL && out->n_tot.value != NULL &&
-        out->length.value != NULL) {
+    if (has_all(out, TIME, LENGTH)) {
         take_slip(out, watched->start);
         out->evidence.slip = &out->slip;
     }
@@ -309,7 +296,9 @@ out:
     free(job.skill);
     lac_rolling_free(job.rolling);
     lac_precursor_course_free(job.course);
-    cells_clear(&job.cells);
+    for (size_t i = 0; i < VALUES; i++) {
+        lac_stored_values_clear(&job.cells.value[i]);
+    }
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);
