@@ -66,8 +66,7 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, co
     a->levels = lac_hierarchy_levels(scene->hierarchy) + 1;
     a->indicator = calloc(count + 1, sizeof *a->indicator);
     a->first = calloc(count + 1, sizeof *a->first);
-    status = a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err));
     for (; a->n < count; a->n++) {
         lac_indicator *indicator = &a->indicator[a->n];
         indicator->kind = (const void *)slots[a->n].about; // the first member of the kind
@@ -160,7 +159,8 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
     const bool steps = lac_analysis_has_events(analysis) || next->step != NULL;
     analysis->next = *next;
-    return (lac_sink){.context = analysis,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = analysis,
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .step = steps ? on_step : NULL,

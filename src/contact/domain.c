@@ -91,10 +91,7 @@ lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_d
     domain->grid = *grid;
     domain->index = malloc(n * sizeof *domain->index);
     domain->pressure = malloc(n * sizeof *domain->pressure);
-    if (domain->index == NULL || domain->pressure == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err));
     size_t side = 1;
     while (side < grid->nx || side < grid->ny) {
         side *= 2;

@@ -1,51 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The shear load at which some cell first reaches its friction limit, while none has slipped yet.
 #include <math.h>
-#include <stdlib.h>
 
-#include "contact/tangential_solve.h"
 #include "contact/tangential_state.h"
 
 // The contact cells of one problem without limits
-typedef struct bonded {
-    lac_shear_problem p;
-    uint32_t *cell;
-    double *work; // limit, before, tau, u
-    uint8_t *limited;
-} bonded;
-
 static lac_status gather_contact(const lac_tangential_def *def, const double *pressure, size_t n,
-                                 bonded *b, lac_error *err)
+                                 lac_shear_step *b, lac_error *err)
 {
-    b->cell = malloc(n * sizeof *b->cell);
-    b->work = calloc(7 * n, sizeof *b->work);
-    b->limited = calloc(n, sizeof *b->limited);
-    if (b->cell == NULL || b->work == NULL || b->limited == NULL) {
-        return lac_fail_memory(err);
-    }
+    lac_status status = lac_shear_step_create(b, n, err);
     size_t k = 0;
-    for (size_t i = 0; i < lac_grid_cells(&def->grid); i++) {
+    for (size_t i = 0; i < lac_grid_cells(&def->grid) && status == LAC_OK; i++) {
         if (pressure[i] > 0.0) {
             b->work[k] = INFINITY;
             b->cell[k++] = (uint32_t)i;
         }
     }
-    b->p = (lac_shear_problem){.n = n,
-                               .cell = b->cell,
-                               .limit = b->work,
-                               .before = b->work + n,
-                               .held = {true, true},
-                               .tolerance = def->tolerance,
-                               .max_iterations = def->max_iterations,
-                               .tau = b->work + 3 * n,
-                               .u = b->work + 5 * n,
-                               .limited = b->limited};
-    return LAC_OK;
+    b->p.held[0] = b->p.held[1] = true;
+    b->p.tolerance = def->tolerance;
+    b->p.max_iterations = def->max_iterations;
+    return status;
 }
 
 // The smallest f p / |tau|: what the tractions have to be multiplied by
-static double first_limit(const lac_tangential_def *def, const double *pressure, const bonded *b,
-                          size_t *cell)
+static double first_limit(const lac_tangential_def *def, const double *pressure,
+                          const lac_shear_step *b, size_t *cell)
 {
     double least = INFINITY;
     for (size_t k = 0; k < b->p.n; k++) {
@@ -61,7 +40,7 @@ static double first_limit(const lac_tangential_def *def, const double *pressure,
 }
 
 static void fill_result(const lac_tangential_def *def, const double *pressure,
-                        const lac_pressed *pressed, const bonded *b, lac_first_slip *result)
+                        const lac_pressed *pressed, const lac_shear_step *b, lac_first_slip *result)
 {
     const double cells = (double)lac_grid_cells(&def->grid);
     double scale = first_limit(def, pressure, b, &result->cell);
@@ -75,7 +54,7 @@ static void fill_result(const lac_tangential_def *def, const double *pressure,
     result->products = b->p.products;
 }
 
-static void fill_traction(const lac_tangential_def *def, const bonded *b, double load,
+static void fill_traction(const lac_tangential_def *def, const lac_shear_step *b, double load,
                           double *traction)
 {
     const size_t cells = lac_grid_cells(&def->grid);
@@ -96,7 +75,7 @@ lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double
     lac_status status;
     lac_pressed pressed;
     lac_shear_space *space = NULL;
-    bonded b = {0};
+    lac_shear_step b = {0};
     *result = (lac_first_slip){0};
     LAC_TRY(lac_tangential_check(def, err));
     LAC_TRY(lac_tangential_check_pressure(def, pressure, &pressed, err));
@@ -126,8 +105,6 @@ lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double
     }
 out:
     lac_shear_space_free(space);
-    free(b.cell);
-    free(b.work);
-    free(b.limited);
+    lac_shear_step_clear(&b);
     return status;
 }

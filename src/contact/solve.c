@@ -320,8 +320,7 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     LAC_TRY(check(def, err));
     size_t n = lac_grid_cells(&def->grid);
     p.h = malloc(n * sizeof *p.h);
-    status = p.h != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(p.h != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(scale_problem(def, &p, err));
     LAC_TRY(lac_half_space_create(&p.at, &s, err));
     bool is_full;

@@ -6,13 +6,19 @@
 
 enum { PIECE = 512 }; // cells of a row whose sums are taken in single precision
 
-// Cells of the piece of a row that begins at cell i
-static size_t piece_at(const lac_iteration *it, size_t i)
+// The sums of n cells of a row, from `at` of the grid on.
+typedef lac_sums piece_sums(const lac_iteration *it, size_t n, size_t at, float *row);
+
+static void sum_row(const lac_iteration *it, size_t j, float *row, piece_sums *of_piece)
 {
-    return it->nx - i < PIECE ? it->nx - i : PIECE;
+    lac_sums all = {0};
+    for (size_t i = 0; i < it->nx; i += PIECE) {
+        size_t n = it->nx - i < PIECE ? it->nx - i : PIECE;
+        lac_sums_add(&all, of_piece(it, n, j * it->nx + i, &row[i]));
+    }
+    it->rows[j] = all;
 }
 
-// p <- scale p, and into the transform
 void lac_pressure_row(void *context, size_t j, void *row)
 {
     const lac_iteration *it = context;
@@ -25,7 +31,6 @@ void lac_pressure_row(void *context, size_t j, void *row)
     }
 }
 
-// Sums: cells of I, sum of u - h over I, sum of p
 void lac_level_row(void *context, size_t j, void *row)
 {
     const lac_iteration *it = context;
@@ -46,7 +51,6 @@ void lac_level_row(void *context, size_t j, void *row)
     it->rows[j] = (lac_sums){.a = cells, .b = sum_g, .c = sum_p};
 }
 
-// g = u - h - level
 void lac_fresh_row(void *context, size_t j, void *row)
 {
     const lac_iteration *it = context;
@@ -67,9 +71,7 @@ void lac_fresh_row(void *context, size_t j, void *row)
     }
 }
 
-// g <- g + S d + (scale - 1) (u + S d) with d the change of p; sums: cells of I, sum of g over I,
-// square of S d
-static lac_sums update_piece(const lac_iteration *it, size_t n, size_t at, const float *restrict du)
+static lac_sums update_piece(const lac_iteration *it, size_t n, size_t at, float *restrict du)
 {
     const double *restrict p = &it->p[at];
     const float *restrict h = &it->h_short[at];
@@ -95,18 +97,8 @@ static lac_sums update_piece(const lac_iteration *it, size_t n, size_t at, const
     return (lac_sums){.a = (double)cells, .b = (double)sum_g, .d = (double)du2};
 }
 
-void lac_update_row(void *context, size_t j, void *row)
-{
-    const lac_iteration *it = context;
-    const float *du = row;
-    lac_sums all = {0};
-    for (size_t i = 0; i < it->nx; i += PIECE) {
-        lac_sums_add(&all, update_piece(it, piece_at(it, i), j * it->nx + i, &du[i]));
-    }
-    it->rows[j] = all;
-}
+void lac_update_row(void *context, size_t j, void *row) { sum_row(context, j, row, update_piece); }
 
-// The gap of the contact goes into the transform; sums: p |g|, g^2, g over I
 static lac_sums gap_piece(const lac_iteration *it, size_t n, size_t at, float *restrict into)
 {
     const double *restrict p = &it->p[at];
@@ -127,19 +119,9 @@ static lac_sums gap_piece(const lac_iteration *it, size_t n, size_t at, float *r
     return (lac_sums){.a = pg, .b = (double)g2, .c = (double)sum_g};
 }
 
-void lac_gap_row(void *context, size_t j, void *row)
-{
-    const lac_iteration *it = context;
-    float *into = row;
-    lac_sums all = {0};
-    for (size_t i = 0; i < it->nx; i += PIECE) {
-        lac_sums_add(&all, gap_piece(it, piece_at(it, i), j * it->nx + i, &into[i]));
-    }
-    it->rows[j] = all;
-}
+void lac_gap_row(void *context, size_t j, void *row) { sum_row(context, j, row, gap_piece); }
 
-// Sums over I: z, z.g, z.dg, dg, t, g.t
-static lac_sums overlap_piece(const lac_iteration *it, size_t n, size_t at, const float *restrict z)
+static lac_sums overlap_piece(const lac_iteration *it, size_t n, size_t at, float *restrict z)
 {
     const double *restrict p = &it->p[at];
     const float *restrict g = &it->g[at];
@@ -171,16 +153,9 @@ static lac_sums overlap_piece(const lac_iteration *it, size_t n, size_t at, cons
 
 void lac_overlap_row(void *context, size_t j, void *row)
 {
-    const lac_iteration *it = context;
-    const float *z = row;
-    lac_sums all = {0};
-    for (size_t i = 0; i < it->nx; i += PIECE) {
-        lac_sums_add(&all, overlap_piece(it, piece_at(it, i), j * it->nx + i, &z[i]));
-    }
-    it->rows[j] = all;
+    sum_row(context, j, row, overlap_piece);
 }
 
-// t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform, which holds z
 void lac_direction_row(void *context, size_t j, void *row)
 {
     const lac_iteration *it = context;
@@ -196,7 +171,6 @@ void lac_direction_row(void *context, size_t j, void *row)
     }
 }
 
-// 1 on I, 0 elsewhere
 void lac_ones_row(void *context, size_t j, void *row)
 {
     const lac_iteration *it = context;
@@ -207,8 +181,6 @@ void lac_ones_row(void *context, size_t j, void *row)
     }
 }
 
-// p = max(0, p - tau t) in contact, -tau_ov g where the bodies overlap outside; sums: p, and g^2
-// of the cells that close. The change of p goes into the transform.
 static lac_sums step_piece(const lac_iteration *it, size_t n, size_t at, float *restrict into)
 {
     double *restrict p = &it->p[at];
@@ -236,13 +208,4 @@ static lac_sums step_piece(const lac_iteration *it, size_t n, size_t at, float *
     return (lac_sums){.a = sum, .b = (double)closing};
 }
 
-void lac_step_row(void *context, size_t j, void *row)
-{
-    const lac_iteration *it = context;
-    float *into = row;
-    lac_sums all = {0};
-    for (size_t i = 0; i < it->nx; i += PIECE) {
-        lac_sums_add(&all, step_piece(it, piece_at(it, i), j * it->nx + i, &into[i]));
-    }
-    it->rows[j] = all;
-}
+void lac_step_row(void *context, size_t j, void *row) { sum_row(context, j, row, step_piece); }

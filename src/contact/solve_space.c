@@ -147,8 +147,7 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
     lac_status status;
     size_t n = s->nkx * (s->my / 2 + 1);
     s->compliance = malloc(n * sizeof *s->compliance);
-    status = s->compliance != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(s->compliance != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx), 1.0 / (extent->dqy * (double)s->ny),
                         err));
     s->self = s->compliance[0];

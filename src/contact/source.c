@@ -109,8 +109,8 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
 static const lac_param cascade_params[] = {
     LAC_REAL("dimension", "1", offsetof(lac_cascade, dimension), NAN, 0, 2, LAC_ABOVE_MIN,
              "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"),
-    LAC_INTEGER("seed", offsetof(lac_cascade, seed), 1, 0, 0x1p53, 0,
-                "of the random numbers; the same seed gives the same coarse blocks at every level"),
+    LAC_SEED(offsetof(lac_cascade, seed), 1, 0,
+             "of the random numbers; the same seed gives the same coarse blocks at every level"),
 };
 
 static const lac_domain_source random_cascade = {
@@ -195,10 +195,7 @@ lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, do
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
     pressure = malloc(cells * sizeof *pressure);
-    if (occupied == NULL || pressure == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(occupied != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(source->fill(slot->params, grid, occupied, err));
     spread_load(cells, occupied, mean_pressure, pressure);
     LAC_TRY(lac_domain_create(grid, pressure, domain, err));

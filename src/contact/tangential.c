@@ -13,14 +13,7 @@
 
 #define PI 3.1415926535897932384626433832795
 
-// One step on the contact cells, in tractions of order one.
-typedef struct step {
-    lac_shear_problem p;
-    double unit; // of tractions, a power of two [Pa]
-    uint32_t *cell;
-    double *work; // limit, before, tau, u
-    uint8_t *limited;
-} step;
+typedef lac_shear_step step;
 
 lac_tangential_def lac_tangential_default(void)
 {
@@ -88,10 +81,9 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     t->u = calloc(2 * cells, sizeof *t->u);
     t->slip = calloc(2 * cells, sizeof *t->slip);
     t->state = calloc(cells, sizeof *t->state);
-    if (t->tau == NULL || t->u == NULL || t->slip == NULL || t->state == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(t->tau != NULL && t->u != NULL && t->slip != NULL && t->state != NULL
+                ? LAC_OK
+                : lac_fail_memory(err));
     LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
     *out = t;
     return LAC_OK;
@@ -172,21 +164,29 @@ static lac_status check_strength(const lac_tangential_def *def, const lac_tangen
     return LAC_OK;
 }
 
-static void free_step(step *s)
+void lac_shear_step_clear(lac_shear_step *s)
 {
     free(s->cell);
     free(s->work);
     free(s->limited);
 }
 
-static lac_status allocate_step(step *s, size_t n, lac_error *err)
+lac_status lac_shear_step_create(lac_shear_step *s, size_t n, lac_error *err)
 {
     s->p.n = n;
     s->cell = malloc(n * sizeof *s->cell);
     s->work = calloc(7 * n, sizeof *s->work);
     s->limited = calloc(n, sizeof *s->limited);
-    bool enough = s->cell != NULL && s->work != NULL && s->limited != NULL;
-    return enough ? LAC_OK : lac_fail_memory(err);
+    if (s->cell == NULL || s->work == NULL || s->limited == NULL) {
+        return lac_fail_memory(err);
+    }
+    s->p.cell = s->cell;
+    s->p.limit = s->work;
+    s->p.before = s->work + n;
+    s->p.tau = s->work + 3 * n;
+    s->p.u = s->work + 5 * n;
+    s->p.limited = s->limited;
+    return LAC_OK;
 }
 
 // Contact cells, their limits and what they remember, in units of s->unit
@@ -213,12 +213,6 @@ static void fill_step(const lac_tangential *t, const double *pressure, double mo
             k++;
         }
     }
-    s->p.cell = s->cell;
-    s->p.limit = limit;
-    s->p.before = before;
-    s->p.tau = tau;
-    s->p.u = tau + 2 * n;
-    s->p.limited = s->limited;
 }
 
 static lac_status fill_target(lac_tangential *t, const lac_tangential_target *target, step *s,
@@ -337,7 +331,7 @@ static lac_status solve_step(lac_tangential *t, const double *pressure, const la
     lac_status status;
     step s = {0};
     LAC_TRY(check_strength(&t->def, target, pressed->mean, err));
-    LAC_TRY(allocate_step(&s, pressed->n, err));
+    LAC_TRY(lac_shear_step_create(&s, pressed->n, err));
     fill_step(t, pressure, pressed->most, &s);
     LAC_TRY(fill_target(t, target, &s, err));
     LAC_TRY(lac_shear_solve(&s.p, err));
@@ -355,7 +349,7 @@ static lac_status solve_step(lac_tangential *t, const double *pressure, const la
     keep_step(t, &s, report);
     keep_shift(t, &s, target, report);
 out:
-    free_step(&s);
+    lac_shear_step_clear(&s);
     return status;
 }
 

@@ -3,7 +3,7 @@
 #define LACUNA_CONTACT_TANGENTIAL_STATE_H
 
 #include "contact/tangential.h"
-#include "contact/tangential_space.h"
+#include "contact/tangential_solve.h"
 
 struct lac_tangential {
     lac_tangential_def def;
@@ -16,6 +16,19 @@ struct lac_tangential {
     double shift[2]; ///< [m]
     bool used[2];    ///< axes that have ever been loaded, or are coupled to one that has
 };
+
+/// One step on the contact cells, in tractions of order one.
+typedef struct lac_shear_step {
+    lac_shear_problem p;
+    double unit; ///< of tractions, a power of two [Pa]
+    uint32_t *cell;
+    double *work; ///< limit, before, tau, u
+    uint8_t *limited;
+} lac_shear_step;
+
+/// Room for n cells, to be cleared whatever the status.
+lac_status lac_shear_step_create(lac_shear_step *s, size_t n, lac_error *err);
+void lac_shear_step_clear(lac_shear_step *s);
 
 /// The pressures of a contact: how many press, their mean and the highest.
 typedef struct lac_pressed {

@@ -154,10 +154,9 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac
     if (c != NULL) {
         c->label = malloc(domain->n * sizeof *c->label);
     }
-    if (c == NULL || c->label == NULL || at == NULL || parent == NULL || ranks == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(c != NULL && c->label != NULL && at != NULL && parent != NULL && ranks != NULL
+                ? LAC_OK
+                : lac_fail_memory(err));
     memset(at, 0xff, cells * sizeof *at);
     for (uint32_t i = 0; i < domain->n; i++) {
         at[domain->index[i]] = i;

@@ -127,10 +127,7 @@ lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, l
     lac_status status = LAC_OK;
     uint8_t *merge = calloc(domain->n, sizeof *merge);
     lac_hierarchy *h = calloc(1, sizeof *h);
-    if (merge == NULL || h == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(merge != NULL && h != NULL ? LAC_OK : lac_fail_memory(err));
     h->cells = domain->n;
     h->levels = covering_levels(&domain->grid);
     find_merges(domain, merge);

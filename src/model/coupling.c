@@ -12,10 +12,8 @@ lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)
     double *work = malloc((transfer->kind->work(transfer->state) + 1) * sizeof *work);
     problem->anchor = malloc(n * sizeof *problem->anchor);
     lac_status status = LAC_OK;
-    if (ones == NULL || work == NULL || problem->anchor == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(ones != NULL && work != NULL && problem->anchor != NULL ? LAC_OK
+                                                                    : lac_fail_memory(err));
     for (size_t i = 0; i < n; i++) {
         ones[i] = 1.0;
     }

@@ -39,7 +39,8 @@ static double state_scale(const lac_problem *problem, size_t cell)
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight)
 {
     for (size_t i = 0; i < problem->n; i++) {
-        double error = rtol * problem->kind->scale(problem, i);
+        double error =
+            problem->kind->scale != NULL ? rtol * problem->kind->scale(problem, i) : rtol;
         weight[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[i]));
         double state = rtol * state_scale(problem, i);
         weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
@@ -73,18 +74,15 @@ static double stiffest(const lac_problem *problem, const lac_drive *drive)
 static double fastest(const lac_problem *problem, double t, const double *y, bool held_back,
                       double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
-    (void)lac_problem_drive(problem, t, &drive);
-    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    double stiffness = held_back ? stiffest(problem, &drive) : 0.0;
-    double most = problem->mass > 0.0 ? lac_inertia_fastest(problem, &drive, y, &ws) : 0.0;
+    const lac_look at = lac_problem_look(problem, t, y, work);
+    double stiffness = held_back ? stiffest(problem, &at.drive) : 0.0;
+    double most = problem->mass > 0.0 ? lac_inertia_fastest(problem, &at.drive, y, &at.ws) : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length =
-            lac_block_friction(problem, &drive, &motion, y + problem->n, first, &s, NULL);
+            lac_block_friction(problem, &at.drive, &at.motion, y + problem->n, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
-            double p = problem->pressure[first + i] * drive.share;
+            double p = problem->pressure[first + i] * at.drive.share;
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
             double held = fmax(p * s.f_u[i] + problem->damping * s.speed[i], DBL_MIN);
             double worth = fmin(fmax(p * s.f_w[i] / (MOST_WORTH * held), 1.0), 1e12);

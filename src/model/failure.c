@@ -79,14 +79,11 @@ static double past_as_one(const lac_problem *problem, const lac_drive *drive,
 double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
                                 const double *y, double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
-    (void)lac_problem_drive(problem, t, &drive);
-    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    double past = log(fabs(motion.mean) / failure->rate);
+    const lac_look at = lac_problem_look(problem, t, y, work);
+    double past = log(fabs(at.motion.mean) / failure->rate);
     if (!failure->lowered || !(past >= 0.0)) {
         return past;
     }
-    double as_one = past_as_one(problem, &drive, &motion, y + problem->n, failure->rate);
+    double as_one = past_as_one(problem, &at.drive, &at.motion, y + problem->n, failure->rate);
     return as_one < past ? as_one : past;
 }

@@ -305,22 +305,6 @@ void lac_inertia_unexplained(const lac_problem *problem, double *force)
     }
 }
 
-// What has mass goes on as it did.
-static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
-{
-    (void)problem;
-    (void)jump;
-    (void)y;
-    return true;
-}
-
-static double scale(const lac_problem *problem, size_t cell)
-{
-    (void)problem;
-    (void)cell;
-    return 1.0;
-}
-
 const lac_formulation_kind lac_formulation_inertia = {.id = LAC_FORMULATION_INERTIA,
                                                       .name = "inertia",
                                                       .unknown = "slip rate",
@@ -331,6 +315,4 @@ const lac_formulation_kind lac_formulation_inertia = {.id = LAC_FORMULATION_INER
                                                       .start = start,
                                                       .move = move,
                                                       .derivative = derivative,
-                                                      .newton = newton,
-                                                      .scale = scale,
-                                                      .jump = jump};
+                                                      .newton = newton};

@@ -48,27 +48,6 @@ static inline bool lac_problem_feels_drag(const lac_problem *problem, double sha
     return problem->drag * fabs(mean) > felt * share * problem->least_direct;
 }
 
-// What acts on the cells neither alike nor as their pressures do.
-typedef struct lac_far {
-    double back;    // slip of the rock around, since the start [m]
-    double elastic; // mean traction of what is shared as C^-1 1, since the start [Pa]
-} lac_far;
-
-// What the loads do at one time, as the cells feel it.
-typedef struct lac_drive {
-    double ratio;            // (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
-    double ratio_rate;       // [1/s]
-    double spring;           // traction of each cell from the far ends' travel [Pa]
-    double spring_rate;      // [Pa/s]
-    double spring_stiffness; // traction lost per metre of mean slip [Pa/m]
-    lac_far far, far_rate;   // and its rate
-    double share;            // effective over total normal pressure: p_i -> p_i share
-    double share_rate;       // [1/s]
-} lac_drive;
-
-// Evaluates the loads; false where the effective normal pressure is not positive.
-bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
-
 // q - K slip of every cell, the springs' part included. @param scratch  of the transfer
 void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
                       double *traction, double *scratch);
@@ -92,6 +71,15 @@ typedef struct lac_motion {
     const double *u, *v; // [n] ln|v|, v
     double mean;         // of v [m/s]
 } lac_motion;
+
+// A state looked at. @param work  the rates are in its first n afterwards
+typedef struct lac_look {
+    lac_workspace ws;
+    lac_drive drive;
+    lac_motion motion;
+} lac_look;
+
+lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work);
 
 // What a jump of the loads puts on the cells.
 typedef struct lac_jump {
@@ -127,10 +115,10 @@ typedef struct lac_formulation_kind {
     // (1 - gamma J) x = b; false where the step is too long
     bool (*newton)(const lac_problem *problem, const lac_drive *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws);
-    // Change of x that weighs as much as one e-fold of v
+    // Change of x that weighs as much as one e-fold of v; NULL: 1
     double (*scale)(const lac_problem *problem, size_t cell);
     // Takes x across a jump of the loads, theta still as before it; false where no rate balances
-    // it
+    // it; NULL: x goes on as it did
     bool (*jump)(const lac_problem *problem, const lac_jump *jump, double *y);
 } lac_formulation_kind;
 

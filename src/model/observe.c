@@ -6,23 +6,24 @@
 #include "base/vsum.h"
 #include "model/internal.h"
 
+lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
+{
+    lac_look at = {.ws = lac_problem_split(problem, work)};
+    (void)lac_problem_drive(problem, t, &at.drive);
+    at.motion = problem->kind->move(problem, &at.drive, y, &at.ws, false);
+    return at;
+}
+
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
-    (void)lac_problem_drive(problem, t, &drive);
-    (void)problem->kind->move(problem, &drive, y, &ws, false);
-    memcpy(v, ws.v, problem->n * sizeof *v);
+    memcpy(v, lac_problem_look(problem, t, y, work).ws.v, problem->n * sizeof *v);
 }
 
 void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
                        double *max, double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
-    (void)lac_problem_drive(problem, t, &drive);
-    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    lac_motion motion = lac_problem_look(problem, t, y, work).motion;
     *mean = fabs(motion.mean);
     *max = lac_vmost(problem->n, motion.v);
 }
@@ -79,11 +80,9 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
                          lac_observation *seen, double *work)
 {
     size_t n = problem->n;
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
-    (void)lac_problem_drive(problem, t, &drive);
-
-    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
+    const lac_look at = lac_problem_look(problem, t, y, work);
+    const lac_motion motion = at.motion;
+    const lac_drive *drive = &at.drive;
     seen->mean_rate = motion.mean;
     seen->fastest = 0;
     for (size_t i = 1; i < n; i++) {
@@ -92,16 +91,17 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     seen->max_rate = fabs(motion.v[seen->fastest]);
     seen->mean_slip = lac_vsum(n, slip) / (double)n;
 
-    double spring = drive.spring - drive.spring_stiffness * seen->mean_slip;
-    double alike = spring + drive.far.elastic; // the mean of the shape is 1
-    double total = problem->sum_traction0 + problem->sum_pressure * drive.ratio + (double)n * alike;
-    total -= lac_problem_held(problem, drive.far.back, slip);
+    double spring = drive->spring - drive->spring_stiffness * seen->mean_slip;
+    double alike = spring + drive->far.elastic; // the mean of the shape is 1
+    double total =
+        problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)n * alike;
+    total -= lac_problem_held(problem, drive->far.back, slip);
     seen->shear_force = problem->cell_area * total;
     seen->normal_force = problem->cell_area * problem->sum_pressure;
-    seen->effective_force = seen->normal_force * drive.share;
+    seen->effective_force = seen->normal_force * drive->share;
 
-    lac_problem_pull(problem, &drive, slip, ws.kv, ws.scratch);
-    measure_balance(problem, &drive, &motion, y + n, ws.kv, seen);
+    lac_problem_pull(problem, drive, slip, at.ws.kv, at.ws.scratch);
+    measure_balance(problem, drive, &motion, y + n, at.ws.kv, seen);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
@@ -156,7 +156,7 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     if (!jumps) {
         return true;
     }
-    if (!problem->kind->jump(problem, &jump, y)) {
+    if (problem->kind->jump != NULL && !problem->kind->jump(problem, &jump, y)) {
         return false;
     }
     for (size_t i = 0; i < problem->n; i++) {

@@ -238,8 +238,26 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
 }
 
-bool lac_problem_pressed(const lac_problem *problem, double t)
+static bool all_linear(const lac_load *loads, size_t count)
 {
-    lac_drive drive;
-    return lac_problem_drive(problem, t, &drive);
+    for (size_t i = 0; i < count; i++) {
+        if (!loads[i].kind->linear) {
+            return false;
+        }
+    }
+    return true;
+}
+
+lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
+{
+    const lac_load_set *loads = &problem->loads;
+    return (lac_problem_parts){.pressure = problem->pressure,
+                               .traction = problem->traction0,
+                               .friction = problem->friction,
+                               .transfer = &problem->transfer,
+                               .damping = {.cell = problem->damping,
+                                           .mean = problem->mean_damping,
+                                           .shared = problem->drag},
+                               .linear = all_linear(loads->shear, loads->shear_count) &&
+                                         all_linear(loads->pore, loads->pore_count)};
 }

@@ -72,19 +72,17 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
                          double *work)
 {
     size_t n = problem->n;
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
     if (problem->kind->has_slip) {
         return true;
     }
-    (void)lac_problem_drive(problem, t, &drive);
-    lac_motion motion = problem->kind->move(problem, &drive, y, &ws, false);
-    lac_problem_pull(problem, &drive, slip, ws.kv, ws.scratch);
+    const lac_look at = lac_problem_look(problem, t, y, work);
+    const lac_workspace ws = at.ws;
+    lac_problem_pull(problem, &at.drive, slip, ws.kv, ws.scratch);
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        residual_block(problem, &drive, &motion, y, slip, &ws, first);
+        residual_block(problem, &at.drive, &at.motion, y, slip, &ws, first);
     }
     double rise = 0.0;
-    if (!solve(problem, &drive, &ws, &rise)) {
+    if (!solve(problem, &at.drive, &ws, &rise)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

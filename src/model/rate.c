@@ -376,13 +376,6 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
-static double scale(const lac_problem *problem, size_t cell)
-{
-    (void)problem;
-    (void)cell;
-    return 1.0;
-}
-
 // A jump of the loads, and the mean rate before it.
 typedef struct leap {
     const lac_jump *jump;
@@ -474,5 +467,4 @@ const lac_formulation_kind lac_formulation_rate = {.id = LAC_FORMULATION_RATE,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = scale,
                                                    .jump = jump};

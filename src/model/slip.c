@@ -66,15 +66,6 @@ static double scale(const lac_problem *problem, size_t cell)
     return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
 }
 
-// The traction follows from the loads: slip does not jump.
-static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
-{
-    (void)problem;
-    (void)jump;
-    (void)y;
-    return true;
-}
-
 const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .name = "slip",
                                                    .unknown = "slip",
@@ -87,5 +78,4 @@ const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = scale,
-                                                   .jump = jump};
+                                                   .scale = scale};

@@ -60,12 +60,6 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     return true;
 }
 
-// d tau = a p d ln v
-static double scale(const lac_problem *problem, size_t cell)
-{
-    return lac_implicit_traction_scale(problem, cell);
-}
-
 static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
     for (size_t i = 0; i < problem->n; i++) {
@@ -74,16 +68,17 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
     return true;
 }
 
-const lac_formulation_kind lac_formulation_traction = {.id = LAC_FORMULATION_TRACTION,
-                                                       .name = "traction",
-                                                       .unknown = "traction",
-                                                       .unknowns = 2,
-                                                       .arrays = 5,
-                                                       .solved = true,
-                                                       .either_sign = true,
-                                                       .start = start,
-                                                       .move = move,
-                                                       .derivative = derivative,
-                                                       .newton = newton,
-                                                       .scale = scale,
-                                                       .jump = jump};
+const lac_formulation_kind lac_formulation_traction = {
+    .id = LAC_FORMULATION_TRACTION,
+    .name = "traction",
+    .unknown = "traction",
+    .unknowns = 2,
+    .arrays = 5,
+    .solved = true,
+    .either_sign = true,
+    .start = start,
+    .move = move,
+    .derivative = derivative,
+    .newton = newton,
+    .scale = lac_implicit_traction_scale, // d tau = a p d ln v
+    .jump = jump};

@@ -82,8 +82,7 @@ lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac
     search s = {.press = press, .tree = tree, .rule = rule};
     s.map = calloc(lac_grid_cells(&press->domain->grid), sizeof *s.map);
     s.shear = malloc(2 * n * sizeof *s.shear);
-    status = s.map != NULL && s.shear != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(s.map != NULL && s.shear != NULL ? LAC_OK : lac_fail_memory(err));
     s.gap = s.shear + n;
     double guess = lac_rg_critical(tree, rule, path, s.shear);
     start_at(&s, path, guess);

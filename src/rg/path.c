@@ -96,8 +96,7 @@ lac_status lac_rg_path_further(size_t n, const double *strength, const double *s
     LAC_TRY(check_strengths(n, strength, err));
     LAC_TRY(shear != NULL ? check_tractions(n, shear, err) : LAC_OK);
     path = calloc(1, sizeof *path);
-    status = path != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
     path->n = n;
     path->strength = malloc(n * sizeof *path->strength);
     path->shear = shear != NULL ? malloc(n * sizeof *path->shear) : NULL;
@@ -105,8 +104,7 @@ lac_status lac_rg_path_further(size_t n, const double *strength, const double *s
     path->below = malloc((n + 1) * sizeof *path->below);
     bool made = path->strength != NULL && path->sorted != NULL && path->below != NULL &&
                 (path->shear != NULL || shear == NULL);
-    status = made ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(made ? LAC_OK : lac_fail_memory(err));
     fill_equal(path, strength, shear);
     if (!isfinite(path->from) || !isfinite(path->to)) {
         status =
@@ -165,15 +163,13 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
     *out = NULL;
     LAC_TRY(check_series(series, err));
     path = calloc(1, sizeof *path);
-    status = path != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
     path->n = n;
     path->loads = loads;
     path->to = 1.0;
     path->load = malloc(loads * sizeof *path->load);
     path->left = malloc(loads * n * sizeof *path->left);
-    status = path->load != NULL && path->left != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(path->load != NULL && path->left != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t k = 0; k < loads; k++) {
         path->load[k] = 1.0 - series->part[k];
         for (size_t i = 0; i < n; i++) {
@@ -270,8 +266,7 @@ lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain 
     lac_contact_def def = *contact;
     lac_status status;
     double *p = calloc(lac_grid_cells(&contact->grid), sizeof *p);
-    status = p != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(p != NULL ? LAC_OK : lac_fail_memory(err));
     lac_rg_loads(loads, part);
     def.start = p;
     for (size_t i = 0; i < n; i++) {

@@ -19,8 +19,7 @@ static lac_status shift(const lac_domain *domain, size_t dx, size_t dy, lac_doma
     }
     double *pressure = calloc(lac_grid_cells(&grid), sizeof *pressure);
     uint32_t *origin = malloc(lac_grid_cells(&grid) * sizeof *origin);
-    status = pressure != NULL && origin != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(pressure != NULL && origin != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t i = 0; i < domain->n; i++) {
         size_t x = moved(domain->index[i] % from->nx, dx, grid.nx);
         size_t y = moved(domain->index[i] / from->nx, dy, grid.ny);
@@ -56,8 +55,7 @@ lac_status lac_rg_tree_create_at(const lac_domain *domain, size_t dx, size_t dy,
     }
     cell = malloc(n * sizeof *cell);
     moved_values = malloc(2 * n * sizeof *moved_values);
-    status = cell != NULL && moved_values != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_TRY(cell != NULL && moved_values != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(shift(domain, dx, dy, &there, cell, err));
     LAC_TRY(lac_hierarchy_create(there, &h, err));
     for (size_t i = 0; i < n; i++) {

@@ -52,3 +52,19 @@ double lac_course_sweep_end(const lac_course *r)
     double snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
     return fmin(lac_clock_next(&r->record_clock), snapshot);
 }
+
+lac_status lac_course_watch(const lac_course *r, double step, lac_error *err)
+{
+    const lac_engine *engine = r->engine;
+    if (r->sink == NULL || r->sink->step == NULL) {
+        return LAC_OK;
+    }
+    const lac_step seen = {.time_origin = engine->origin,
+                           .time_local = engine->base + engine->t,
+                           .step = step,
+                           .max_rate = r->max_rate,
+                           .n = engine->n,
+                           .slip_rate = engine->work,
+                           .slip = engine->slip};
+    return r->sink->step(r->sink->context, &seen, err);
+}

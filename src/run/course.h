@@ -36,6 +36,10 @@ typedef struct lac_course {
 // Before a step: whether another one is allowed, and time still goes on.
 lac_status lac_course_check(lac_course *r, lac_error *err);
 
+// Shows a sink that asks for every step the state reached; its rates are those in engine->work.
+// @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
+lac_status lac_course_watch(const lac_course *r, double step, lac_error *err);
+
 // Where a sweep has to end for what is put out at stated times; INFINITY for engines that know all
 // of a step.
 double lac_course_sweep_end(const lac_course *r);

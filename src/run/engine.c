@@ -24,10 +24,7 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
     engine->n = lac_problem_cells(problem);
     engine->unknowns = lac_problem_unknowns(problem);
     engine->work = calloc(lac_problem_work(problem), sizeof *engine->work);
-    if (engine->work == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(engine->work != NULL ? LAC_OK : lac_fail_memory(err));
     if (LAC_SUN_CONTEXT_CREATE(&engine->sun) != 0) {
         status = lac_fail_memory(err);
         goto out;

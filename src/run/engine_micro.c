@@ -75,10 +75,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
     size_t levels = lac_hierarchy_levels(h);
     k = calloc(levels + 1, sizeof *k);
     c->y = calloc(3 * engine->n, sizeof *c->y);
-    if (k == NULL || c->y == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(k != NULL && c->y != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t l = 0; l < levels; l++) {
         k[l] = transfer->kind->stiffness(transfer->state, l);
     }
@@ -132,14 +129,14 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
 {
     (void)h;
     cells *c = engine->inner;
-    lac_problem_load now;
+    lac_drive now;
     // A cell that a jump has let go would not be looked at for years.
     lac_status status = lac_check_slipping(engine->problem, engine->y,
                                            lac_engine_clock(engine, engine->t), engine->work, err);
     if (status != LAC_OK) {
         return status;
     }
-    if (!lac_problem_load_at(engine->problem, lac_engine_clock(engine, engine->t), &now)) {
+    if (!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t), &now)) {
         return lac_fail(err, LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
                         lac_engine_time(engine));
     }
@@ -156,7 +153,7 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
                                  .common_rate = now.spring_rate,
                                  .share = now.share,
                                  .share_rate = now.share_rate,
-                                 .k_mean = now.stiffness};
+                                 .k_mean = now.spring_stiffness};
     const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
     const lac_micro_state state = state_of(engine);
     cells_count(engine);

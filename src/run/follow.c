@@ -359,7 +359,8 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     f->origin = at;
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
     f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
-    if (!lac_problem_pressed(problem, at) || !lac_follower_jump(f, at)) {
+    lac_drive now;
+    if (!lac_problem_drive(problem, at, &now) || !lac_follower_jump(f, at)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
     }
     double *y = lac_vector_data(f->y);

@@ -74,31 +74,19 @@ static inline __attribute__((always_inline)) void combine(int count, size_t firs
 static inline __attribute__((always_inline)) void make(const combination *t, size_t first,
                                                        size_t end)
 {
+#define LAC_UNROLLED(n)              \
+    case n:                          \
+        combine((n), first, end, t); \
+        break
     switch (t->count) { // so that each loop is unrolled
-    case 0:
-        combine(0, first, end, t);
-        break;
-    case 1:
-        combine(1, first, end, t);
-        break;
-    case 2:
-        combine(2, first, end, t);
-        break;
-    case 3:
-        combine(3, first, end, t);
-        break;
-    case 4:
-        combine(4, first, end, t);
-        break;
-    case 5:
-        combine(5, first, end, t);
-        break;
-    case 6:
-        combine(6, first, end, t);
-        break;
-    case 7:
-        combine(7, first, end, t);
-        break;
+        LAC_UNROLLED(0);
+        LAC_UNROLLED(1);
+        LAC_UNROLLED(2);
+        LAC_UNROLLED(3);
+        LAC_UNROLLED(4);
+        LAC_UNROLLED(5);
+        LAC_UNROLLED(6);
+        LAC_UNROLLED(7);
     default:
         combine(8, first, end, t);
     }

@@ -9,7 +9,6 @@
 #include "run/check.h"
 #include "run/course.h"
 #include "run/events.h"
-#include "run/watch.h"
 
 typedef lac_course run;
 typedef lac_instant instant;
@@ -90,7 +89,8 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
-                           .traction = traction};
+                           .traction = traction,
+                           .n = n};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -217,13 +217,14 @@ static lac_status cross_break(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
     double t = r->next_break;
+    lac_drive now;
     r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    if (!lac_problem_pressed(r->problem, t)) {
+    if (!lac_problem_drive(r->problem, t, &now)) {
         return lac_fail(err, LAC_ENUMERIC,
                         "the pore pressure reaches the normal pressure at t = %g s", t);
     }
@@ -279,7 +280,7 @@ static lac_status step(run *r, lac_error *err)
                                engine->work, err));
     LAC_TRY(look_for_end(r, err));
     if (!engine->kind->sweeps) {
-        LAC_TRY(lac_watch_step(engine, r->sink, engine->step, r->max_rate, err));
+        LAC_TRY(lac_course_watch(r, engine->step, err));
     }
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
@@ -288,7 +289,7 @@ static lac_status step(run *r, lac_error *err)
     bool goes_on = !r->done || r->end == LAC_END_INTERRUPT;
     if (goes_on && engine->t >= lac_engine_inner(engine, r->next_break)) {
         LAC_TRY(cross_break(r, err));
-        LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
+        LAC_TRY(lac_course_watch(r, 0.0, err));
     }
     LAC_TRY(check_rates(r, err));
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
@@ -401,7 +402,7 @@ static lac_status begin(run *r, lac_error *err)
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
-    LAC_TRY(lac_watch_step(engine, r->sink, 0.0, r->max_rate, err));
+    LAC_TRY(lac_course_watch(r, 0.0, err));
     r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
     LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {

@@ -142,57 +142,25 @@ static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
     lac_pending_add(pending_of(z), 1, &c, (const double *[]){raw(x)}, raw(z));
 }
 
-LAC_CLONES static void lac_vector_prod(N_Vector xv, N_Vector yv, N_Vector zv)
-{
-    const double *x = lac_vector_data(xv);
-    const double *y = lac_vector_data(yv);
-    double *z = lac_vector_data(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = x[i] * y[i];
+// z_i = result, of x_i and, for two vectors, y_i
+#define ELEMENTWISE(name, second, result, ...)            \
+    LAC_CLONES static void name(N_Vector xv, __VA_ARGS__) \
+    {                                                     \
+        const double *x = lac_vector_data(xv);            \
+        const double *y = lac_vector_data(second);        \
+        double *z = lac_vector_data(zv);                  \
+        size_t n = length(xv);                            \
+        (void)y;                                          \
+        for (size_t i = 0; i < n; i++) {                  \
+            z[i] = result;                                \
+        }                                                 \
     }
-}
 
-LAC_CLONES static void lac_vector_div(N_Vector xv, N_Vector yv, N_Vector zv)
-{
-    const double *x = lac_vector_data(xv);
-    const double *y = lac_vector_data(yv);
-    double *z = lac_vector_data(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = x[i] / y[i];
-    }
-}
-
-LAC_CLONES static void lac_vector_abs(N_Vector xv, N_Vector zv)
-{
-    const double *x = lac_vector_data(xv);
-    double *z = lac_vector_data(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = fabs(x[i]);
-    }
-}
-
-LAC_CLONES static void lac_vector_inv(N_Vector xv, N_Vector zv)
-{
-    const double *x = lac_vector_data(xv);
-    double *z = lac_vector_data(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = 1.0 / x[i];
-    }
-}
-
-static void v_add_const(N_Vector xv, sunrealtype b, N_Vector zv)
-{
-    const double *x = lac_vector_data(xv);
-    double *z = lac_vector_data(zv);
-    size_t n = length(xv);
-    for (size_t i = 0; i < n; i++) {
-        z[i] = x[i] + b;
-    }
-}
+ELEMENTWISE(lac_vector_prod, yv, x[i] * y[i], N_Vector yv, N_Vector zv)
+ELEMENTWISE(lac_vector_div, yv, x[i] / y[i], N_Vector yv, N_Vector zv)
+ELEMENTWISE(lac_vector_abs, xv, fabs(x[i]), N_Vector zv)
+ELEMENTWISE(lac_vector_inv, xv, 1.0 / x[i], N_Vector zv)
+ELEMENTWISE(lac_vector_add_const, xv, x[i] + b, sunrealtype b, N_Vector zv)
 
 // Eight running sums, added up in a fixed order: vectorises, and the bits never change.
 enum { LANES = 8 };
@@ -285,7 +253,7 @@ static void set_operations(N_Vector x)
     x->ops->nvscale = v_scale;
     x->ops->nvabs = lac_vector_abs;
     x->ops->nvinv = lac_vector_inv;
-    x->ops->nvaddconst = v_add_const;
+    x->ops->nvaddconst = lac_vector_add_const;
     x->ops->nvdotprod = lac_vector_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;

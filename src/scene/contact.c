@@ -6,6 +6,12 @@
 #include "scene/internal.h"
 #include "surface/surface.h"
 
+double lac_case_pressure(const lac_case *c)
+{
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    return normal->pressure(c->normal.params, c->material.density);
+}
+
 // The faces do not touch: by how much.
 static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 {
@@ -134,8 +140,7 @@ lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_sc
 {
     lac_status status = LAC_OK;
     *out = (lac_scene_contact){.grid = lac_interface_grid(&c->interface), .e_star = NAN};
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
-    out->mean_pressure = normal->pressure(c->normal.params, c->material.density);
+    out->mean_pressure = lac_case_pressure(c);
     LAC_TRY(make_domain(c, keep, out, err));
     LAC_TRY(lac_scene_contact_count(out, err));
 out:

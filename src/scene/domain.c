@@ -142,8 +142,7 @@ static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, l
 
 lac_status lac_scene_domain_create(const lac_case *c, lac_domain **out, lac_error *err)
 {
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
-    const double mean = normal->pressure(c->normal.params, c->material.density);
+    const double mean = lac_case_pressure(c);
     const lac_grid grid = lac_interface_grid(&c->interface);
     lac_domain *domain = NULL;
     lac_status status;

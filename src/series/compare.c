@@ -2,6 +2,7 @@
 // How far a modelled motion is from readings, by its slip and rate at their times.
 #include <math.h>
 
+#include "base/statistics.h"
 #include "series/series.h"
 
 // The last point at or before t; t lies within the history.
@@ -45,23 +46,9 @@ bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
     return true;
 }
 
-// Mean and sum of squared deviations, one value at a time (Welford).
-typedef struct spread {
-    size_t count;
-    double mean, squares;
-} spread;
-
-static void add(spread *s, double value)
-{
-    double step = value - s->mean;
-    s->count++;
-    s->mean += step / (double)s->count;
-    s->squares += step * (value - s->mean);
-}
-
 void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit)
 {
-    spread offset = {0};
+    lac_line offset = {0}; // level
     size_t rates = 0;
     double squares = 0.0;
     *misfit = (lac_misfit){0};
@@ -78,7 +65,7 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
             continue;
         }
         if (!isnan(d)) {
-            add(&offset, d - slip);
+            lac_line_add(&offset, 0.0, d - slip);
         }
         if (v > 0 && rate > 0) {
             double decades = log10(v / rate);
@@ -86,9 +73,9 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
             rates++;
         }
     }
-    misfit->displacement_count = offset.count;
+    misfit->displacement_count = (size_t)offset.n;
     misfit->velocity_count = rates;
-    misfit->displacement_offset = offset.count > 0 ? offset.mean : NAN;
-    misfit->displacement_rms = offset.count > 0 ? sqrt(offset.squares / (double)offset.count) : NAN;
+    misfit->displacement_offset = offset.n > 0 ? lac_line_at(&offset, 0.0) : NAN;
+    misfit->displacement_rms = sqrt(offset.rest / offset.n);
     misfit->log_rate_rms = rates > 0 ? sqrt(squares / (double)rates) : NAN;
 }

@@ -96,6 +96,26 @@ lac_status lac_map_size(lac_height_map *map, const char *path, uint64_t nx, uint
     return LAC_OK;
 }
 
+lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint64_t size[2],
+                        size_t start, lac_number_type type, bool fortran, const char *what,
+                        lac_error *err)
+{
+    lac_status status;
+    size_t left = bytes->size > start ? bytes->size - start : 0;
+    LAC_TRY(lac_map_size(map, bytes->path, size[0], size[1], left / type.width, err));
+    size_t n = map->nx * map->ny;
+    if (left != n * type.width) {
+        return lac_fail(err, LAC_EINPUT, "%s: byte %zu: the file goes on behind its %zu x %zu %s",
+                        bytes->path, start + n * type.width, map->nx, map->ny, what);
+    }
+    for (size_t i = 0; i < n; i++) {
+        size_t at = fortran ? i % map->nx * map->ny + i / map->nx : i;
+        map->heights[i] = lac_bytes_number(bytes->data + start + at * type.width, type);
+    }
+out:
+    return status;
+}
+
 void lac_map_flip(lac_height_map *map)
 {
     for (size_t low = 0, high = map->ny - 1; low < high; low++, high--) {

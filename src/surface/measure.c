@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How rough a surface is: slopes, JRC, and a Hurst exponent fitted to its spectrum.
-#include "surface/measure.h"
+#include "surface/surface.h"
 
 #include <math.h>
 
@@ -251,39 +251,17 @@ out:
 }
 
 lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
-                               const lac_wave_range *range, lac_surface_measures *out,
+                               const lac_wave_range *known, lac_surface_measures *out,
                                lac_error *err)
 {
     lac_status status;
     LAC_TRY(check(grid, heights, err));
-    lac_wave_range taken = usual_range(grid);
-    if (range != NULL && !isnan(range->longest)) {
-        taken.longest = range->longest;
+    lac_wave_range range = usual_range(grid);
+    if (known != NULL) {
+        range.longest = fmin(range.longest, known->longest);
+        range.shortest = fmax(range.shortest, known->shortest);
     }
-    if (range != NULL && !isnan(range->shortest)) {
-        taken.shortest = range->shortest;
-    }
-    bool both = range != NULL && !isnan(range->longest) && !isnan(range->shortest);
-    if (both && !(taken.shortest > 0.0 && taken.longest > taken.shortest)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "no waves are between %g and %g m", taken.longest,
-                         taken.shortest));
-    }
-    LAC_TRY(measure(grid, heights, taken, out, err));
-out:
-    return status;
-}
-
-lac_status lac_surface_measure_within(const lac_grid *grid, const double *heights,
-                                      const lac_wave_range *known, lac_surface_measures *out,
-                                      lac_error *err)
-{
-    lac_status status;
-    LAC_TRY(check(grid, heights, err));
-    lac_wave_range usual = usual_range(grid);
-    LAC_TRY(measure(grid, heights,
-                    (lac_wave_range){fmin(usual.longest, known->longest),
-                                     fmax(usual.shortest, known->shortest)},
-                    out, err));
+    LAC_TRY(measure(grid, heights, range, out, err));
 out:
     return status;
 }

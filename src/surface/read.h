@@ -46,6 +46,14 @@ typedef struct lac_number_type {
 /// A stored number; `data` needs no alignment.
 double lac_bytes_number(const unsigned char *data, lac_number_type type);
 
+/// Gives a map its size and its heights, which are the rest of the file from byte `start` on.
+/// @param fortran  columns follow each other, not rows
+/// @param what     the numbers are called in messages
+/// @return as lac_map_size; LAC_EINPUT where the file goes on behind them
+lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint64_t size[2],
+                        size_t start, lac_number_type type, bool fortran, const char *what,
+                        lac_error *err);
+
 /// Whether the content begins with a word.
 bool lac_bytes_begin(const lac_bytes *bytes, const char *word);
 

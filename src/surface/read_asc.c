@@ -45,7 +45,6 @@ static bool is_asc(const lac_bytes *bytes)
 
 static lac_status take_value(asc *file, int key, lac_error *err)
 {
-    lac_status status;
     lac_word word;
     lac_word more;
     lac_scan *scan = &file->scan;
@@ -58,21 +57,13 @@ static lac_status take_value(asc *file, int key, lac_error *err)
                         keys[key]);
     }
     file->line[key] = scan->line;
-    switch (key) {
-    case NCOLS:
-    case NROWS:
-        LAC_TRY(lac_scan_count(scan, keys[key], word, &file->count[key], err));
-        break;
-    case CELLSIZE:
-    case DX:
-    case DY:
-        LAC_TRY(lac_scan_length(scan, keys[key], word, &file->value[key], err));
-        break;
-    default:
-        LAC_TRY(lac_scan_number(scan, word, &file->value[key], err));
-    }
-out:
-    return status;
+    bool count = key == NCOLS || key == NROWS;
+    bool length = key == CELLSIZE || key == DX || key == DY;
+    const lac_field field = {.key = keys[key],
+                             .count = count ? &file->count[key] : NULL,
+                             .length = length ? &file->value[key] : NULL,
+                             .number = &file->value[key]};
+    return lac_scan_field(scan, &field, word, err);
 }
 
 static bool begins_number(lac_word word)

@@ -46,23 +46,15 @@ static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_e
     lac_word key = lac_scan_rest(&part);
     part = (lac_scan){.at = equals + 1, .end = line.text + line.length};
     lac_word value = lac_scan_rest(&part);
-    if (lac_word_is(key, "XRes")) {
-        return lac_scan_count(scan, "XRes", value, &file->nx, err);
-    }
-    if (lac_word_is(key, "YRes")) {
-        return lac_scan_count(scan, "YRes", value, &file->ny, err);
-    }
-    if (lac_word_is(key, "XReal")) {
-        return lac_scan_length(scan, "XReal", value, &file->lx, err);
-    }
-    if (lac_word_is(key, "YReal")) {
-        return lac_scan_length(scan, "YReal", value, &file->ly, err);
-    }
-    if (lac_word_is(key, "XOffset")) {
-        return lac_scan_number(scan, value, &file->x, err);
-    }
-    if (lac_word_is(key, "YOffset")) {
-        return lac_scan_number(scan, value, &file->y, err);
+    const lac_field fields[] = {
+        {"XRes", .count = &file->nx},    {"YRes", .count = &file->ny},
+        {"XReal", .length = &file->lx},  {"YReal", .length = &file->ly},
+        {"XOffset", .number = &file->x}, {"YOffset", .number = &file->y},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        if (lac_word_is(key, fields[i].key)) {
+            return lac_scan_field(scan, &fields[i], value, err);
+        }
     }
     if (lac_word_is(key, "XYUnits")) {
         return take_unit(file, "XYUnits", value, map->lateral_unit, sizeof map->lateral_unit, err);
@@ -107,17 +99,8 @@ static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(read_header(&file, map, err));
     size_t header = (size_t)(nul - (const char *)bytes->data);
     size_t start = header + 4 - header % 4;
-    size_t most = bytes->size > start ? (bytes->size - start) / 4 : 0;
-    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
-    size_t n = map->nx * map->ny;
-    if (bytes->size - start != 4 * n) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: byte %zu: the file goes on behind its %zu x %zu heights", bytes->path,
-                         start + 4 * n, map->nx, map->ny));
-    }
-    for (size_t i = 0; i < n; i++) {
-        map->heights[i] = lac_bytes_number(bytes->data + start + 4 * i, type);
-    }
+    LAC_TRY(lac_map_fill(map, bytes, (uint64_t[]){file.nx, file.ny}, start, type, false, "heights",
+                         err));
     lac_map_flip(map);
     map->dx = file.lx / (double)map->nx;
     map->dy = file.ly / (double)map->ny;

@@ -13,7 +13,7 @@ typedef struct npy {
     size_t data; ///< byte where the array begins
     lac_number_type type;
     bool fortran;
-    uint64_t nx, ny;
+    uint64_t size[2]; ///< along x and y
 } npy;
 
 static bool is_npy(const lac_bytes *bytes) { return lac_bytes_begin(bytes, "\x93NUMPY"); }
@@ -96,8 +96,8 @@ static lac_status take_shape(const lac_bytes *bytes, npy *file, lac_error *err)
                         "%s: byte 10: the shape of the array is not (rows, columns) or (columns,)",
                         bytes->path);
     }
-    file->nx = side[sides - 1];
-    file->ny = sides == 2 ? side[0] : 1;
+    file->size[0] = side[sides - 1];
+    file->size[1] = sides == 2 ? side[0] : 1;
     const char *order = value_of(file, "'fortran_order'");
     file->fortran = order != NULL && strncmp(order, "True", 4) == 0;
     if (order == NULL || (!file->fortran && strncmp(order, "False", 5) != 0)) {
@@ -114,19 +114,8 @@ static lac_status read_npy(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(take_header(bytes, &file, err));
     LAC_TRY(take_type(bytes, &file, err));
     LAC_TRY(take_shape(bytes, &file, err));
-    size_t most = (bytes->size - file.data) / file.type.width;
-    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
-    size_t n = map->nx * map->ny;
-    if (bytes->size - file.data != n * file.type.width) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: byte %zu: the file goes on behind its %zu x %zu numbers", bytes->path,
-                         file.data + n * file.type.width, map->nx, map->ny));
-    }
-    for (size_t i = 0; i < n; i++) {
-        size_t at = file.fortran ? i % map->nx * map->ny + i / map->nx : i;
-        map->heights[i] =
-            lac_bytes_number(bytes->data + file.data + at * file.type.width, file.type);
-    }
+    LAC_TRY(
+        lac_map_fill(map, bytes, file.size, file.data, file.type, file.fortran, "numbers", err));
 out:
     return status;
 }

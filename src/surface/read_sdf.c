@@ -115,20 +115,15 @@ static lac_status take_value(const lac_scan *scan, lac_word key, lac_word value,
 {
     double number = 0.0;
     lac_status status = LAC_OK;
-    if (lac_word_is(key, "NumPoints")) {
-        return lac_scan_count(scan, "NumPoints", value, &file->nx, err);
-    }
-    if (lac_word_is(key, "NumProfiles")) {
-        return lac_scan_count(scan, "NumProfiles", value, &file->ny, err);
-    }
-    if (lac_word_is(key, "Xscale")) {
-        return lac_scan_length(scan, "Xscale", value, &file->dx, err);
-    }
-    if (lac_word_is(key, "Yscale")) {
-        return lac_scan_length(scan, "Yscale", value, &file->dy, err);
-    }
-    if (lac_word_is(key, "Zscale")) {
-        return lac_scan_length(scan, "Zscale", value, &file->dz, err);
+    const lac_field fields[] = {
+        {"NumPoints", .count = &file->nx}, {"NumProfiles", .count = &file->ny},
+        {"Xscale", .length = &file->dx},   {"Yscale", .length = &file->dy},
+        {"Zscale", .length = &file->dz},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        if (lac_word_is(key, fields[i].key)) {
+            return lac_scan_field(scan, &fields[i], value, err);
+        }
     }
     if (lac_word_is(key, "Compression") || lac_word_is(key, "CheckType")) {
         uint64_t *flag = lac_word_is(key, "CheckType") ? &file->check : &file->compression;

@@ -151,28 +151,24 @@ lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, l
     return LAC_OK;
 }
 
-lac_status lac_scan_count(const lac_scan *scan, const char *what, lac_word word, uint64_t *value,
+lac_status lac_scan_field(const lac_scan *scan, const lac_field *field, lac_word word,
                           lac_error *err)
 {
     double number = NAN;
-    lac_status status = lac_scan_number(scan, word, &number, err);
-    if (status == LAC_OK && !(number >= 1.0 && number <= 0x1p53 && number == floor(number))) {
-        char shown[SHOWN];
-        status = lac_fail(err, LAC_EINPUT, "%s:%zu: %s must be a whole number >= 1, not \"%s\"",
-                          scan->path, scan->line, what, lac_word_show(word, shown, sizeof shown));
-    }
-    *value = status == LAC_OK ? (uint64_t)number : 0;
-    return status;
-}
-
-lac_status lac_scan_length(const lac_scan *scan, const char *what, lac_word word, double *value,
-                           lac_error *err)
-{
     char shown[SHOWN];
-    lac_status status = lac_scan_number(scan, word, value, err);
-    if (status == LAC_OK && !(*value > 0.0)) {
-        status = lac_fail(err, LAC_EINPUT, "%s:%zu: %s must be a number > 0, not \"%s\"",
-                          scan->path, scan->line, what, lac_word_show(word, shown, sizeof shown));
+    lac_status status = lac_scan_number(scan, word, &number, err);
+    bool whole = number >= 1.0 && number <= 0x1p53 && number == floor(number);
+    if (status == LAC_OK &&
+        (field->count != NULL ? !whole : field->length != NULL && !(number > 0.0))) {
+        status =
+            lac_fail(err, LAC_EINPUT, "%s:%zu: %s must be a %s, not \"%s\"", scan->path, scan->line,
+                     field->key, field->count != NULL ? "whole number >= 1" : "number > 0",
+                     lac_word_show(word, shown, sizeof shown));
+    }
+    if (field->count != NULL) {
+        *field->count = status == LAC_OK ? (uint64_t)number : 0;
+    } else {
+        *(field->length != NULL ? field->length : field->number) = number;
     }
     return status;
 }

@@ -45,12 +45,16 @@ const char *lac_word_show(lac_word word, char *shown, size_t size);
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err);
 
-/// A whole number of cells or points, at least 1.
-lac_status lac_scan_count(const lac_scan *scan, const char *what, lac_word word, uint64_t *value,
-                          lac_error *err);
+/// What a key of a header holds: one of the three is where its value goes.
+typedef struct lac_field {
+    const char *key;
+    uint64_t *count; ///< a whole number of cells or points, at least 1
+    double *length;  ///< finite, above zero
+    double *number;
+} lac_field;
 
-/// A finite length above zero.
-lac_status lac_scan_length(const lac_scan *scan, const char *what, lac_word word, double *value,
-                           lac_error *err);
+/// Reads the value of a key; LAC_EINPUT where it is none.
+lac_status lac_scan_field(const lac_scan *scan, const lac_field *field, lac_word word,
+                          lac_error *err);
 
 #endif

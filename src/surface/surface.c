@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "surface/measure.h"
-
 // The value of a numeric parameter; NaN where it is absent or not a number.
 static double number(const lac_param *param, const void *params)
 {
@@ -100,7 +98,7 @@ lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *g
     if (source->waves != NULL) {
         range = source->waves(slot->params, grid);
     }
-    LAC_TRY(lac_surface_measure_within(grid, heights, &range, &report->measures, err));
+    LAC_TRY(lac_surface_measure(grid, heights, &range, &report->measures, err));
 out:
     return status;
 }

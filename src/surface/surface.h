@@ -3,7 +3,7 @@
 #define LACUNA_SURFACE_SURFACE_H
 
 #include "base/grid.h"
-#include "lacuna/param.h"
+#include "base/param.h"
 
 /// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
 /// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.
@@ -164,12 +164,12 @@ lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *g
 /// Hurst exponent by weighted least squares on the radially averaged power, windowed (Hann) where
 /// not periodic; jrc = 32.2 + 32.47 log10 z2, also at the usual steps. docs/theory/surface.md,
 /// Measures.
-/// @param heights  [ny * nx] [m]
-/// @param range    wavelengths to fit; NULL: the defaults
-/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where a height is not finite or the range is empty
+/// @param known  where the spectrum is known to be a power law, NaN where it is not known, narrows
+///               the wavelengths that are fitted; NULL: it does not
+/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where a height is not finite
 /// @source Tse & Cruden (1979), doi 10.1016/0148-9062(79)90241-9
 lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
-                               const lac_wave_range *range, lac_surface_measures *out,
+                               const lac_wave_range *known, lac_surface_measures *out,
                                lac_error *err);
 
 /// Reads measured heights; what the file holds tells its format (docs/surfaces-from-files.md).

@@ -53,42 +53,19 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *ou
     return n;
 }
 
-#define VALUES(name, count)                                                              \
-    static size_t name##_values(const lac_case *c, lac_trade_of of, lac_dial_value *out) \
-    {                                                                                    \
-        (void)c, (void)of;                                                               \
-        return (count);                                                                  \
-    }
-#define CURRENT(name, format, value)                                          \
-    static void name##_current(const lac_case *c, char label[LAC_DIAL_LABEL]) \
-    {                                                                         \
-        (void)snprintf(label, LAC_DIAL_LABEL, format, value);                 \
-    }
-#define TIGHTER(name, value)                                                    \
-    static void name##_tighter(const lac_dial_value *last, lac_dial_value *out) \
-    {                                                                           \
-        const double finest = strtod(last->yaml, NULL);                         \
-        put_number(out, value);                                                 \
-    }
-
-TIGHTER(rtol, fmax(finest / 10.0, 1e-13))
-CURRENT(rtol, "%.10g", c->run.rtol)
-
-static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
-VALUES(method, c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(methods, 3, out))
-CURRENT(method, "%s", methods[c->run.method])
-
-static const char *const formulations[] = {"rate", "traction", "slip"};
-VALUES(formulation, c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0
-                        ? 0
-                        : put_names(formulations, 3, out))
-CURRENT(formulation, "%s", lac_formulation_name((lac_formulation)c->formulation))
-
-// Whether cells take one another's load.
-static bool is_coupled(const lac_case *c)
+static size_t method_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
-    lac_transfer_outline ignored;
-    return lac_transfer_outline_of(&c->transfer, &ignored);
+    static const char *const names[] = {"bdf", "adams", "erk"};
+    (void)of;
+    return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(names, 3, out);
+}
+
+static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    static const char *const names[] = {"rate", "traction", "slip"};
+    (void)of;
+    bool fixed = c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0;
+    return fixed ? 0 : put_names(names, 3, out);
 }
 
 #define CASCADE "static"
@@ -106,8 +83,6 @@ static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value
                : 0;
 }
 
-CURRENT(fidelity, "%s", lac_fidelity_name(c->run.fidelity))
-
 // The grid, halved and halved again.
 static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
@@ -122,19 +97,12 @@ static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *
     return n;
 }
 
-static void levels_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    if (c->interface.levels == INT64_MIN) {
-        (void)snprintf(label, LAC_DIAL_LABEL, "-");
-    } else {
-        (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->interface.levels);
-    }
-}
-
+// Where cells take one another's load.
 static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    lac_transfer_outline ignored;
     (void)of;
-    if (!is_coupled(c) || isnan(c->material.shear_modulus)) {
+    if (!lac_transfer_outline_of(&c->transfer, &ignored) || isnan(c->material.shear_modulus)) {
         return 0;
     }
     put(&out[0], "hierarchy", "{hierarchy: {stiffness: elastic}}");
@@ -142,21 +110,20 @@ static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value
     return 2;
 }
 
-CURRENT(transfer, "%s", c->transfer.about != NULL ? c->transfer.about->name : "none")
-
-static bool transforms(const lac_case *c)
+static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    static const char *const names[] = {"estimate", "measure"};
+    (void)of;
     const lac_transfer_kind *kind = (const void *)c->transfer.about;
-    return kind != NULL && kind->transforms;
+    return kind != NULL && kind->transforms ? put_names(names, 2, out) : 0;
 }
 
-static const char *const plannings[] = {"estimate", "measure"};
-VALUES(planning, transforms(c) ? put_names(plannings, 2, out) : 0)
-CURRENT(planning, "%s", plannings[c->fft_planning])
-
-static const char *const precisions[] = {"float", "double"};
-VALUES(precision, put_names(precisions, 2, out))
-CURRENT(precision, "%s", precisions[c->single ? 0 : 1])
+static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    static const char *const names[] = {"float", "double"};
+    (void)c, (void)of;
+    return put_names(names, 2, out);
+}
 
 // A whole number from its quarter or half up to the case's own.
 static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_value *out)
@@ -174,52 +141,84 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_
     return n + 1;
 }
 
-VALUES(contacts, c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0)
-TIGHTER(contacts, fmin(2.0 * finest, LAC_RG_MOST_LOADS))
-CURRENT(contacts, "%" PRId64, c->rg.contacts)
+static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    (void)of;
+    return c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0;
+}
 
-VALUES(shifts, count_values(c->rg.shifts, 4, 1, out))
-TIGHTER(shifts, fmin(4.0 * finest, 10000.0))
-CURRENT(shifts, "%" PRId64, c->rg.shifts)
+static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    (void)of;
+    return count_values(c->rg.shifts, 4, 1, out);
+}
 
-static const char *const fields[] = {"uniform", "equal", "elastic"}; // the coarsest first
-static const int field_at[] = {[LAC_RG_UNIFORM] = 0, [LAC_RG_EQUAL] = 1, [LAC_RG_ELASTIC] = 2};
-VALUES(field, put_names(fields,
-                        c->surface.about != NULL && !isnan(c->material.shear_modulus) ? 3 : 2, out))
-CURRENT(field, "%s", fields[field_at[c->rg.field]])
+static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+{
+    static const char *const names[] = {"uniform", "equal", "elastic"};
+    (void)of;
+    const bool pressed = c->surface.about != NULL && !isnan(c->material.shear_modulus);
+    return put_names(names, pressed ? 3 : 2, out);
+}
 
-#define DIAL(name_, key_, doc_, ...)                                            \
-    {                                                                           \
-        .name = #name_, .key = (key_), .doc = (doc_), .values = name_##_values, \
-        .current = name_##_current, __VA_ARGS__                                 \
+#define RUN LAC_OF_RUN
+#define ROW(title, where, text, has, of, ...)                                                \
+    {                                                                                        \
+        .name = (title), .key = (where), .doc = (text), .values = has##_values, .use = (of), \
+        __VA_ARGS__                                                                          \
     }
-#define ASKED(of) .use = (of), .asked = (of)
 
+// rtol: tenfold at most, and mostly five- to sevenfold: docs/trade.md
 static const lac_dial dials[] = {
-    // Its errors fall tenfold at most a rung, and mostly five- to sevenfold: docs/trade.md.
-    DIAL(rtol, "solver.rtol", "tolerance, in decades", .use = LAC_OF_RUN, .falls = true, .ratio = 4,
-         .tighter = rtol_tighter),
-    DIAL(method, "solver.method", "of integration: bdf, adams, erk", .use = LAC_OF_RUN),
-    DIAL(formulation, "solver.formulation", "unknown besides the state: rate, traction, slip",
-         .use = LAC_OF_RUN),
-    DIAL(fidelity, "solver.fidelity", "events, ode; of Q_crit also static, the cascade",
-         ASKED(LAC_OF_RUN | LAC_OF_CASCADE), .scene = true, .cascade = CASCADE),
-    DIAL(levels, "interface.levels", "2^levels cells a side, halved twice",
-         .use = LAC_OF_RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = LAC_OF_RUN | LAC_OF_CASCADE,
-         .scene = true, .ratio = 4),
-    DIAL(transfer, "transfer", "of stress: hierarchy, elastic", ASKED(LAC_OF_RUN), .scene = true),
-    DIAL(planning, "solver.fft_planning", "of Fourier transforms: estimate, measure",
-         ASKED(LAC_OF_RUN)),
-    DIAL(precision, "output.precision", "of what is written: float, double", ASKED(LAC_OF_RUN)),
-    DIAL(field, "rg.field", "of the cascade: uniform, equal, elastic", ASKED(LAC_OF_CASCADE),
-         .scene = true),
-    DIAL(contacts, "rg.contacts", "solved along the cascade's path", .use = LAC_OF_CASCADE,
-         .ratio = 4, .tighter = contacts_tighter),
-    DIAL(shifts, "rg.shifts", "places of the cascade's blocks", .use = LAC_OF_CASCADE, .ratio = 2,
-         .tighter = shifts_tighter),
+    ROW("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
+        .finer = 0.1, .finest = 1e-13),
+    ROW("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
+    ROW("formulation", "solver.formulation", "unknown besides the state: rate, traction, slip",
+        formulation, RUN),
+    ROW("fidelity", "solver.fidelity", "events, ode; of Q_crit also static, the cascade", fidelity,
+        RUN | LAC_OF_CASCADE, .asked = RUN | LAC_OF_CASCADE, .scene = true, .cascade = CASCADE),
+    ROW("levels", "interface.levels", "2^levels cells a side, halved twice", levels,
+        RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = RUN | LAC_OF_CASCADE, .scene = true,
+        .ratio = 4),
+    ROW("transfer", "transfer", "of stress: hierarchy, elastic", transfer, RUN, .asked = RUN,
+        .scene = true),
+    ROW("planning", "solver.fft_planning", "of Fourier transforms: estimate, measure", planning,
+        RUN, .asked = RUN),
+    ROW("precision", "output.precision", "of what is written: float, double", precision, RUN,
+        .asked = RUN),
+    ROW("field", "rg.field", "of the cascade: uniform, equal, elastic", field, LAC_OF_CASCADE,
+        .asked = LAC_OF_CASCADE, .scene = true),
+    ROW("contacts", "rg.contacts", "solved along the cascade's path", contacts, LAC_OF_CASCADE,
+        .ratio = 4, .finer = 2, .finest = LAC_RG_MOST_LOADS),
+    ROW("shifts", "rg.shifts", "places of the cascade's blocks", shifts, LAC_OF_CASCADE, .ratio = 2,
+        .finer = 4, .finest = 10000),
 };
 
 const lac_dial *lac_dial_at(size_t index)
 {
     return index < sizeof dials / sizeof dials[0] ? &dials[index] : NULL;
+}
+
+void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out)
+{
+    const double next = strtod(last->yaml, NULL) * dial->finer;
+    put_number(out, dial->falls ? fmax(next, dial->finest) : fmin(next, dial->finest));
+}
+
+void lac_dial_current(const lac_dial *dial, const lac_case *c, char label[LAC_DIAL_LABEL])
+{
+    const lac_param *row = lac_case_row(dial->key);
+    const void *at = row != NULL ? (const char *)c + row->offset : NULL;
+    if (row == NULL) {
+        const lac_descriptor *about = c->transfer.about;
+        (void)snprintf(label, LAC_DIAL_LABEL, "%s", about != NULL ? about->name : "none");
+    } else if (!lac_param_given(row, c)) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "-");
+    } else if (row->type == LAC_CHOICE) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%s", row->choices[*(const int *)at]);
+    } else if (row->type == LAC_INTEGER) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, *(const int64_t *)at);
+    } else {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%.10g", *(const double *)at);
+    }
 }

@@ -141,15 +141,28 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
                      .line = scene->line};
     LAC_TRY(lac_compliance_create(scene->domain, &rock, &c, err));
     vectors = malloc(2 * lac_hierarchy_cells(h) * sizeof *vectors);
-    if (vectors == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(vectors != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t l = 0; l < lac_hierarchy_levels(h); l++) {
         LAC_TRY(calibrate_band(h, l, seed, c, vectors, &levels[l], err));
     }
 out:
     free(vectors);
     lac_compliance_free(c);
+    return status;
+}
+
+lac_status lac_calibrate_stiffness(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                   lac_error *err)
+{
+    size_t levels = lac_hierarchy_levels(scene->hierarchy);
+    lac_calibration *found = calloc(levels + 1, sizeof *found);
+    if (found == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_calibrate_elastic(scene, seed, found, err);
+    for (size_t l = 0; l < levels; l++) {
+        k[l] = found[l].stiffness;
+    }
+    free(found);
     return status;
 }

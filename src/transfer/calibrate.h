@@ -20,4 +20,8 @@ typedef struct lac_calibration {
 lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
                                  lac_calibration *levels, lac_error *err);
 
+/// The stiffnesses alone. @param k  [lac_hierarchy_levels]; overwritten
+lac_status lac_calibrate_stiffness(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                   lac_error *err);
+
 #endif

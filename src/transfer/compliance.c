@@ -36,10 +36,9 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     c->stiffness = malloc(modes * sizeof *c->stiffness);
     c->compliance = malloc(modes * sizeof *c->compliance);
     c->vectors = malloc(4 * n * sizeof *c->vectors);
-    if (c->at == NULL || c->stiffness == NULL || c->compliance == NULL || c->vectors == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(c->at != NULL && c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL
+                ? LAC_OK
+                : lac_fail_memory(err));
     c->r = c->vectors;
     c->z = c->r + n;
     c->p = c->z + n;

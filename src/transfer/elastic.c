@@ -86,20 +86,9 @@ static lac_status calibrate(const lac_transfer_scene *scene, double poisson, lac
                             lac_error *err)
 {
     lac_transfer_scene from = *scene;
-    size_t levels = lac_hierarchy_levels(scene->hierarchy);
-    lac_calibration *found = calloc(levels + 1, sizeof *found);
-    e->k = calloc(levels + 1, sizeof *e->k);
-    if (found == NULL || e->k == NULL) {
-        free(found);
-        return lac_fail_memory(err);
-    }
+    e->k = calloc(lac_hierarchy_levels(scene->hierarchy) + 1, sizeof *e->k);
     from.poisson = poisson;
-    lac_status status = lac_calibrate_elastic(&from, 1, found, err);
-    for (size_t l = 0; l < levels; l++) {
-        e->k[l] = found[l].stiffness;
-    }
-    free(found);
-    return status;
+    return e->k != NULL ? lac_calibrate_stiffness(&from, 1, e->k, err) : lac_fail_memory(err);
 }
 
 // NaN stands for no slip yet; it is also its own stress.

@@ -26,8 +26,8 @@ static const lac_param params[] = {
     LAC_REAL("ratio", "1", offsetof(lac_transfer_hierarchy, ratio), NAN, 0, 1e3, LAC_OPTIONAL,
              "with k0: stiffness of a level over that of the next finer one (0.5 if absent, the "
              "elastic scaling; 0: only the finest level)"),
-    LAC_INTEGER("seed", offsetof(lac_transfer_hierarchy, seed), 1, 0, 0x1p53, 0,
-                "of the random probes that calibrate the elastic stiffness"),
+    LAC_SEED(offsetof(lac_transfer_hierarchy, seed), 1, 0,
+             "of the random probes that calibrate the elastic stiffness"),
 };
 
 static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
@@ -52,21 +52,6 @@ static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status calibrate(const lac_transfer_hierarchy *p, const lac_transfer_scene *scene,
-                            hierarchy *self, lac_error *err)
-{
-    lac_calibration *levels = calloc(self->levels + 1, sizeof *levels);
-    if (levels == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_status status = lac_calibrate_elastic(scene, (uint64_t)p->seed, levels, err);
-    for (size_t l = 0; l < self->levels; l++) {
-        self->k[l] = levels[l].stiffness;
-    }
-    free(levels);
-    return status;
-}
-
 static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
                          lac_error *err)
 {
@@ -82,7 +67,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     self->h = scene->hierarchy;
     self->levels = levels;
     if (p->stiffness >= 0) {
-        LAC_TRY(calibrate(p, scene, self, err));
+        LAC_TRY(lac_calibrate_stiffness(scene, (uint64_t)p->seed, self->k, err));
     }
     for (size_t l = 0; l < levels && p->stiffness < 0; l++) {
         self->k[l] = p->k0 * pow(isnan(p->ratio) ? 0.5 : p->ratio, (double)l);

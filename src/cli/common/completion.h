@@ -12,7 +12,4 @@
 ///              them at = and :, and with the quotes that were typed
 void cli_complete(int count, char **word);
 
-/// The names of the shells that `lacuna completion` knows; NULL at the end.
-extern const char *const cli_shells[];
-
 #endif

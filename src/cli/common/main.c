@@ -40,10 +40,9 @@ static int exit_status(lac_status status)
 
 static void print_help(void)
 {
-    const cli_command *command;
     puts("Lacuna: creep, acceleration and failure of rough rock joints.\n"
          "usage: lacuna COMMAND [ARGUMENTS] [OPTIONS]\n");
-    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+    for (const cli_command *command = cli_commands; command->name != NULL; command++) {
         printf("  %-10s %-17s %s\n", command->name, command->arguments, command->summary);
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");

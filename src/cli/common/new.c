@@ -5,23 +5,9 @@
 
 #include "base/write_text.h"
 #include "cli/common/command.h"
-#include "cli/common/templates.h"
+#include "cli/common/texts.h"
 #include "cli/common/words.h"
 #include "data/json.h"
-
-static const cli_template *find_template(const char *kind, lac_error *err)
-{
-    const char *names[8];
-    size_t n = 0;
-    for (; n < 8 && cli_templates[n].kind != NULL; n++) {
-        names[n] = cli_templates[n].kind;
-        if (strcmp(names[n], kind) == 0) {
-            return &cli_templates[n];
-        }
-    }
-    (void)cli_unknown("--kind: ", kind, "kind of case", names, n, err);
-    return NULL;
-}
 
 static bool ends_with(const char *text, const char *ending)
 {
@@ -51,8 +37,9 @@ static bool names_file(const char *given)
 
 lac_status cli_new(const cli_request *request, lac_error *err)
 {
-    const cli_template *chosen =
-        find_template(request->kind != NULL ? request->kind : "joint", err);
+    const cli_named_text *chosen =
+        cli_find("--kind: ", request->kind != NULL ? request->kind : "joint", "kind of case",
+                 cli_templates, sizeof *cli_templates, err);
     if (chosen == NULL) {
         return LAC_EINPUT;
     }
@@ -69,7 +56,7 @@ lac_status cli_new(const cli_request *request, lac_error *err)
         lac_json json = {.out = stdout};
         lac_json_open(&json, NULL, '{');
         lac_json_text(&json, "output", path);
-        lac_json_text(&json, "kind", chosen->kind);
+        lac_json_text(&json, "kind", chosen->name);
         lac_json_close(&json, '}');
     } else if (status == LAC_OK) {
         printf("%s written; next: lacuna run %s\n", path, path);

@@ -12,6 +12,8 @@
 #include "base/units.h"
 #include "cli/common/clean.h"
 
+enum { MOST_ROWS = 64 }; // of a table that words are looked up in
+
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
 {
@@ -26,6 +28,21 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
             (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
     }
     return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
+}
+
+const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
+                     size_t stride, lac_error *err)
+{
+    const char *names[MOST_ROWS], *row = rows;
+    size_t n = 0;
+    for (; n < MOST_ROWS && *(const char *const *)(const void *)row != NULL; row += stride) {
+        names[n] = *(const char *const *)(const void *)row;
+        if (strcmp(names[n++], word) == 0) {
+            return row;
+        }
+    }
+    (void)cli_unknown(where, word, what, names, n, err);
+    return NULL;
 }
 
 void cli_note_list(const char *format, va_list args)

@@ -14,6 +14,11 @@
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err);
 
+/// The row of a table that a word names; rows begin with their name, that of the last one is NULL.
+/// @return NULL: none, which `err` says as cli_unknown does
+const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
+                     size_t stride, lac_error *err);
+
 /// Prints one line on stderr, after the program's name.
 void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));

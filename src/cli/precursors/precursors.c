@@ -19,8 +19,6 @@
 #include "store/store_events.h"
 #include "store/store_file.h"
 
-enum { SEED = 1, SURROGATES = 199 };
-
 enum { EVENT_TIME, EVENT_DURATION, EVENT_MOMENT, TIME, N_SLIP, N_TOT, LENGTH, CRITICAL, VALUES };
 
 // What a source holds besides its motion: of a run its events and cells.
@@ -112,7 +110,7 @@ static void take_slip(cells *c, double start)
 static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (cells){.evidence = {.seed = SEED, .surrogates = SURROGATES}};
+    *out = (cells){.evidence = lac_evidence_default()};
     if (!watched->run) {
         return LAC_OK;
     }

@@ -76,8 +76,18 @@ out:
 static lac_status read_series(const cli_request *request, const lac_case *known,
                               const lac_units *units, cli_watched *w, lac_error *err)
 {
-    const lac_series_def def =
-        known != NULL ? cli_series_of_fit(&known->fit, w->path) : (lac_series_def){0};
+    lac_series_def def = {0};
+    if (known != NULL) {
+        const lac_fit_def *fit = &known->fit;
+        def = (lac_series_def){.time = fit->time,
+                               .time_format = fit->time_format,
+                               .displacement = fit->displacement,
+                               .displacement_unit = fit->displacement_unit,
+                               .velocity = fit->velocity,
+                               .velocity_unit = fit->velocity_unit,
+                               .sigma = fit->sigma,
+                               .sigma_unit = fit->sigma_unit};
+    }
     lac_status status = cli_series_read(request, &def, w->path, units, &w->series, err);
     if (status == LAC_OK) {
         const lac_series *s = w->series;

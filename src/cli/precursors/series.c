@@ -55,19 +55,6 @@ static lac_status ask_for_columns(const char *path, lac_error *err)
                             : status;
 }
 
-lac_series_def cli_series_of_fit(const lac_fit_def *fit, const char *path)
-{
-    return (lac_series_def){.path = path,
-                            .time = fit->time,
-                            .time_format = fit->time_format,
-                            .displacement = fit->displacement,
-                            .displacement_unit = fit->displacement_unit,
-                            .velocity = fit->velocity,
-                            .velocity_unit = fit->velocity_unit,
-                            .sigma = fit->sigma,
-                            .sigma_unit = fit->sigma_unit};
-}
-
 lac_status cli_series_read(const cli_request *request, const lac_series_def *known,
                            const char *path, const lac_units *units, lac_series **out,
                            lac_error *err)

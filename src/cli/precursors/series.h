@@ -7,9 +7,6 @@
 #include "data/json.h"
 #include "series/series.h"
 
-/// The columns that a case's section fit names.
-lac_series_def cli_series_of_fit(const lac_fit_def *fit, const char *path);
-
 /// Reads a monitoring file by the options --time, --time-format, --displacement, --velocity and
 /// --sigma, and warns of doubts.
 /// @param known  its columns where the options name none; NULL: they must

@@ -411,7 +411,8 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
         return *next;
     }
     view->next = *next;
-    return (lac_sink){.context = view,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = view,
                       .once = next->once != NULL ? on_once : NULL,
                       .record = on_record,
                       .snapshot = next->snapshot != NULL ? on_snapshot : NULL,
