@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,
                          const lac_run_def *def, lac_engine **out, lac_error *err)
 {
@@ -212,9 +214,5 @@ void lac_engine_blame(const lac_engine *engine, lac_error *err)
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < engine->n; i++) {
-        sum += slip[i];
-    }
-    return sum / (double)engine->n;
+    return lac_sum(engine->n, slip) / (double)engine->n;
 }

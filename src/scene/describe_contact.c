@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "data/describe.h"
 #include "scene/describe.h"
 
@@ -20,25 +22,10 @@ LAC_GETTER(double, cells, CONTACT, (double)c->domain->n)
 LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_cells(&c->grid))
 LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
 
-double lac_domain_pressure(const lac_domain *domain, double *largest)
-{
-    double sum = 0;
-    *largest = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += domain->pressure[i];
-        *largest = fmax(*largest, domain->pressure[i]);
-    }
-    return sum / (double)domain->n;
-}
-
-static double largest_pressure(const lac_domain *domain)
-{
-    double largest;
-    (void)lac_domain_pressure(domain, &largest);
-    return largest;
-}
-LAC_GETTER(double, real_pressure, CONTACT, lac_domain_pressure(c->domain, &(double){0.0}))
-LAC_GETTER(double, max_pressure, CONTACT, largest_pressure(c->domain))
+// Over the cells that touch.
+LAC_GETTER(double, real_pressure, CONTACT,
+           lac_sum(c->domain->n, c->domain->pressure) / (double)c->domain->n)
+LAC_GETTER(double, max_pressure, CONTACT, lac_vmost(c->domain->n, c->domain->pressure))
 
 LAC_GETTER(bool, solved, CONTACT, c->solved)
 #define SOLVED(name, expression) \

@@ -54,9 +54,6 @@ typedef struct lac_history_result {
     double first_place[2];     ///< centre of its cell [m]
 } lac_history_result;
 
-/// Mean and largest pressure of the cells that touch [Pa].
-double lac_domain_pressure(const lac_domain *domain, double *largest);
-
 /// A contact as it is told.
 typedef struct lac_contact_outcome {
     const lac_scene_contact *contact;

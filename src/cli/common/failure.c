@@ -11,8 +11,8 @@ void cli_failure_warn(const lac_failure *failure)
 {
     // a decade: what accelerates by less has hardly left creep
     const double clear = 10.0;
-    const cli_text reach = cli_amount(failure->reach, "m/s"),
-                   rate = cli_amount(failure->rate, "m/s");
+    const cli_text reach = cli_amount(failure->reach, "m/s");
+    const cli_text rate = cli_amount(failure->rate, "m/s");
     if (failure->lowered && failure->rate < clear * failure->start) {
         cli_note("warning: the failure rate, %s, is only %.2g times the slip rate at the start: "
                  "radiation damping holds so light a joint at some %s; give it its mass (inertia)",

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cli/common/exits.h"
+#include "cli/common/command.h"
 #include "cli/common/libraries.h"
 #include "cli/common/memory.h"
 #include "cli/common/output.h"
