@@ -227,20 +227,15 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
         {LAC_VARIABLES(of_unknowns, "unknown", sizeof(lac_fit_unknown)), r->unknown},
         {LAC_VARIABLES(of_result, "", 0), r},
         {LAC_VARIABLES(of_outcome, "", 0), o}};
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create("Parameters of a creep model fitted to a monitoring series: draws "
                                "of the posterior, predicted series and times of failure.",
-                               &d, err));
-    lac_dataset_set_clock(d, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
+                               out, err));
+    lac_dataset_set_clock(*out, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
                           o->source->start_date);
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(add_draws(d, r, err));
-    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
-    *out = d;
-    d = NULL;
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(add_draws(*out, r, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    lac_dataset_free(d);
     return status;
 }

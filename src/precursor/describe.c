@@ -392,23 +392,18 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
                              {LAC_VARIABLES(of_source, "", 0), o},
                              {LAC_VARIABLES(of_motion, "", 0), m},
                              {LAC_VARIABLES(of_outlook, "", 0), o}};
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create("Forecasts of the time of failure of a slope, by several methods, "
                                "and indicators of it, from what was known at each issue time.",
-                               &d, err));
-    lac_dataset_set_clock(d, o->dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE, 0.0);
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, laid, 1, err));
+                               out, err));
+    lac_dataset_set_clock(*out, o->dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE, 0.0);
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, 1, err));
     for (size_t k = 0; k < o->indicators; k++) {
-        LAC_TRY(add_indicator(d, o, k, issues, err));
+        LAC_TRY(add_indicator(*out, o, k, issues, err));
     }
-    LAC_TRY(lac_dataset_add(d, laid + 1, 3, err));
-    LAC_TRY(o->readings != NULL ? add_json(d, o, err) : LAC_OK);
-    *out = d;
-    d = NULL;
+    LAC_TRY(lac_dataset_add(*out, laid + 1, 3, err));
+    LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
 out:
-    lac_dataset_free(d);
     return status;
 }

@@ -253,28 +253,22 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
          s != NULL ? s->measures.profile : NULL},
         {LAC_VARIABLES(of_files, "face", sizeof(lac_file_report)), s != NULL ? s->file : NULL},
         {LAC_VARIABLES(of_outcome, "", 0), o}};
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create("Contact of a rough rock joint under normal load: maps over the "
                                "interface, and the fractal measures of the contact domain.",
-                               &d, err));
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, &domain, 1, err));
-    LAC_TRY(lac_describe_dimension(c, d, err));
+                               out, err));
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, &domain, 1, err));
+    LAC_TRY(lac_describe_dimension(c, *out, err));
     if (o->brief) {
-        goto done;
+        goto out;
     }
-    LAC_TRY(add_axis(d, c, false, err));
-    LAC_TRY(add_axis(d, c, true, err));
-    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
-    LAC_TRY(s != NULL ? add_faces(d, s, err) : LAC_OK);
-    LAC_TRY(lac_describe_fractal(c, d, err));
-    LAC_TRY(o->result != NULL ? add_history(d, o, err) : LAC_OK);
-done:
-    *out = d;
-    d = NULL;
+    LAC_TRY(add_axis(*out, c, false, err));
+    LAC_TRY(add_axis(*out, c, true, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(s != NULL ? add_faces(*out, s, err) : LAC_OK);
+    LAC_TRY(lac_describe_fractal(c, *out, err));
+    LAC_TRY(o->result != NULL ? add_history(*out, o, err) : LAC_OK);
 out:
-    lac_dataset_free(d);
     return status;
 }

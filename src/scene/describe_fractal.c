@@ -9,7 +9,6 @@
 
 #define CONTACT const lac_scene_contact *c = of
 #define BOXES const lac_box_count *b = &((const lac_scene_contact *)of)->boxes
-#define CLUSTERS const lac_cluster_summary *u = &((const lac_scene_contact *)of)->fractal.clusters
 #define SCALING const lac_scaling *s = &((const lac_scene_contact *)of)->fractal.scaling
 #define RESOLUTION \
     SCALING;       \
@@ -31,59 +30,23 @@ static double fitted_whole(const lac_scene_contact *c, size_t offset)
 }
 
 LAC_GETTER(bool, counted, CONTACT, c->counted)
-LAC_GETTER(double, d_box, BOXES, counted(of, at) ? b->dimension : NAN)
-LAC_GETTER(double, d_box_error, BOXES, counted(of, at) ? b->error : NAN)
-LAC_GETTER(double, d_box_regression, BOXES, counted(of, at) ? b->regression_error : NAN)
 LAC_GETTER(bool, ranged, BOXES,
            counted(of, at) && b->fit_first < b->sizes && b->fit_last < b->sizes)
 LAC_GETTER(double, fit_smallest, BOXES, ranged(of, at) ? b->side[b->fit_first] : NAN)
 LAC_GETTER(double, fit_largest, BOXES, ranged(of, at) ? b->side[b->fit_last] : NAN)
-LAC_GETTER(double, box_few, BOXES, counted(of, at) ? b->few_cells : NAN)
-LAC_GETTER(double, box_dense, BOXES, counted(of, at) ? b->dense : NAN)
 LAC_GETTER(double, box_weak, BOXES, counted(of, at) && (b->few_cells || b->dense))
-LAC_GETTER(double, box_side, BOXES, b->side[at[0]])
 LAC_GETTER(double, box_side_m, CONTACT, c->boxes.side[at[0]] * c->grid.dx)
-LAC_GETTER(double, box_mean, BOXES, b->count[at[0]])
-LAC_GETTER(double, box_minimum, BOXES, b->minimum[at[0]])
 LAC_GETTER(double, box_local, BOXES, at[0] + 1 < b->sizes ? -b->slope[at[0]] : (double)NAN)
 LAC_GETTER(double, box_local_json, BOXES, -b->slope[at[0]])
 LAC_GETTER(double, box_fitted, BOXES, at[0] >= b->fit_first && at[0] <= b->fit_last)
-LAC_GETTER(double, d_blocks, CONTACT, c->blocks.dimension)
 
-LAC_GETTER(bool, clustered, CONTACT, c->fractal.clustered)
-LAC_GETTER(bool, octaves, CLUSTERS, clustered(of, at) && u->octaves > 0)
-LAC_GETTER(double, cluster_number, CLUSTERS, (double)u->n)
-LAC_GETTER(double, cluster_largest, CLUSTERS, (double)u->largest)
-LAC_GETTER(double, cluster_extent, CLUSTERS, u->largest_extent)
-LAC_GETTER(double, cluster_widest, CLUSTERS, u->widest)
-LAC_GETTER(double, cluster_mean, CLUSTERS, u->mean)
-LAC_GETTER(double, cluster_weighted, CLUSTERS, u->weighted)
 LAC_GETTER(double, octave_size, (void)of, ldexp(1, (int)at[0]))
-LAC_GETTER(double, octave_count, CLUSTERS, (double)u->count[at[0]])
-LAC_GETTER(double, octave_cells, CLUSTERS, (double)u->cells_of[at[0]])
 
 LAC_GETTER(bool, scaled, CONTACT, c->fractal.scaled)
-LAC_GETTER(bool, stored, SCALING, scaled(of, at) && s->n > 0)
 
-// A number of the scaling, where there is one.
-#define SCALED(name, expression) \
-    LAC_GETTER(double, name, SCALING, scaled(of, at) ? (double)(expression) : NAN)
-SCALED(delta_s, s->dimension)
-SCALED(delta_s_error, s->error)
-SCALED(delta_s_regression, s->regression_error)
-SCALED(smooth, s->smooth)
-SCALED(from_slopes, s->from_slopes)
-SCALED(load, s->load)
-SCALED(load_error, s->load_error)
-SCALED(fractal_area, s->fractal_area)
-SCALED(fractal_pressure, s->fractal_pressure)
-SCALED(few_cells, s->few_cells)
-SCALED(left_out, s->left_out)
 LAC_GETTER(double, weak, SCALING, scaled(of, at) && s->few_cells)
-LAC_GETTER(double, e_star, CONTACT, c->e_star)
 LAC_TEXT_GETTER(none, CONTACT, c->fractal.scaled ? NULL : c->fractal.why.message)
-LAC_TEXT_GETTER(coarsening, CONTACT,
-                c->fractal.scaled ? lac_coarsening_text(c->fractal.scaling.coarsening) : NULL)
+LAC_TEXT_GETTER(coarsening, SCALING, lac_coarsening_text(s->coarsening))
 
 LAC_TEXT_GETTER(area_unit, CONTACT, fractal_unit(c, "m^", room))
 LAC_TEXT_GETTER(pressure_unit, CONTACT, fractal_unit(c, "N m^-", room))
@@ -119,53 +82,70 @@ LAC_GETTER(double, exponent_stated, PUBLISHED, x->stated)
     {                                                            \
         .name = (name_), .json = (json_), G(getter), __VA_ARGS__ \
     }
+// The same of one that is held.
+#define HELD(name_, json_, kind, field, ...)                                                    \
+    {                                                                                           \
+        .name = (name_), .json = (json_), LAC_HELD(kind, lac_scene_contact, field), __VA_ARGS__ \
+    }
 #define WHOLE .flags = LAC_WHOLE
 #define TRUTH .flags = LAC_TRUTH
 
-static const lac_variable of_dimension[] = {
-    ONE("d_box", "d_box", d_box),
-    ONE("d_box_error", "d_box_error", d_box_error),
-    ONE("d_box_regression_error", "d_box_regression_error", d_box_regression),
+static const lac_variable of_count[] = {
+    HELD("d_box", "d_box", REAL, boxes.dimension),
+    HELD("d_box_error", "d_box_error", REAL, boxes.error),
+    HELD("d_box_regression_error", "d_box_regression_error", REAL, boxes.regression_error),
     ONE("d_box_fit_smallest_cells", NULL, fit_smallest),
     ONE("d_box_fit_largest_cells", NULL, fit_largest),
-    ONE("d_box_few_cells", NULL, box_few, WHOLE),
-    ONE("d_box_dense", NULL, box_dense, WHOLE),
-    ONE("d_blocks", "d_blocks", d_blocks),
+    HELD("d_box_few_cells", NULL, BOOL, boxes.few_cells, WHOLE),
+    HELD("d_box_dense", NULL, BOOL, boxes.dense, WHOLE),
+};
+static const lac_variable of_blocks[] = {
+    HELD("d_blocks", "d_blocks", REAL, blocks.dimension),
     ONE(NULL, "d_box_weak", box_weak, TRUTH),
 };
 
-static const lac_variable of_scaling[] = {
-    ONE("delta_s", "delta_s", delta_s),
-    ONE("delta_s_error", "delta_s_error", delta_s_error),
-    ONE("delta_s_regression_error", "delta_s_regression_error", delta_s_regression),
+#define FITTED(name, kind, field, ...) HELD(name, NULL, kind, fractal.scaling.field, __VA_ARGS__)
+#define SCALED(name, field) HELD(name, name, REAL, fractal.scaling.field)
+static const lac_variable of_fit[] = {
+    SCALED("delta_s", dimension),
+    SCALED("delta_s_error", error),
+    SCALED("delta_s_regression_error", regression_error),
     ONE(NULL, "delta_s_all", all),
     ONE(NULL, "delta_s_all_error", all_error),
     ONE(NULL, "delta_s_all_regression_error", all_regression),
-    ONE("delta_s_smooth", "delta_s_smooth", smooth),
-    ONE("delta_s_from_slopes", "delta_s_from_slopes", from_slopes),
-    ONE("delta_s_few_cells", NULL, few_cells, WHOLE),
-    ONE("delta_s_left_out", NULL, left_out, WHOLE),
+    SCALED("delta_s_smooth", smooth),
+    SCALED("delta_s_from_slopes", from_slopes),
+    FITTED("delta_s_few_cells", BOOL, few_cells, WHOLE),
+    FITTED("delta_s_left_out", COUNT, left_out, WHOLE),
+};
+static const lac_variable of_weakness[] = {
     ONE(NULL, "delta_s_weak", weak, TRUTH),
     {.json = "delta_s_none", T(none)},
-    {.name = "coarsening", .json = "coarsening", T(coarsening)},
-    ONE(NULL, "e_star_Pa", e_star),
-    ONE("load_N", "load_N", load),
-    ONE("load_spread", "load_spread", load_error),
-    ONE("fractal_pressure", "fractal_pressure", fractal_pressure),
+};
+static const lac_variable of_coarsening[] = {
+    {.name = "coarsening", .json = "coarsening", T(coarsening)}};
+static const lac_variable of_stiffness[] = {HELD(NULL, "e_star_Pa", REAL, e_star)};
+static const lac_variable of_scaling[] = {
+    SCALED("load_N", load),
+    SCALED("load_spread", load_error),
+    SCALED("fractal_pressure", fractal_pressure),
     {.name = "fractal_pressure_unit", .json = "fractal_pressure_unit", T(pressure_unit)},
-    ONE("fractal_area", "fractal_area", fractal_area),
+    SCALED("fractal_area", fractal_area),
     {.name = "fractal_area_unit", .json = "fractal_area_unit", T(area_unit)},
 };
 
+// Of each box side and octave; what is an array in the result is held with its elements' stride.
+#define BOX(field) LAC_HELD(REAL, lac_scene_contact, boxes.field)
+#define CLUSTER(field) LAC_HELD(COUNT, lac_scene_contact, fractal.clusters.field)
 static const lac_variable of_boxes[] = {
     LAC_ROW("box_side", "box", NULL, "side of a box, in cells", .json = "boxes[]/side_cells",
-            G(box_side)),
+            BOX(side)),
     {.json = "boxes[]/side_m", .dims = "box", G(box_side_m)},
     LAC_ROW("box_count", "box", NULL, "boxes that hold a contact cell", .json = "boxes[]/count",
-            G(box_mean), .coordinates = "box_side",
+            BOX(count), .coordinates = "box_side",
             .comment = "mean over random origins of the boxes"),
     LAC_ROW("box_minimum", "box", NULL, "least number of boxes that hold a contact cell",
-            .json = "boxes[]/minimum", G(box_minimum), .coordinates = "box_side",
+            .json = "boxes[]/minimum", BOX(minimum), .coordinates = "box_side",
             .comment = "least over random origins of the boxes"),
     LAC_ROW("box_local_dimension", "box", NULL,
             "box-counting dimension between this side and the next larger one", G(box_local),
@@ -174,25 +154,27 @@ static const lac_variable of_boxes[] = {
     {.json = "boxes[]/fitted", .dims = "box", G(box_fitted), TRUTH},
 };
 
-#define CLUSTER(name, json, getter, ...) \
-    ONE(name, "clusters/" json, getter, .has = clustered, __VA_ARGS__)
 static const lac_variable of_clusters[] = {
-    CLUSTER("clusters", "number", cluster_number, WHOLE),
-    CLUSTER("largest_cluster_cells", "largest_cells", cluster_largest, WHOLE),
-    CLUSTER("largest_cluster_extent_m", "largest_extent_m", cluster_extent),
-    CLUSTER("widest_cluster_m", "widest_m", cluster_widest),
-    CLUSTER("mean_cluster_cells", "mean_cells", cluster_mean),
-    CLUSTER("weighted_mean_cluster_cells", "weighted_mean_cells", cluster_weighted),
+    HELD("clusters", "clusters/number", COUNT, fractal.clusters.n, WHOLE),
+    HELD("largest_cluster_cells", "clusters/largest_cells", COUNT, fractal.clusters.largest, WHOLE),
+    HELD("largest_cluster_extent_m", "clusters/largest_extent_m", REAL,
+         fractal.clusters.largest_extent),
+    HELD("widest_cluster_m", "clusters/widest_m", REAL, fractal.clusters.widest),
+    HELD("mean_cluster_cells", "clusters/mean_cells", REAL, fractal.clusters.mean),
+    HELD("weighted_mean_cluster_cells", "clusters/weighted_mean_cells", REAL,
+         fractal.clusters.weighted),
+};
+static const lac_variable of_octaves[] = {
     LAC_ROW("cluster_size", "cluster_octave", NULL, "cells of a cluster, least of its octave",
             .json = "clusters/octaves[]/from_cells", G(octave_size),
             .comment = "an octave reaches from this size to one less than twice this size"),
     LAC_ROW("cluster_count", "cluster_octave", NULL,
             "clusters of contact cells in an octave of sizes", .json = "clusters/octaves[]/number",
-            G(octave_count), .coordinates = "cluster_size",
+            CLUSTER(count), .coordinates = "cluster_size",
             .comment = "cells that touch by a side or a corner are of one cluster"),
     LAC_ROW("cluster_cells", "cluster_octave", NULL,
             "contact cells in the clusters of an octave of sizes",
-            .json = "clusters/octaves[]/cells", G(octave_cells), .coordinates = "cluster_size"),
+            .json = "clusters/octaves[]/cells", CLUSTER(cells_of), .coordinates = "cluster_size"),
 };
 
 #define RES(json_) .json = "resolutions[]/" json_
@@ -261,25 +243,31 @@ static size_t published(void)
 
 lac_status lac_describe_dimension(const lac_scene_contact *c, lac_dataset *d, lac_error *err)
 {
-    const lac_laid laid = {LAC_VARIABLES(of_dimension, "", 0), c};
-    return lac_dataset_add(d, &laid, 1, err);
+    const lac_laid laid[] = {{LAC_VARIABLES(of_count, "", 0), c->counted ? c : NULL},
+                             {LAC_VARIABLES(of_blocks, "", 0), c}};
+    return lac_dataset_add(d, laid, 2, err);
 }
 
 lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_error *err)
 {
     const lac_scene_fractal *f = &c->fractal;
-    const size_t none[] = {0};
+    const lac_scene_contact *clustered = f->clustered ? c : NULL, *scaled = f->scaled ? c : NULL;
     const lac_extent dims[] = {{"box", c->counted ? c->boxes.sizes : 0},
-                               {"cluster_octave", octaves(c, none) ? f->clusters.octaves : 0},
-                               {"resolution", stored(c, none) ? f->scaling.n : 0},
+                               {"cluster_octave", f->clustered ? f->clusters.octaves : 0},
+                               {"resolution", f->scaled ? f->scaling.n : 0},
                                {"specimen", f->sizes},
                                {"exponent", f->sizes > 0 ? published() : 0}};
     const lac_laid laid[] = {
-        {LAC_VARIABLES(of_scaling, "", 0), c},
+        {LAC_VARIABLES(of_fit, "", 0), scaled},
+        {LAC_VARIABLES(of_weakness, "", 0), c},
+        {LAC_VARIABLES(of_coarsening, "", 0), scaled},
+        {LAC_VARIABLES(of_stiffness, "", 0), c},
+        {LAC_VARIABLES(of_scaling, "", 0), scaled},
         {LAC_VARIABLES(of_resolutions, "resolution", sizeof(lac_resolution)), f->scaling.at},
         {LAC_VARIABLES(beside_resolutions, "", 0), c},
-        {LAC_VARIABLES(of_boxes, "", 0), c},
-        {LAC_VARIABLES(of_clusters, "", 0), c},
+        {LAC_VARIABLES(of_boxes, "", sizeof(double)), c},
+        {LAC_VARIABLES(of_clusters, "", 0), clustered},
+        {LAC_VARIABLES(of_octaves, "", sizeof(size_t)), clustered},
         {LAC_VARIABLES(of_specimens, "specimen", sizeof(lac_size_strength)), f->size},
         {LAC_VARIABLES(of_exponents, "exponent", 0), c},
     };

@@ -296,17 +296,12 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
         {LAC_VARIABLES(of_origin, "", 0), o},
     };
     const size_t tables = sizeof laid / sizeof *laid - (o->cells != NULL ? 0 : 2);
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create("Cascade of slip over the blocks of a rough rock joint: what slips "
                                "at which shear force, scale by scale, and the critical force.",
-                               &d, err));
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, laid, tables, err));
-    *out = d;
-    d = NULL;
+                               out, err));
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, tables, err));
 out:
-    lac_dataset_free(d);
     return status;
 }

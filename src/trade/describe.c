@@ -229,19 +229,14 @@ lac_status lac_trade_describe(const lac_trade_outcome *o, lac_dataset **out, lac
         {LAC_VARIABLES(of_recommended, "", 0), any ? &o->recommended : NULL},
         {LAC_VARIABLES(of_end, "", 0), o},
     };
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create(
         "Error against cost of a case at different settings: one run a row, measured in a process "
         "of its own, with the Pareto front and what is recommended.",
-        &d, err));
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
-    LAC_TRY(lac_dataset_add_named(d, &of_value, &named, o->row, err));
-    *out = d;
-    d = NULL;
+        out, err));
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(lac_dataset_add_named(*out, &of_value, &named, o->row, err));
 out:
-    lac_dataset_free(d);
     return status;
 }

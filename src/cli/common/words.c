@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/date.h"
 #include "base/nearest.h"
 #include "base/units.h"
 #include "cli/common/clean.h"
@@ -83,6 +84,13 @@ cli_text cli_format(const char *format, ...)
     return text;
 }
 
+cli_text cli_exact(double value, const char *unit)
+{
+    cli_text text;
+    (void)lac_units_format(value, unit, text.s, sizeof text.s);
+    return text;
+}
+
 cli_text cli_amount(double value, const char *unit)
 {
     char *rest;
@@ -91,10 +99,10 @@ cli_text cli_amount(double value, const char *unit)
     return cli_format("%.4g%s", number, rest);
 }
 
-cli_text cli_exact(double value, const char *unit)
+cli_text cli_date(double seconds)
 {
     cli_text text;
-    (void)lac_units_format(value, unit, text.s, sizeof text.s);
+    (void)lac_date_format(seconds, text.s, sizeof text.s);
     return text;
 }
 

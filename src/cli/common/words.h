@@ -32,9 +32,11 @@ typedef struct cli_text {
 } cli_text;
 cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/// A value with the unit that reads best, to four digits and in full.
+/// A value with the unit that reads best, to four digits and in full; a time since 1970 as a date,
+/// "" where it has none.
 cli_text cli_amount(double value, const char *unit);
 cli_text cli_exact(double value, const char *unit);
+cli_text cli_date(double seconds);
 
 /// As cli_row, a text wrapped to 79 columns.
 void cli_row_wrap(const char *label, const char *text);

@@ -5,18 +5,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/date.h"
 #include "cli/common/words.h"
 #include "cli/fit/fit.h"
 
 static cli_text when(const lac_case *c, double t)
 {
-    cli_text text = {"-"};
-    if (c->dated && isfinite(t)) {
-        (void)lac_date_format(c->start_date + t, text.s, sizeof text.s);
-        return text;
+    if (!isfinite(t)) {
+        return cli_format(isnan(t) ? "-" : "not by time.end");
     }
-    return isnan(t) ? text : isinf(t) ? cli_format("not by time.end") : cli_amount(t, "s");
+    return c->dated ? cli_date(c->start_date + t) : cli_amount(t, "s");
 }
 
 static void print_data(const lac_fit_result *r)

@@ -12,54 +12,46 @@
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
+#include "cli/report/report.h"
 #include "data/dataset.h"
+#include "fit/foresee.h"
 #include "store/store.h"
 #include "store/store_events.h"
 #include "store/store_file.h"
 
+enum { EVENT_TIME, EVENT_DURATION, EVENT_MOMENT, TIME, N_SLIP, N_TOT, LENGTH, CRITICAL, VALUES };
+
 // What a source holds besides its motion: of a run its events and cells.
 typedef struct cells {
-    lac_stored_values event_time, event_duration, event_moment; // the second turns into ends
-    lac_stored_values time, n_slip, n_tot, length, critical;
+    lac_stored_values value[VALUES]; // durations of events turn into their ends
     lac_event_list events;
     lac_slip_history slip;
     lac_evidence evidence; // of the two above; points into this
 } cells;
 
-static void cells_clear(cells *c)
-{
-    lac_stored_values *const all[] = {&c->event_time, &c->event_duration, &c->event_moment,
-                                      &c->time,       &c->n_slip,         &c->n_tot,
-                                      &c->length,     &c->critical};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        lac_stored_values_clear(all[i]);
-    }
-}
-
 static lac_status read_values(const char *path, cells *c, lac_error *err)
 {
-    const struct {
-        const char *name;
-        lac_stored_values *to;
-    } wanted[] = {
-        {"event_time", &c->event_time},
-        {"event_duration", &c->event_duration},
-        {"event_moment", &c->event_moment},
-        {"time", &c->time},
-        {"n_slip", &c->n_slip},
-        {"n_tot", &c->n_tot},
-        {"correlation_length", &c->length},
-        {"critical_fraction", &c->critical},
-    };
+    static const char *const names[VALUES] = {
+        "event_time", "event_duration", "event_moment",       "time",
+        "n_slip",     "n_tot",          "correlation_length", "critical_fraction"};
     lac_stored_file *file = NULL;
     lac_status status = LAC_OK;
     LAC_TRY(lac_stored_file_open(path, &file, err));
-    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        LAC_TRY(lac_stored_file_values(file, wanted[i].name, wanted[i].to, err));
+    for (size_t i = 0; i < VALUES; i++) {
+        LAC_TRY(lac_stored_file_values(file, names[i], &c->value[i], err));
     }
 out:
     lac_stored_file_close(file);
     return status;
+}
+
+// Whether all that stands in [first, last] is there.
+static bool has_all(const cells *c, size_t first, size_t last)
+{
+    while (first <= last && c->value[first].value != NULL) {
+        first++;
+    }
+    return first > last;
 }
 
 // An event, to be put in the order of starts.
@@ -70,49 +62,48 @@ typedef struct event {
 // The events in the order of their starts, on the series' clock.
 static lac_status sort_events(cells *c, double start, lac_error *err)
 {
-    const size_t n = c->event_time.n;
+    const size_t n = c->value[EVENT_TIME].n;
+    double *time = c->value[EVENT_TIME].value, *end = c->value[EVENT_DURATION].value;
+    double *moment = c->value[EVENT_MOMENT].value;
     event *list = malloc((n > 0 ? n : 1) * sizeof *list);
     size_t kept = 0;
     if (list == NULL) {
         return lac_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        const double from = c->event_time.value[i] + start;
-        const double to = c->event_time.value[i] + c->event_duration.value[i] + start;
+        const double from = time[i] + start, to = time[i] + end[i] + start;
         if (isfinite(from) && isfinite(to)) {
-            list[kept++] = (event){from, to, c->event_moment.value[i]};
+            list[kept++] = (event){from, to, moment[i]};
         }
     }
     qsort(list, kept, sizeof *list, lac_by_first);
     for (size_t i = 0; i < kept; i++) {
-        c->event_time.value[i] = list[i].time;
-        c->event_duration.value[i] = list[i].end;
-        c->event_moment.value[i] = list[i].moment;
+        time[i] = list[i].time;
+        end[i] = list[i].end;
+        moment[i] = list[i].moment;
     }
     free(list);
-    c->events = (lac_event_list){.n = kept,
-                                 .time = c->event_time.value,
-                                 .moment = c->event_moment.value,
-                                 .end = c->event_duration.value};
+    c->events = (lac_event_list){.n = kept, .time = time, .moment = moment, .end = end};
     return LAC_OK;
 }
 
 // The records of slipping blocks, on the series' clock.
 static void take_slip(cells *c, double start)
 {
-    size_t n = c->time.n < c->n_slip.n ? c->time.n : c->n_slip.n;
-    n = n < c->length.n ? n : c->length.n;
+    const lac_stored_values *v = c->value;
+    size_t n = v[TIME].n < v[N_SLIP].n ? v[TIME].n : v[N_SLIP].n;
+    n = n < v[LENGTH].n ? n : v[LENGTH].n;
     for (size_t i = 0; i < n; i++) {
-        c->time.value[i] += start;
+        v[TIME].value[i] += start;
     }
     c->slip = (lac_slip_history){.n = n,
-                                 .levels = c->n_slip.width,
-                                 .time = c->time.value,
-                                 .n_slip = c->n_slip.value,
-                                 .n_tot = c->n_tot.value,
-                                 .length = c->length.value,
+                                 .levels = v[N_SLIP].width,
+                                 .time = v[TIME].value,
+                                 .n_slip = v[N_SLIP].value,
+                                 .n_tot = v[N_TOT].value,
+                                 .length = v[LENGTH].value,
                                  .critical_fraction =
-                                     c->critical.value != NULL ? c->critical.value[0] : NAN};
+                                     v[CRITICAL].value != NULL ? v[CRITICAL].value[0] : NAN};
 }
 
 // Where what it reads ends is cut off at each time of issue.
@@ -124,13 +115,11 @@ static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *
         return LAC_OK;
     }
     LAC_TRY(read_values(watched->path, out, err));
-    if (out->event_time.value != NULL && out->event_duration.value != NULL &&
-        out->event_moment.value != NULL) {
+    if (has_all(out, EVENT_TIME, EVENT_MOMENT)) {
         LAC_TRY(sort_events(out, watched->start, err));
         out->evidence.events = &out->events;
     }
-    if (out->time.value != NULL && out->n_slip.value != NULL && out->n_tot.value != NULL &&
-        out->length.value != NULL) {
+    if (has_all(out, TIME, LENGTH)) {
         take_slip(out, watched->start);
         out->evidence.slip = &out->slip;
     }
@@ -141,7 +130,10 @@ out:
 typedef struct precursors_job {
     const cli_request *request;
     lac_units *units;
-    cli_foreseer foreseer;
+    lac_case *source; // the slope's own model, with --case
+    lac_fit_watch watch;
+    lac_foresight how;
+    lac_forecast_model model;
     cli_watched watched;
     cli_forecast_plan plan;
     lac_outlook *outlook;
@@ -153,6 +145,31 @@ typedef struct precursors_job {
     lac_precursor_course *course;
     lac_skill *skill;
 } precursors_job;
+
+static bool on_interrupted(void *context)
+{
+    (void)context;
+    return cli_signals_stop();
+}
+
+// The case that forecasts beside the methods that know only the motion.
+static lac_status read_case(precursors_job *job, lac_error *err)
+{
+    cli_request of_case = *job->request;
+    const char *path = of_case.argument[0] = of_case.forecast.case_file;
+    if (path == NULL) {
+        return of_case.set_count == 0
+                   ? LAC_OK
+                   : lac_fail(err, LAC_EINPUT, "--set: overrides a case: --case names one");
+    }
+    const lac_status status = cli_case_read(&of_case, LAC_FOR_FIT, &job->source, NULL, err);
+    job->watch.interrupted = on_interrupted;
+    job->how = (lac_foresight){.source = job->source,
+                               .threads = of_case.threads > 0 ? of_case.threads : 1,
+                               .watch = &job->watch};
+    job->model = lac_foresee(&job->how);
+    return status;
+}
 
 static bool go_on(void *context, size_t done, size_t all)
 {
@@ -187,7 +204,7 @@ out:
 static lac_status write_file(const precursors_job *job, const lac_dataset *dataset, lac_error *err)
 {
     char libraries[256];
-    const lac_case *c = job->foreseer.source;
+    const lac_case *c = job->source;
     char *text = c != NULL ? lac_case_text(c) : NULL;
     if (c != NULL && text == NULL) {
         return lac_fail_memory(err);
@@ -246,21 +263,20 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     precursors_job job = {.request = request};
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
-    LAC_TRY(cli_foreseer_read(request, &job.foreseer, err));
+    LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
-        LAC_TRY(cli_output_check(request, job.foreseer.source, request->output, err));
+        LAC_TRY(cli_output_check(request, job.source, request->output, err));
     }
-    LAC_TRY(cli_watched_read(&job.foreseer.named, job.units, &job.watched, err));
+    LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
-    if (job.foreseer.source != NULL) {
-        job.foreseer.how.dated = job.watched.dated;
-        job.plan.def.model = &job.foreseer.model;
+    if (job.source != NULL) {
+        job.how.dated = job.watched.dated;
+        job.plan.def.model = &job.model;
         cli_signals_hold();
-        cli_say(request, "fitting %s to %zu readings", job.foreseer.source->path,
-                job.watched.readings.n);
+        cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
     LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
@@ -278,10 +294,12 @@ out:
     free(job.skill);
     lac_rolling_free(job.rolling);
     lac_precursor_course_free(job.course);
-    cells_clear(&job.cells);
+    for (size_t i = 0; i < VALUES; i++) {
+        lac_stored_values_clear(&job.cells.value[i]);
+    }
     lac_outlook_free(job.outlook);
     cli_watched_clear(&job.watched);
-    cli_foreseer_clear(&job.foreseer);
+    lac_case_free(job.source);
     lac_units_free(job.units);
     return status;
 }

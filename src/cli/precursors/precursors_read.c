@@ -28,7 +28,7 @@ static double read_number(const char *path, const char *name)
                : NAN;
 }
 
-bool cli_watched_is_run(const cli_request *request)
+static bool is_run(const cli_request *request)
 {
     const char *path = request->argument[0];
     char text[32];
@@ -73,10 +73,22 @@ out:
     return status;
 }
 
-static lac_status read_series(const cli_request *request, const lac_units *units, cli_watched *w,
-                              lac_error *err)
+static lac_status read_series(const cli_request *request, const lac_case *known,
+                              const lac_units *units, cli_watched *w, lac_error *err)
 {
-    lac_status status = cli_series_read(request, w->path, units, &w->series, err);
+    lac_series_def def = {0};
+    if (known != NULL) {
+        const lac_fit_def *fit = &known->fit;
+        def = (lac_series_def){.time = fit->time,
+                               .time_format = fit->time_format,
+                               .displacement = fit->displacement,
+                               .displacement_unit = fit->displacement_unit,
+                               .velocity = fit->velocity,
+                               .velocity_unit = fit->velocity_unit,
+                               .sigma = fit->sigma,
+                               .sigma_unit = fit->sigma_unit};
+    }
+    lac_status status = cli_series_read(request, &def, w->path, units, &w->series, err);
     if (status == LAC_OK) {
         const lac_series *s = w->series;
         w->dated = s->dated;
@@ -112,13 +124,14 @@ static lac_status cut(const cli_request *request, const lac_units *units, cli_wa
     return LAC_OK;
 }
 
-lac_status cli_watched_read(const cli_request *request, const lac_units *units, cli_watched *out,
-                            lac_error *err)
+lac_status cli_watched_read(const cli_request *request, const lac_case *known,
+                            const lac_units *units, cli_watched *out, lac_error *err)
 {
     const char *failed_at = request->forecast.failed_at;
     *out = (cli_watched){.path = request->argument[0], .failed_at = NAN};
-    out->run = cli_watched_is_run(request);
-    lac_status status = out->run ? read_run(out, err) : read_series(request, units, out, err);
+    out->run = is_run(request);
+    lac_status status =
+        out->run ? read_run(out, err) : read_series(request, known, units, out, err);
     LAC_TRY(status);
     LAC_TRY(cut(request, units, out, err));
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
@@ -242,14 +255,14 @@ static cli_text clock_text(const lac_series *series, double t)
 
 cli_text cli_watched_time(const cli_watched *watched, double t)
 {
-    cli_text text = {"-"};
     if (!isfinite(t)) {
-        return text;
+        return cli_format("-");
     }
     if (!watched->dated) {
         return clock_text(watched->series, t);
     }
-    if (strlen(lac_date_format(t, text.s, sizeof text.s)) != 20) {
+    cli_text text = cli_date(t);
+    if (strlen(text.s) != 20) {
         return cli_format("%s", t > 0.0 ? "after year 9999" : "before year 0");
     }
     text.s[10] = ' ';

@@ -12,12 +12,10 @@
 #include "store/store_cells.h"
 #include "store/store_file.h"
 
-// Splits "column:unit" at its last colon, in a copy.
-static lac_status split(const char *option, const char *text, char **column, const char **unit,
-                        lac_error *err)
+// Splits "column:unit", if given, at its last colon, in a copy.
+static lac_status split(const char *option, const char *text, char **owned, const char **column,
+                        const char **unit, lac_error *err)
 {
-    *column = NULL;
-    *unit = NULL;
     if (text == NULL) {
         return LAC_OK;
     }
@@ -26,12 +24,13 @@ static lac_status split(const char *option, const char *text, char **column, con
         return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be COLUMN:UNIT, such as \"disp_mm:mm\"",
                         option, text);
     }
-    *column = strdup(text);
-    if (*column == NULL) {
+    *column = *owned = strdup(text);
+    if (*owned == NULL) {
         return lac_fail_memory(err);
     }
+    *unit = NULL;
     if (colon != NULL) {
-        (*column)[colon - text] = '\0';
+        (*owned)[colon - text] = '\0';
         *unit = colon + 1;
     }
     return LAC_OK;
@@ -56,34 +55,35 @@ static lac_status ask_for_columns(const char *path, lac_error *err)
                             : status;
 }
 
-lac_status cli_series_read(const cli_request *request, const char *path, const lac_units *units,
-                           lac_series **out, lac_error *err)
+lac_status cli_series_read(const cli_request *request, const lac_series_def *known,
+                           const char *path, const lac_units *units, lac_series **out,
+                           lac_error *err)
 {
     const cli_series_words *words = &request->series;
-    char *displacement = NULL;
-    char *velocity = NULL;
-    char *sigma = NULL;
-    lac_series_def def = {.path = path, .time = words->time, .time_format = words->time_format};
+    const bool named = words->displacement != NULL || words->velocity != NULL;
+    lac_series_def def = !named && known != NULL ? *known : (lac_series_def){0};
+    char *owned[3] = {NULL};
     lac_status status;
     *out = NULL;
-    if (words->displacement == NULL && words->velocity == NULL) {
+    def.path = path;
+    def.time = words->time != NULL ? words->time : def.time;
+    def.time_format = words->time_format != NULL ? words->time_format : def.time_format;
+    LAC_TRY(split("displacement", words->displacement, &owned[0], &def.displacement,
+                  &def.displacement_unit, err));
+    LAC_TRY(split("velocity", words->velocity, &owned[1], &def.velocity, &def.velocity_unit, err));
+    if (def.displacement == NULL && def.velocity == NULL) {
         LAC_TRY(ask_for_columns(path, err));
     }
-    if (words->sigma != NULL && words->displacement == NULL) {
-        return lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too");
+    if (words->sigma != NULL && def.displacement == NULL) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too"));
     }
-    LAC_TRY(split("displacement", words->displacement, &displacement, &def.displacement_unit, err));
-    LAC_TRY(split("velocity", words->velocity, &velocity, &def.velocity_unit, err));
-    LAC_TRY(split("sigma", words->sigma, &sigma, &def.sigma_unit, err));
-    def.displacement = displacement;
-    def.velocity = velocity;
-    def.sigma = sigma;
+    LAC_TRY(split("sigma", words->sigma, &owned[2], &def.sigma, &def.sigma_unit, err));
     LAC_TRY(lac_series_read(&def, units, out, err));
     cli_series_warn(request, path, *out);
 out:
-    free(displacement);
-    free(velocity);
-    free(sigma);
+    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) {
+        free(owned[i]);
+    }
     return status;
 }
 
@@ -97,7 +97,7 @@ void cli_series_warn(const cli_request *request, const char *path, const lac_ser
 void cli_series_warnings(lac_json *json, const lac_series *series)
 {
     lac_json_open(json, "warnings", '[');
-    for (size_t i = 0; series != NULL && i < series->doubts; i++) {
+    for (size_t i = 0; i < series->doubts; i++) {
         lac_json_text(json, NULL, series->doubt[i]);
     }
     lac_json_close(json, ']');

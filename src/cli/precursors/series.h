@@ -7,16 +7,18 @@
 #include "data/json.h"
 #include "series/series.h"
 
-/// Reads the request's monitoring file by its options --time, --time-format, --displacement,
-/// --velocity and --sigma, and warns of doubts.
+/// Reads a monitoring file by the options --time, --time-format, --displacement, --velocity and
+/// --sigma, and warns of doubts.
+/// @param known  its columns where the options name none; NULL: they must
 /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
-lac_status cli_series_read(const cli_request *request, const char *path, const lac_units *units,
-                           lac_series **out, lac_error *err);
+lac_status cli_series_read(const cli_request *request, const lac_series_def *known,
+                           const char *path, const lac_units *units, lac_series **out,
+                           lac_error *err);
 
 /// Says what was taken for want of a word, a line each, unless --quiet.
 void cli_series_warn(const cli_request *request, const char *path, const lac_series *series);
 
-/// The same as JSON's list of texts, `warnings`; NULL: a run's, which has none.
+/// The same as JSON's list of texts, `warnings`.
 void cli_series_warnings(lac_json *json, const lac_series *series);
 
 /// Reads a time on the series' clock: a date where it is dated, else a quantity such as "10 day".

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
@@ -79,10 +78,9 @@ static double reading_time(const cli_compare *compare, size_t i, size_t k)
     return series->time[k] + (from_start ? compare->source->start_date : 0);
 }
 
-static const char *format_time(const cli_compare *compare, double t, char *text, size_t size)
+static cli_text format_time(const cli_compare *compare, double t)
 {
-    return compare->source->dated ? lac_date_format(t, text, size)
-                                  : lac_units_format(t, "s", text, size);
+    return compare->source->dated ? cli_date(t) : cli_exact(t, "s");
 }
 
 // The series with its times on the run's clock; nothing else is copied.
@@ -99,40 +97,24 @@ static lac_series *on_run_clock(const cli_compare *compare, size_t i, lac_series
     return view;
 }
 
-// One line: when, observed, modelled, their ratio.
-static void print_reading(const char *when, double observed, double modelled, const char *unit)
+// A line a reading: when, observed, modelled, their ratio.
+static void print_column(const cli_compare *compare, const lac_series *series,
+                         const lac_history *run, const double *observed, double offset)
 {
-    const bool outside = isnan(modelled), compared = !outside && observed != 0;
-    printf("    %-21s %-18s %-18s %s\n", when, cli_amount(observed, unit).s,
-           outside ? "- (outside)" : cli_amount(modelled, unit).s,
-           compared ? cli_format("%.2g", modelled / observed).s : "-");
-}
-
-static void print_rates(const cli_compare *compare, const lac_series *series,
-                        const lac_history *run)
-{
+    const bool rates = observed == series->velocity;
+    const char *unit = rates ? "m/s" : "m";
     for (size_t k = 0; k < series->n; k++) {
-        double slip, rate = NAN;
-        char when[32];
-        if (!isnan(series->velocity[k])) {
-            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
-            print_reading(format_time(compare, series->time[k], when, sizeof when),
-                          series->velocity[k], inside ? rate : NAN, "m/s");
+        double slip = NAN, rate = NAN;
+        if (isnan(observed[k])) {
+            continue;
         }
-    }
-}
-
-static void print_slips(const cli_compare *compare, const lac_series *series,
-                        const lac_history *run, double offset)
-{
-    for (size_t k = 0; k < series->n; k++) {
-        double slip = NAN, rate;
-        char when[32];
-        if (!isnan(series->displacement[k])) {
-            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
-            print_reading(format_time(compare, series->time[k], when, sizeof when),
-                          series->displacement[k], inside ? slip + offset : NAN, "m");
-        }
+        const bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+        const double modelled = inside ? (rates ? rate : slip + offset) : NAN;
+        const bool ratio = !isnan(modelled) && observed[k] != 0;
+        printf("    %-21s %-18s %-18s %s\n", format_time(compare, series->time[k]).s,
+               cli_amount(observed[k], unit).s,
+               isnan(modelled) ? "- (outside)" : cli_amount(modelled, unit).s,
+               ratio ? cli_format("%.2g", modelled / observed[k]).s : "-");
     }
 }
 
@@ -146,11 +128,11 @@ static void print_readings(const cli_compare *compare, const lac_series *series,
     }
     if (series->displacement != NULL) {
         printf(form, when, "slip, observed", "modelled + offset");
-        print_slips(compare, series, run, misfit->displacement_offset);
+        print_column(compare, series, run, series->displacement, misfit->displacement_offset);
     }
     if (series->velocity != NULL) {
         printf(form, when, "rate, observed", "modelled");
-        print_rates(compare, series, run);
+        print_column(compare, series, run, series->velocity, 0.0);
     }
 }
 
@@ -210,11 +192,10 @@ static void write_readings(lac_json *json, const cli_compare *compare, const lac
     lac_json_open(json, "readings", '[');
     for (size_t k = 0; k < series->n && series->n <= FEW_READINGS; k++) {
         double slip = NAN, rate = NAN;
-        char date[32];
         bool inside = lac_history_at(run, series->time[k], &slip, &rate);
         lac_json_open(json, NULL, '{');
         if (compare->source->dated) {
-            lac_json_text(json, "date", lac_date_format(series->time[k], date, sizeof date));
+            lac_json_text(json, "date", cli_date(series->time[k]).s);
         }
         lac_json_number(json, "time_s", series->time[k] - compare->source->start_date);
         lac_json_number(json, "observed_slip_m", column_value(series->displacement, k));

@@ -70,31 +70,23 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path)
     return NULL;
 }
 
-static lac_status read_known(const lac_compare_def *known, const char *path, const lac_units *units,
-                             lac_series **out, lac_error *err)
-{
-    const lac_series_def def = {.path = path,
-                                .time = known->time,
-                                .displacement = known->displacement,
-                                .displacement_unit = known->displacement_unit,
-                                .velocity = known->velocity,
-                                .velocity_unit = known->velocity_unit};
-    return lac_series_read(&def, units, out, err);
-}
-
 static lac_status read_series(const cli_request *request, lac_series **out, lac_error *err)
 {
     const bool named = request->series.displacement != NULL || request->series.velocity != NULL;
     lac_case *c = named ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare);
+    lac_series_def def = {0};
     lac_units *units = NULL;
     lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = known != NULL ? read_known(known, request->compare, units, out, err)
-                               : cli_series_read(request, request->compare, units, out, err);
+    if (known != NULL) {
+        def = (lac_series_def){.time = known->time,
+                               .displacement = known->displacement,
+                               .displacement_unit = known->displacement_unit,
+                               .velocity = known->velocity,
+                               .velocity_unit = known->velocity_unit};
     }
-    if (status == LAC_OK && known != NULL) {
-        cli_series_warn(request, request->compare, *out);
+    if (status == LAC_OK) {
+        status = cli_series_read(request, &def, request->compare, units, out, err);
     }
     lac_units_free(units);
     lac_case_free(c);

@@ -34,30 +34,25 @@ static bool is_file(const char *path)
 // A file holds one interface with its tractions: only rg's own keys can differ, and not all.
 static lac_status check_override(const lac_override *set, lac_error *err)
 {
+    static const char *const rules[][3] = {
+        {"rg.field", "equal", "must be equal: a further load on the tractions of a file"},
+        {"rg.seeds", "1", "must be 1: a file holds one interface"},
+        {"rg.path", "",
+         "has no meaning for a file, whose cells are loaded further without new contacts"},
+        {"rg.contacts", "",
+         "has no meaning for a file, whose cells are loaded further without new contacts"},
+    };
     if (strncmp(set->key, "rg.", 3) != 0) {
         return lac_fail(err, LAC_EINPUT,
                         "--set: %s: cannot be changed in a file that holds its results; only keys "
                         "of rg can, such as rg.beta",
                         set->key);
     }
-    if (strcmp(set->key, "rg.field") == 0 && strcmp(set->value, "equal") != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--set: rg.field: \"%s\" must be equal: a further load on the tractions "
-                        "of a file",
-                        set->value);
-    }
-    if (strcmp(set->key, "rg.seeds") == 0 && strcmp(set->value, "1") != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--set: rg.seeds: \"%s\" must be 1: a file holds one "
-                        "interface",
-                        set->value);
-    }
-    if (strcmp(set->key, "rg.path") == 0 || strcmp(set->key, "rg.contacts") == 0) {
-        return lac_fail(
-            err, LAC_EINPUT,
-            "--set: %s: \"%s\" has no meaning for a file, whose cells are loaded further "
-            "without new contacts",
-            set->key, set->value);
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
+        if (strcmp(set->key, rules[i][0]) == 0 && strcmp(set->value, rules[i][1]) != 0) {
+            return lac_fail(err, LAC_EINPUT, "--set: %s: \"%s\" %s", set->key, set->value,
+                            rules[i][2]);
+        }
     }
     return LAC_OK;
 }

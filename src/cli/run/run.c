@@ -2,6 +2,7 @@
 // lacuna run: a simulation with its file, its page and its progress.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/units.h"
 #include "cli/common/command.h"
@@ -13,9 +14,10 @@
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "cli/run/resume.h"
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
+#include "store/store_checkpoint.h"
+#include "store/store_file.h"
 
 // Everything that a run holds.
 typedef struct run_job {
@@ -48,13 +50,117 @@ static void job_clear(run_job *job)
 
 static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
 
+enum { LINE = 200 };
+
+// A resolved case, line by line, without what may differ.
+typedef struct lines {
+    const char *at;
+    const char *rest;               // follows where `at` ends; NULL
+    char section[LINE], line[LINE]; // as much of them as messages show
+    size_t length;                  // of the whole line
+    const char *start;
+} lines;
+
+static bool may_differ(const lines *l)
+{
+    static const char *const free_lines[][2] = {
+        {"time:", "  end:"}, {"solver:", "  max_steps:"}, {"output:", "  file:"}};
+    bool differs = false;
+    for (size_t i = 0; i < sizeof free_lines / sizeof free_lines[0]; i++) {
+        differs |= strcmp(l->section, free_lines[i][0]) == 0 &&
+                   strncmp(l->line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
+    }
+    return differs;
+}
+
+// The next line; "" at the end.
+static void next(lines *l)
+{
+    do {
+        if (*l->at == '\0' && l->rest != NULL) {
+            l->at = l->rest;
+            l->rest = NULL;
+        }
+        l->start = l->at;
+        l->length = strcspn(l->at, "\n");
+        (void)snprintf(l->line, sizeof l->line, "%.*s", (int)(l->length < LINE ? l->length : LINE),
+                       l->at);
+        l->at += l->length + (l->at[l->length] == '\n');
+        if (l->line[0] != ' ') {
+            memcpy(l->section, l->line, sizeof l->section);
+        }
+    } while (l->length > 0 && may_differ(l));
+}
+
+static bool is_same(const lines *a, const lines *b)
+{
+    return a->length == b->length && memcmp(a->start, b->start, a->length) == 0;
+}
+
+static const char *shown(const lines *l)
+{
+    return l->length == 0 ? "(nothing)" : l->line + strspn(l->line, " ");
+}
+
+static lac_status compare_cases(const char *path, const char *then, const char *now,
+                                const char *inputs, lac_error *err)
+{
+    lines a = {.at = then};
+    lines b = {.at = now, .rest = inputs};
+    do {
+        next(&a);
+        next(&b);
+        if (!is_same(&a, &b)) {
+            return lac_fail(err, LAC_EINPUT,
+                            "--resume: %s was begun with another case: it said %s %s, now %s %s",
+                            path, a.section, shown(&a), b.section, shown(&b));
+        }
+    } while (a.length > 0);
+    return LAC_OK;
+}
+
+static lac_status compare_programs(const char *path, const lac_kept_checkpoint *from,
+                                   const char *libraries, lac_error *err)
+{
+    const char *program = lac_kept_checkpoint_program();
+    if (strcmp(from->program, program) == 0 && strcmp(from->libraries, libraries) == 0) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "--resume: the checkpoint of %s is of %s with %s; this is %s with %s", path,
+                    from->program, from->libraries, program, libraries);
+}
+
+// Reads the checkpoint of a run's file and sees that this program and this case can go on from it.
+// What may differ: time.end, solver.max_steps, and the name of the file.
+static lac_status read_resumed(const char *path, const char *case_text, const char *inputs,
+                               const char *libraries, lac_kept_checkpoint *out, lac_error *err)
+{
+    char status_word[32];
+    lac_status status;
+    *out = (lac_kept_checkpoint){.records = 0};
+    LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
+    if (strcmp(status_word, "complete") == 0) {
+        LAC_TRY(lac_fail(err, LAC_EINPUT,
+                         lac_store_is_cut(path)
+                             ? "--resume: %s is complete but was not closed; lacuna mend %s"
+                             : "--resume: %s is complete",
+                         path, path));
+    }
+    LAC_TRY(lac_kept_checkpoint_read(path, out, err));
+    LAC_TRY(compare_programs(path, out, libraries, err));
+    LAC_TRY(compare_cases(path, out->case_text, case_text, inputs, err));
+out:
+    return status;
+}
+
 // Reads what --resume goes on from, of the case as it is run.
 static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
 {
     char *text = lac_case_text(c);
     lac_status status = text == NULL ? lac_fail_memory(err)
-                                     : cli_resume_read(job->path, text, job->inputs, job->libraries,
-                                                       &job->resume, err);
+                                     : read_resumed(job->path, text, job->inputs, job->libraries,
+                                                    &job->resume, err);
     free(text);
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,

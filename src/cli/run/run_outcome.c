@@ -4,10 +4,10 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 
-#include "base/date.h"
 #include "base/units.h"
 #include "cli/common/failure.h"
 #include "cli/common/progress.h"
@@ -21,6 +21,142 @@ static int64_t peak_memory(void)
     struct rusage usage;
     (void)getrusage(RUSAGE_SELF, &usage);
     return (int64_t)usage.ru_maxrss * 1024;
+}
+
+// What a sink that stands before the file's keeps of a run.
+static bool grow(double **array, size_t room)
+{
+    double *grown = realloc(*array, room * sizeof *grown);
+    if (grown == NULL) {
+        return false;
+    }
+    *array = grown;
+    return true;
+}
+
+static lac_status make_room(cli_history *h, lac_error *err)
+{
+    if (h->n < h->room) {
+        return LAC_OK;
+    }
+    size_t room = h->room > 0 ? 2 * h->room : 1024;
+    if (!grow(&h->time, room) || !grow(&h->slip, room) || !grow(&h->rate, room)) {
+        return lac_fail_memory(err);
+    }
+    h->room = room;
+    return LAC_OK;
+}
+
+static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
+{
+    lac_status status = make_room(h, err);
+    if (status == LAC_OK) {
+        h->time[h->n] = h->clock + record->time_origin + record->time_local;
+        h->slip[h->n] = record->seen.mean_slip;
+        h->rate[h->n] = record->seen.mean_rate;
+        h->n++;
+    }
+    return status;
+}
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    cli_history *h = context;
+    if (!h->begun) {
+        h->first = *record;
+        h->begun = true;
+    }
+    h->last = *record;
+    lac_status status = h->keep ? keep_record(h, record, err) : LAC_OK;
+    if (status == LAC_OK && h->next.record != NULL) {
+        status = h->next.record(h->next.context, record, err);
+    }
+    return status;
+}
+
+static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.snapshot != NULL ? h->next.snapshot(h->next.context, snapshot, err) : LAC_OK;
+}
+
+static lac_status on_event(void *context, const lac_event *event, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.event != NULL ? h->next.event(h->next.context, event, err) : LAC_OK;
+}
+
+// The kept series, as long as it is.
+static void pass_series(cli_history *h, lac_tape *tape)
+{
+    size_t n = h->n;
+    lac_tape_pass(tape, &n, sizeof n);
+    if (n > h->room && lac_tape_good(tape)) {
+        tape->short_of = n > tape->size / sizeof(double);
+        bool room = !tape->short_of && grow(&h->time, n) && grow(&h->slip, n) && grow(&h->rate, n);
+        tape->no_memory = !room && !tape->short_of;
+        h->room = room ? n : h->room;
+    }
+    if (!lac_tape_good(tape)) {
+        return;
+    }
+    h->n = n;
+    lac_tape_pass(tape, h->time, n * sizeof *h->time);
+    lac_tape_pass(tape, h->slip, n * sizeof *h->slip);
+    lac_tape_pass(tape, h->rate, n * sizeof *h->rate);
+}
+
+// Of the first and the last record only what is seen is told.
+static void on_keep(void *context, lac_tape *tape)
+{
+    cli_history *h = context;
+    lac_tape_pass(tape, &h->begun, sizeof h->begun);
+    lac_tape_pass(tape, &h->first.seen, sizeof h->first.seen);
+    lac_tape_pass(tape, &h->last.seen, sizeof h->last.seen);
+    pass_series(h, tape);
+    if (h->next.keep != NULL) {
+        h->next.keep(h->next.context, tape);
+    }
+}
+
+static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
+{
+    cli_history *h = context;
+    const lac_status status = h->next.checkpoint(h->next.context, checkpoint, err);
+    h->saved = h->saved || status == LAC_OK;
+    return status;
+}
+
+static lac_status on_once(void *context, const double *values, lac_error *err)
+{
+    cli_history *h = context;
+    return h->next.once != NULL ? h->next.once(h->next.context, values, err) : LAC_OK;
+}
+
+lac_sink cli_history_sink(cli_history *history)
+{
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = history,
+                      .record = on_record,
+                      .snapshot = on_snapshot,
+                      .event = on_event,
+                      .keep = on_keep,
+                      .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL,
+                      .once = on_once};
+}
+
+void cli_history_clear(cli_history *history)
+{
+    free(history->time);
+    free(history->slip);
+    free(history->rate);
+    *history = (cli_history){0};
+}
+
+static lac_history view_of(const cli_history *history)
+{
+    return (lac_history){
+        .n = history->n, .time = history->time, .slip = history->slip, .rate = history->rate};
 }
 
 static double apparent_friction(const lac_record *record)
@@ -45,12 +181,8 @@ static double failure_time(const cli_outcome *outcome)
 // "" where the run has no date or no failure.
 static cli_text failure_date(const cli_outcome *outcome)
 {
-    cli_text text = {""};
-    if (!isnan(failure_time(outcome)) && outcome->of->source->dated) {
-        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text.s,
-                              sizeof text.s);
-    }
-    return text;
+    const lac_case *c = outcome->of->source;
+    return c->dated ? cli_date(c->start_date + failure_time(outcome)) : cli_format("%s", "");
 }
 
 static const char *formulation(const cli_outcome *outcome)
@@ -133,7 +265,7 @@ static void print_analysis(const lac_analysis *analysis)
 
 void cli_outcome_print(const cli_outcome *outcome)
 {
-    lac_history run = cli_history_view(outcome->history);
+    lac_history run = view_of(outcome->history);
     if (outcome->of->source->title != NULL) {
         puts(outcome->of->source->title);
     }
@@ -234,7 +366,7 @@ static void write_analysis(lac_json *json, const lac_analysis *analysis)
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     lac_json json = {.out = stdout};
-    lac_history run = cli_history_view(outcome->history);
+    lac_history run = view_of(outcome->history);
     lac_json_open(&json, NULL, '{');
     lac_json_text(&json, "title", outcome->of->source->title);
     lac_json_text(&json, "status", outcome->status);

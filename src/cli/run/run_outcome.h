@@ -3,8 +3,24 @@
 #define LACUNA_CLI_RUN_RUN_OUTCOME_H
 
 #include "cli/report/compare.h"
-#include "cli/run/history.h"
 #include "simulation/simulation.h"
+
+/// A sink that passes everything on and keeps what the summary and the comparison need.
+typedef struct cli_history {
+    lac_sink next;
+    bool keep;                  ///< keep time, slip and rate of every record
+    double clock;               ///< added to the kept times [s]
+    size_t n, room;             ///< records kept
+    double *time, *slip, *rate; ///< [room]
+    bool begun;
+    lac_record first, last;
+    bool saved; ///< a checkpoint was made
+} cli_history;
+
+/// The sink; valid while `history` stays where it is.
+lac_sink cli_history_sink(cli_history *history);
+
+void cli_history_clear(cli_history *history);
 
 /// Everything that is said about a run when it is over.
 typedef struct cli_outcome {
