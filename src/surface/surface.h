@@ -160,6 +160,9 @@ lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *g
                                          double *heights, lac_surface_report *report,
                                          lac_error *err);
 
+/// rms slope between cells `lag` apart along x (or y); 0 where there are none.
+double lac_rms_slope(const lac_grid *grid, const double *heights, bool along_x, size_t lag);
+
 /// Measures a height field: its mean taken off, and its mean plane where it is not periodic.
 /// Hurst exponent by weighted least squares on the radially averaged power, windowed (Hann) where
 /// not periodic; jrc = 32.2 + 32.47 log10 z2, also at the usual steps. docs/theory/surface.md,
