@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
-#include "lacuna/param.h"
+#include "base/param.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,6 +63,15 @@ bool lac_param_allows(const lac_param *param, double value, char *why, size_t si
         return false;
     }
     return true;
+}
+
+const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key)
+{
+    size_t i = 0;
+    while (i < count && strcmp(params[i].key, key) != 0) {
+        i++;
+    }
+    return i < count ? &params[i] : NULL;
 }
 
 bool lac_param_given(const lac_param *param, const void *params)

@@ -173,6 +173,9 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
         lac_case_source from = {name, text, size, how->overrides, how->count, how->purpose};
         status = lac_case_build(units, &from, out, report, err);
     }
+    if (status == LAC_OK) {
+        (*out)->purpose = how->purpose;
+    }
     lac_units_free(units);
     return status;
 }

@@ -232,6 +232,9 @@ static const char *or_empty(const char *text) { return text != NULL ? text : "";
 const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size)
 {
     char line[32] = "";
+    if (issue == NULL || text == NULL || size == 0) {
+        return NULL;
+    }
     const char *key = or_empty(issue->key);
     const char *value = or_empty(issue->value);
     if (issue->line > 0) {

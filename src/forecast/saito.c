@@ -95,10 +95,9 @@ static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *er
 }
 
 const lac_forecast_kind lac_forecast_saito = {
-    .about = {.name = "saito",
-              .summary = "three points of equal displacement",
-              .reference = "Saito (1969), Proc. 7th Int. Conf. Soil Mech. Found. Eng., Mexico, 2, "
-                           "677-683"},
+    .about =
+        LAC_ABOUT("saito", "three points of equal displacement",
+                  "Saito (1969), Proc. 7th Int. Conf. Soil Mech. Found. Eng., Mexico, 2, 677-683"),
     .estimator = "the log law through the first and the last reading of the window and the one "
                  "nearest to half of the displacement",
     .least = 5,

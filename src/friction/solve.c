@@ -7,8 +7,6 @@
 #include "base/roots.h"
 #include "base/vmath.h"
 #include "friction/cutoff.h"
-#include "friction/form.h"
-#include "friction/settle.h"
 
 // h(u) = p f(u, w) + eta e^u - |tau| rises with u = ln|v|. Newton's method on a block of cells at
 // once, no step longer than LONGEST: where h bends upwards a step from the left may be far too

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings of one column of a file, in SI units and on the clock of the run, for loads to use.
-#include "load/table.h"
+#include "load/kinds.h"
 
 #include <gsl/gsl_interp.h>
 #include <math.h>

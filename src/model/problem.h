@@ -6,6 +6,10 @@
 #include "load/load.h"
 #include "transfer/transfer.h"
 
+// Of lacuna/simulation.h.
+typedef struct lac_observation lac_observation;
+typedef struct lac_failure lac_failure;
+
 /// The first unknown x of every cell; the second is ln theta. docs/theory/creep.md.
 typedef enum lac_formulation {
     LAC_FORMULATION_AUTO = 0, ///< as lac_formulation_choose says; to a problem: RATE
@@ -25,10 +29,7 @@ typedef struct lac_damping {
                    ///< nominal area, and as a shear force is shared [s/m]
 } lac_damping;
 
-/// Damping of the cells of a domain.
-/// @param eta      G/(2 cs) [Pa s/m]; 0: none
-/// @param massive  the sliding block has mass
-/// @return on full contact without mass `mean` and `shared` are 0; of a single cell with mass all
+/// Damping of the cells of a domain by eta = G/(2 cs) [Pa s/m].
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 
@@ -52,26 +53,10 @@ typedef struct lac_problem_def {
 /// Immutable.
 typedef struct lac_problem lac_problem;
 
-/// What is seen of a state.
-typedef struct lac_observation {
-    double mean_rate;        ///< over contact cells, of either sign [m/s]
-    double max_rate;         ///< largest |v| [m/s]
-    double mean_slip;        ///< [m]
-    double shear_force;      ///< Q [N]
-    double normal_force;     ///< P, total [N]
-    double effective_force;  ///< P - u L^2 [N]
-    double balance_residual; ///< max |q - K slip - p f - damping - inertia| / (f0 p) [1]
-    double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
-                       ///< far the mean slip rate is off the balance, relative to itself [1]
-    size_t fastest;    ///< cell with the largest rate
-} lac_observation;
-
 /// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
 ///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
 ///         knows none); LAC_ENOMEM
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
-
-/// Frees a problem; NULL is fine.
 void lac_problem_free(lac_problem *problem);
 
 /// Contact cells n.
@@ -109,7 +94,6 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
 /// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a
 /// p over the stiffness. An unknown counts no finer than a double resolves it.
-/// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
 /// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
@@ -117,13 +101,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 /// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
 /// besides.
 /// @param tolerance  [n] absolute [m]; overwritten
-/// @return what counts besides, relative to the slip
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
 /// dy/dt.
-/// @param t     time since the start [s]
-/// @param y     [unknowns]
-/// @param ydot  [unknowns]; overwritten
 /// @param work  [lac_problem_work]; its first n doubles are then the slip rates
 /// @return true; false where a rate is not finite or the effective pressure not positive
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
@@ -228,18 +208,6 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
 /// failure.
 #define LAC_NO_FAILURE_RATE 1e3
 
-/// What counts as failure: the first of the mean slip rate rising through `rate`, where that is
-/// lowered of all cells together (lac_problem_past_failure), and the mean slip, of either sign,
-/// coming to `slip`.
-typedef struct lac_failure {
-    double rate;  ///< [m/s]
-    bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
-    double slip;  ///< [m]
-    double start; ///< mean slip rate at the start [m/s]
-    double reach; ///< at which damping holds what weakening drives from there to the rate asked
-                  ///< for [m/s]; INFINITY: nothing is in the way
-} lac_failure;
-
 /// What acts on the mean slip of a joint at the start, over the nominal area.
 typedef struct lac_failure_start {
     double rate;   ///< mean slip rate [m/s]
@@ -274,7 +242,6 @@ lac_failure lac_failure_from(const lac_failure_start *start, double rate, double
 /// same.
 /// @param work  its first n doubles are then the slip rates
 /// @return < 0 before failure; NaN where a rate is
-/// @cost  O(n)
 /// @source derived here; docs/theory/creep.md, eq. 11
 double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
                                 const double *y, double *work);
@@ -311,9 +278,6 @@ typedef struct lac_initial_def {
 } lac_initial_def;
 
 /// Initial ln v and ln theta of every cell, from what is given and the loads at t = 0.
-/// @param log_rate, log_state  [n]; overwritten
-/// @return LAC_OK; LAC_EINPUT where the load and the values given do not determine them, with
-///         the first cell that fails
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
                              const lac_friction *friction, const lac_load_set *loads,
                              lac_damping damping, double *log_rate, double *log_state,

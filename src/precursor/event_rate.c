@@ -90,9 +90,8 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_event_rate = {
-    .about = {.name = "event_rate",
-              .summary = "events in time, and the exponent of an Omori-type rise",
-              .reference = "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"},
+    .about = LAC_ABOUT("event_rate", "events in time, and the exponent of an Omori-type rise",
+                       "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "rise_p binomial; n ~ (tc - t)^-p by maximum likelihood from the first event to "
                  "now, tc of the log law",

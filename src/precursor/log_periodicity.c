@@ -7,7 +7,6 @@
 #include "base/least_squares.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"
-#include "precursor/surrogates.h"
 
 enum { LEAST = 20, MOST = 200, FREQUENCIES = 60, SMOOTH = 2, SURROGATES = 99 };
 static const size_t first_surrogate = 1U << 20; // none of another indicator's
@@ -162,10 +161,9 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_log_periodicity = {
-    .about = {.name = "log_periodicity",
-              .summary = "oscillations in ln(tc - t) about the log law",
-              .reference = "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
-                           "Astrophys. Space Sci. 39, 447"},
+    .about = LAC_ABOUT("log_periodicity", "oscillations in ln(tc - t) about the log law",
+                       "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
+                       "Astrophys. Space Sci. 39, 447"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "least-squares spectrum in u = ln(tc - t) beside 1 and u, tc of the log law, of "
                  "the displacements since the onset, at most 200; power: the largest share of the "

@@ -8,7 +8,6 @@
 #include "base/roots.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"
-#include "precursor/surrogates.h"
 
 enum { LEAST = 24, MOST = 200, COLUMNS = 3, HALVINGS = 20 };
 static const double steepest = 0.99;
@@ -246,10 +245,10 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_slowing = {
-    .about = {.name = "slowing",
-              .summary = "variance and autocorrelation of the velocity, with Kendall's tau",
-              .reference = "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
-                           "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"},
+    .about =
+        LAC_ABOUT("slowing", "variance and autocorrelation of the velocity, with Kendall's tau",
+                  "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
+                  "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "velocities at as many even times, at most 200, less a parabola; trailing windows "
                  "of half of them; tau over the windows; p among first-order autoregressions, "

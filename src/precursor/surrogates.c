@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Series that are like a given one but for what is tested.
-#include "precursor/surrogates.h"
+#include "precursor/kinds.h"
 
 #include <complex.h>
 #include <math.h>

@@ -2,6 +2,7 @@
 // Settings of a run where none are given, and the formulation that suits method and friction.
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 
 lac_run_def lac_run_default(void)
@@ -41,7 +42,7 @@ const char *lac_end_name(lac_end end)
                                         [LAC_END_STOP] = "stop_when",
                                         [LAC_END_INTERRUPT] = "interrupted",
                                         [LAC_END_ERROR] = "error"};
-    return names[end];
+    return (unsigned)end < sizeof names / sizeof *names ? names[end] : NULL;
 }
 
 const char *lac_fidelity_name(lac_fidelity fidelity)

@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/check.h"
 #include "run/course.h"
-#include "run/events.h"
+#include "run/engine.h"
 
 typedef lac_course run;
 typedef lac_instant instant;
@@ -89,7 +88,8 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
-                           .traction = traction};
+                           .traction = traction,
+                           .n = n};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 

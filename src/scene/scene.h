@@ -59,9 +59,9 @@ typedef struct lac_contact_outcome {
     const lac_scene_contact *contact;
     const char *status;               ///< complete; NULL: not yet said
     bool brief;                       ///< grid, pressures and dimension alone, for JSON
-    double friction;                  ///< of the history, for JSON; NaN
+    double friction;                  ///< of the history; NaN
     const lac_history_result *result; ///< same; NULL: there is none
-    const lac_history_record *record; ///< [result->steps]
+    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
 } lac_contact_outcome;
 
 /// Its variables, for a file or JSON; docs/format.md.
@@ -104,6 +104,15 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
 /// the caller's.
 /// @param case_text  the resolved case; borrowed
 lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
+
+/// The same of a dataset that outlives its maker: with the case's text, freed by free().
+typedef struct lac_made_from {
+    lac_provenance provenance;
+    char *case_text;
+} lac_made_from;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {

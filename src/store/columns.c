@@ -3,6 +3,7 @@
 // written of one.
 #include "store/columns.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,6 +40,7 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     const size_t known = lac_columns_along(columns, item->dim[0]);
     size_t along = 0;
     while (known == LAC_ONCE && columns->growth[along].name != NULL) {
+        assert(along + 1 < LAC_MOST_GROWING);
         along++;
     }
     along = known != LAC_ONCE ? known : along;

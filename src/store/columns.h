@@ -2,7 +2,7 @@
 #ifndef LACUNA_STORE_COLUMNS_H
 #define LACUNA_STORE_COLUMNS_H
 
-#include "lacuna/dataset.h"
+#include "data/dataset.h"
 
 enum { LAC_MOST_GROWING = 3, LAC_ONCE = LAC_MOST_GROWING };
 

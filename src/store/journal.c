@@ -338,20 +338,6 @@ static bool may_take(const char *name)
     return good;
 }
 
-// The text of `history`, which names the command and the time; "" where there is none.
-static char *owner_of(int id)
-{
-    size_t length = 0;
-    if (nc_inq_attlen(id, NC_GLOBAL, "history", &length) != NC_NOERR) {
-        length = 0;
-    }
-    char *text = calloc(length + 1, 1);
-    if (text != NULL && length > 0 && nc_get_att_text(id, NC_GLOBAL, "history", text) != NC_NOERR) {
-        text[0] = '\0';
-    }
-    return text;
-}
-
 // Head, text and the file as it is.
 static bool write_base(struct lac_journal *j, const char *part, const char *owner)
 {
@@ -375,7 +361,8 @@ static bool write_base(struct lac_journal *j, const char *part, const char *owne
 struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_error *err)
 {
     struct lac_journal *j = malloc(sizeof *j);
-    char *owner = owner_of(file->id);
+    // It names the command and the time.
+    char *owner = lac_nc_text_of(file->id, "history", SIZE_MAX);
     lac_status status = LAC_OK;
     if (j == NULL) {
         LAC_TRY(lac_fail_memory(err));

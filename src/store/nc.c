@@ -3,6 +3,7 @@
 #include "store/nc.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool is_disk_error(int code)
@@ -60,4 +61,17 @@ lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long lo
     nc_type type = value >= INT32_MIN && value <= INT32_MAX ? NC_INT : NC_INT64;
     return lac_nc_check(file->path, nc_put_att_longlong(file->id, var, name, type, 1, &value), err,
                         "write the attribute", name);
+}
+
+char *lac_nc_text_of(int file, const char *name, size_t bound)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    bool there = nc_inq_att(file, NC_GLOBAL, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
+                 length <= bound;
+    char *text = calloc((there ? length : 0) + 1, 1);
+    if (text != NULL && there && nc_get_att_text(file, NC_GLOBAL, name, text) != NC_NOERR) {
+        text[0] = '\0';
+    }
+    return text;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a file comes from, as its attributes: program, command, case, date and libraries.
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,79 +8,94 @@
 #include "base/date.h"
 #include "lacuna/version.h"
 #include "store/nc.h"
+#include "store/recording.h"
 
-// `date: command line`, a line of the form that NCO and CDO add to.
-static lac_status put_history(const lac_nc *file, const char *date, const char *command,
-                              lac_error *err)
+// Where a text goes or, where it is NULL, a number; NaN: there is none.
+typedef lac_status put_one(void *to, const char *name, const char *text, double number,
+                           lac_error *err);
+
+static lac_status put_joined(const char *name, const char *first, const char *between,
+                             const char *second, put_one *put, void *to, lac_error *err)
 {
-    if (command == NULL) {
-        return LAC_OK;
-    }
-    size_t size = strlen(date) + strlen(command) + 3;
+    const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
     char *text = malloc(size);
     if (text == NULL) {
         return lac_fail_memory(err);
     }
-    (void)snprintf(text, size, "%s%s%s", date, *date != '\0' ? ": " : "", command);
-    lac_status status = lac_nc_text(file, NC_GLOBAL, "history", text, err);
+    (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
+    lac_status status = put(to, name, text, NAN, err);
     free(text);
     return status;
 }
 
-// The caller's libraries, and the one that is known only here.
-static lac_status put_libraries(const lac_nc *file, const char *libraries, lac_error *err)
+static lac_status put_all(const lac_provenance *of, const char *summary, put_one *put, void *to,
+                          lac_error *err)
 {
-    char version[32];
+    lac_status status = LAC_OK;
+    char date[32], version[32], netcdf[40];
+    const bool picked = of->accuracy != NULL;
+    const struct {
+        const char *name, *text;
+        double number;
+    } all[] = {
+        {"Conventions", "CF-1.10 ACDD-1.3", NAN},
+        {"title", of->title, NAN},
+        {"summary", summary, NAN},
+        {"institution", of->institution, NAN},
+        {"source", "Lacuna " LACUNA_VERSION, NAN},
+        {"references", of->references, NAN},
+        {"date_created", lac_date_format(of->now, date, sizeof date), NAN},
+        {"lacuna_format_version", "1", NAN},
+        {"case", of->case_text, NAN},
+        {"fidelity", of->fidelity, NAN},
+        {"accuracy", of->accuracy, NAN},
+        {"accuracy_asked", NULL, picked ? of->accuracy_asked : NAN},
+        {"accuracy_estimated", NULL, picked ? of->accuracy_estimated : NAN},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        LAC_TRY(put(to, all[i].name, all[i].text, all[i].number, err));
+    }
+    if (of->command_line != NULL) { // a line of the form that NCO and CDO add to
+        LAC_TRY(put_joined("history", date, ": ", of->command_line, put, to, err));
+    }
     (void)snprintf(version, sizeof version, "%s", nc_inq_libvers());
     version[strcspn(version, " ")] = '\0';
-    const char *others = libraries != NULL ? libraries : "";
-    size_t size = strlen(others) + sizeof version + 16;
-    char *text = malloc(size);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
-    (void)snprintf(text, size, "%s%snetCDF %s", others, *others != '\0' ? ", " : "", version);
-    lac_status status = lac_nc_text(file, NC_GLOBAL, "libraries", text, err);
-    free(text);
+    (void)snprintf(netcdf, sizeof netcdf, "netCDF %s", version); // known only here
+    LAC_TRY(put_joined("libraries", of->libraries != NULL ? of->libraries : "", ", ", netcdf, put,
+                       to, err));
+out:
     return status;
+}
+
+static lac_status put_in_file(void *to, const char *name, const char *text, double number,
+                              lac_error *err)
+{
+    return isnan(number) ? lac_nc_text(to, NC_GLOBAL, name, text, err)
+                         : lac_nc_real(to, NC_GLOBAL, name, number, err);
 }
 
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    char date[32];
-    (void)lac_date_format(provenance->now, date, sizeof date);
-    const struct {
-        const char *name, *text;
-    } texts[] = {
-        {"Conventions", "CF-1.10 ACDD-1.3"},
-        {"title", provenance->title},
-        {"summary", summary},
-        {"institution", provenance->institution},
-        {"source", "Lacuna " LACUNA_VERSION},
-        {"references", provenance->references},
-        {"date_created", date},
-        {"lacuna_format_version", "1"},
-        {"case", provenance->case_text},
-    };
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        LAC_TRY(lac_nc_text(file, NC_GLOBAL, texts[i].name, texts[i].text, err));
-    }
-    if (provenance->fidelity != NULL) {
-        LAC_TRY(lac_nc_text(file, NC_GLOBAL, "fidelity", provenance->fidelity, err));
-    }
-    if (provenance->accuracy != NULL) {
-        LAC_TRY(lac_nc_text(file, NC_GLOBAL, "accuracy", provenance->accuracy, err));
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "accuracy_asked", provenance->accuracy_asked, err));
-        LAC_TRY(lac_nc_real(file, NC_GLOBAL, "accuracy_estimated", provenance->accuracy_estimated,
-                            err));
-    }
-    LAC_TRY(put_history(file, date, provenance->command_line, err));
-    LAC_TRY(put_libraries(file, provenance->libraries, err));
-    if (provenance->seed != INT64_MIN) {
-        LAC_TRY(lac_nc_integer(file, NC_GLOBAL, "seed", provenance->seed, err));
-    }
-out:
-    return status;
+    lac_status status = put_all(provenance, summary, put_in_file, (void *)file, err); // only read
+    return status == LAC_OK && provenance->seed != INT64_MIN
+               ? lac_nc_integer(file, NC_GLOBAL, "seed", provenance->seed, err)
+               : status;
+}
+
+static lac_status put_in_memory(void *to, const char *name, const char *text, double number,
+                                lac_error *err)
+{
+    char digits[32];
+    (void)snprintf(digits, sizeof digits, "%.17g", number);
+    text = isnan(number) ? text : digits;
+    return text != NULL && *text != '\0' ? lac_recording_text(to, name, text, err) : LAC_OK;
+}
+
+lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
+                              lac_error *err)
+{
+    const double seed = provenance->seed != INT64_MIN ? (double)provenance->seed : NAN;
+    lac_status status = put_all(provenance, NULL, put_in_memory, recording, err);
+    return status == LAC_OK ? put_in_memory(recording, "seed", NULL, seed, err) : status;
 }

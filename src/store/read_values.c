@@ -92,22 +92,6 @@ lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row
     return LAC_OK;
 }
 
-lac_status lac_store_read_values(const char *path, const char *variable, lac_stored_values *out,
-                                 lac_error *err)
-{
-    lac_input in;
-    *out = (lac_stored_values){0};
-    lac_status status = lac_input_open(&in, path, err);
-    if (status == LAC_OK) {
-        status = lac_input_values(&in, variable, LAC_INPUT_ALL, out, err);
-    }
-    lac_input_close(&in);
-    if (status != LAC_OK) {
-        lac_stored_values_clear(out);
-    }
-    return status;
-}
-
 void lac_stored_values_clear(lac_stored_values *values)
 {
     free(values->value);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/describe.h"
 #include "store/columns.h"
 #include "store/store_file.h"
 
@@ -131,13 +132,7 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     if (r == NULL) {
         return lac_fail_memory(err);
     }
-    r->place.of = (lac_run_output){.domain = def->domain,
-                                   .hierarchy = def->hierarchy,
-                                   .transfer = def->transfer,
-                                   .fields = def->fields,
-                                   .extras = def->extras,
-                                   .extra = def->extra,
-                                   .events = def->events};
+    r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
     LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
     if (def->passing) {
@@ -214,7 +209,8 @@ static lac_status put_once(void *context, const double *once, lac_error *err)
 
 lac_sink lac_recording_sink(lac_recording *recording)
 {
-    return (lac_sink){.context = recording,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = recording,
                       .record = put_record,
                       .snapshot = put_snapshot,
                       .event = put_event,

@@ -119,25 +119,11 @@ out:
     return status;
 }
 
-// The text of an attribute, to be freed; "" where there is none; NULL where memory is short.
-static char *attribute(int file, const char *name, size_t bound)
-{
-    size_t length = 0;
-    nc_type type = NC_NAT;
-    bool there = nc_inq_att(file, NC_GLOBAL, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
-                 length <= bound;
-    char *text = calloc((there ? length : 0) + 1, 1);
-    if (text != NULL && there && nc_get_att_text(file, NC_GLOBAL, name, text) != NC_NOERR) {
-        text[0] = '\0';
-    }
-    return text;
-}
-
 // Puts what an attribute of the old file says before `more`.
 static lac_status extend(const lac_store *s, const lac_input *in, const char *name,
                          const char *between, const char *more, lac_error *err)
 {
-    char *old = attribute(in->id, name, in->size);
+    char *old = lac_nc_text_of(in->id, name, in->size);
     size_t size = old != NULL ? strlen(old) + strlen(between) + strlen(more) + 1 : 0;
     char *text = old != NULL ? malloc(size) : NULL;
     lac_status status = LAC_OK;
@@ -158,7 +144,7 @@ static lac_status put_past(const lac_store *s, const lac_input *in, const lac_ke
 {
     char resumed[96];
     lac_status status = LAC_OK;
-    char *command = attribute(s->file.id, "history", SIZE_MAX);
+    char *command = lac_nc_text_of(s->file.id, "history", SIZE_MAX);
     if (command == NULL) {
         return lac_fail_memory(err);
     }
@@ -180,7 +166,7 @@ static lac_status check_pair(const lac_input *in, const lac_kept_checkpoint *fro
     size_t records = 0;
     int id = 0;
     const size_t at = from->records > 0 ? (size_t)from->records - 1 : 0;
-    char *made = attribute(in->id, "date_created", in->size);
+    char *made = lac_nc_text_of(in->id, "date_created", in->size);
     (void)lac_date_format(from->begun, date, sizeof date);
     bool same = made != NULL && strcmp(made, date) == 0;
     free(made);

@@ -49,7 +49,7 @@ lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
 /// Closes it; NULL is fine.
 void lac_stored_file_close(lac_stored_file *file);
 
-/// A whole variable, as lac_store_read_values; one that is not there is no error.
+/// A whole variable of any dimensions; one that is not there is no error.
 /// @param out  cleared by the caller
 /// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
 lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,

@@ -172,6 +172,18 @@ static double precondition_traction(void *self, const double *r, double *z)
     return error;
 }
 
+// tau from r, of an error of `size`; x = C tau
+static int find_traction(const job *j, lac_krylov *system, double *r, double size, double *x)
+{
+    const lac_elastic *e = j->e;
+    double *tau = r + e->n;
+    memset(tau, 0, e->n * sizeof *tau);
+    int iterations = lac_krylov_solve(system, tau, r, size, e->newton_tolerance,
+                                      LAC_ELASTIC_ITERATIONS, tau + e->n);
+    lac_compliance_slip(e->rock, tau, x);
+    return iterations;
+}
+
 static int solve_traction(job *j, const double *y, double *x, double *work)
 {
     const lac_elastic *e = j->e;
@@ -184,10 +196,7 @@ static int solve_traction(job *j, const double *y, double *x, double *work)
     double rigid = e->floating ? lac_sum(n, y) : 0;
     (void)precondition_traction(j, r, tau);
     double size = lac_vdot(n, j->v, j->w) + rigid * rigid / j->sum_d;
-    memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
-                                      LAC_ELASTIC_ITERATIONS, tau + n);
-    lac_compliance_slip(e->rock, tau, x);
+    int iterations = find_traction(j, &system, r, size, x);
     for (size_t i = 0; i < n; i++) {
         x[i] += j->w[i];
     }
@@ -243,11 +252,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     memset(tau, 0, n * sizeof *tau);
     double size = precondition_squared(j, r, tau);
     size += e->floating ? off * off * j->sum_d : 0;
-    memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
-                                      LAC_ELASTIC_ITERATIONS, tau + n);
-    lac_compliance_slip(e->rock, tau, x);
-    return iterations;
+    return find_traction(j, &system, r, size, x);
 }
 
 size_t lac_elastic_work(const lac_elastic *e)

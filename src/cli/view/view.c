@@ -11,8 +11,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/date.h"
-#include "cli/common/libraries.h"
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
@@ -28,7 +26,7 @@ static const double last_wait = 10.0; // a busy machine takes its time to draw w
 
 // Forecasts cost more than all else: they come more rarely, and of fewer times. The page keeps
 // those it has.
-enum { NO_FORECASTS = -1, SOME_FORECASTS = 12, ALL_FORECASTS = 0, TEXT = 40 };
+enum { NO_FORECASTS = -1, SOME_FORECASTS = 12, ALL_FORECASTS = 0 };
 
 // Data of a kind: when they were ready, how long they took.
 typedef struct pace {
@@ -253,68 +251,18 @@ out:
     return status;
 }
 
-static const char *digits(double value, char text[TEXT])
-{
-    (void)snprintf(text, TEXT, "%.17g", value);
-    return text;
-}
-
-// What the run's file says of itself.
-static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *err)
-{
-    const lac_provenance *from = &def->provenance;
-    const lac_grid *grid = &def->domain->grid;
-    char netcdf[32], libraries[320], text[7][TEXT];
-    const struct {
-        const char *name, *text;
-    } texts[] = {
-        {"title", from->title},
-        {"institution", from->institution},
-        {"references", from->references},
-        {"source", "Lacuna " LACUNA_VERSION},
-        {"history", from->command_line},
-        {"libraries", libraries},
-        {"fidelity", from->fidelity},
-        {"case", from->case_text},
-        {"status", "running"},
-        {"date_created", lac_date_format(from->now, text[0], TEXT)},
-        {"grid_nx", digits((double)grid->nx, text[1])},
-        {"grid_ny", digits((double)grid->ny, text[2])},
-        {"grid_dx_m", digits(grid->dx, text[3])},
-        {"grid_dy_m", digits(grid->dy, text[4])},
-        {"boundary", grid->periodic ? "periodic" : "free"},
-        {"seed", from->seed != INT64_MIN ? digits((double)from->seed, text[5]) : NULL},
-        {"time_coverage_start",
-         def->dated ? lac_date_format(def->start_date, text[6], TEXT) : NULL},
-    };
-    lac_status status = LAC_OK;
-    (void)cli_netcdf_version(netcdf, sizeof netcdf); // as the file has it
-    (void)snprintf(libraries, sizeof libraries, "%s, netCDF %s", from->libraries, netcdf);
-    for (size_t i = 0; i < sizeof texts / sizeof *texts && status == LAC_OK; i++) {
-        if (texts[i].text != NULL) {
-            status = lac_recording_text(view->whole, texts[i].name, texts[i].text, err);
-        }
-    }
-    return status;
-}
-
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,
                          lac_error *err)
 {
-    lac_recording_def as = {.domain = def->domain,
-                            .hierarchy = def->hierarchy,
-                            .transfer = def->transfer,
-                            .fields = def->fields,
-                            .extras = def->extras,
-                            .extra = def->extra,
-                            .events = def->events};
+    lac_recording_def as = def->of;
     lac_status status;
     LAC_TRY(lac_recording_create(&as, &view->whole, err));
     as.passing = true;
     LAC_TRY(lac_recording_create(&as, &view->taken, err));
     LAC_TRY(lac_recording_create(&as, &view->coming, err));
     view->into = lac_recording_sink(view->coming);
-    LAC_TRY(describe(view, def, err));
+    LAC_TRY(lac_recording_sign(view->whole, &def->provenance, err));
+    LAC_TRY(lac_recording_text(view->whole, "status", "running", err));
     if (def->resume != NULL) {
         LAC_TRY(lac_recording_load(view->coming, def->path, def->resume, err));
     }
@@ -411,7 +359,8 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
         return *next;
     }
     view->next = *next;
-    return (lac_sink){.context = view,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = view,
                       .once = next->once != NULL ? on_once : NULL,
                       .record = on_record,
                       .snapshot = next->snapshot != NULL ? on_snapshot : NULL,

@@ -60,10 +60,15 @@ SHARED = {
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
 PUBLIC = {
+    "case": "base",
+    "contact": "scene",
     "dataset": "data",
     "error": "base",
+    "forecast": "fit",
     "linkage": "base",
     "param": "base",
+    "rg": "scene",
+    "simulation": "base",
     "version": "base",
     "lacuna": "cli",
 }
