@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rough surface pressed to a given load or approach: full contact by formula, else by iteration.
 #include <float.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -87,13 +88,7 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
 static double depth(const lac_contact_def *def)
 {
     size_t n = lac_grid_cells(&def->grid);
-    double mean = 0.0;
-    double highest = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        mean += def->heights[i] / (double)n;
-        highest = fmax(highest, def->heights[i]);
-    }
-    return highest - mean - def->approach;
+    return gsl_stats_max(def->heights, 1, n) - lac_mean(n, def->heights) - def->approach;
 }
 
 // Heights less their mean, in units of their rms, but at least of `least`.

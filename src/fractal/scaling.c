@@ -5,6 +5,7 @@
 
 #include "base/statistics.h"
 #include "fractal/fractal.h"
+#include "surface/surface.h"
 
 enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 
@@ -139,29 +140,6 @@ static void coarsen(const lac_contact_def *fine, size_t m, lac_coarsening how, d
 // The cell after the i-th along a side of n cells: round the edge, or none (n).
 static size_t next(size_t i, size_t n, bool periodic) { return i + 1 < n || !periodic ? i + 1 : 0; }
 
-// h'^2 = <(dh/dx)^2> + <(dh/dy)^2> from neighbours.
-static double rms_slope(const lac_grid *g, const double *h)
-{
-    double square[2] = {0, 0};
-    for (size_t y = 0; y < g->ny; y++) {
-        size_t above = next(y, g->ny, g->periodic);
-        for (size_t x = 0; x < g->nx; x++) {
-            size_t right = next(x, g->nx, g->periodic);
-            double here = h[y * g->nx + x];
-            double rise[2] = {right < g->nx ? h[y * g->nx + right] - here : 0,
-                              above < g->ny ? h[above * g->nx + x] - here : 0};
-            square[0] += rise[0] * rise[0];
-            square[1] += rise[1] * rise[1];
-        }
-    }
-    // A free side has one difference less than it has cells.
-    size_t edge = g->periodic ? 0 : 1;
-    double along_x = (double)((g->nx - edge) * g->ny) * g->dx * g->dx;
-    double along_y = (double)(g->nx * (g->ny - edge)) * g->dy * g->dy;
-    return sqrt(square[0] / fmax(along_x, g->dx * g->dx) +
-                square[1] / fmax(along_y, g->dy * g->dy));
-}
-
 // Length of the sides that part a cell in contact from one that is not.
 static double boundary(const lac_grid *g, const double *p)
 {
@@ -190,7 +168,8 @@ static lac_resolution observe(const lac_grid *grid, const double *heights, const
     return (lac_resolution){.cell = sqrt(lac_grid_cell_area(grid)),
                             .area = (double)cells * lac_grid_cell_area(grid),
                             .pressure = sum / (double)cells,
-                            .slope = rms_slope(grid, heights),
+                            .slope = hypot(lac_rms_slope(grid, heights, true, 1),
+                                           lac_rms_slope(grid, heights, false, 1)),
                             .cells = cells,
                             .boundary = boundary(grid, pressure)};
 }

@@ -14,14 +14,10 @@ enum { ESTIMATES = 3 };
 
 // One resampling: as many groups as there are, drawn with repetition. Returns the pairs drawn.
 static size_t resample(const lac_rg_study_def *def, uint64_t draw, size_t groups,
-                       const size_t *first, const double *s, const double *s_next, double *out)
+                       const size_t *first, const double *s, const double *s_next, double *out,
+                       double *next)
 {
     size_t n = 0;
-    size_t most = 0;
-    for (size_t i = 0; i < groups; i++) {
-        most = first[i + 1] - first[i] > most ? first[i + 1] - first[i] : most;
-    }
-    double *next = out + groups * most;
     for (size_t i = 0; i < groups; i++) {
         double u = lac_random_uniform(def->seed, LAC_STREAM_BOOTSTRAP, draw, i);
         size_t g = (size_t)(u * (double)groups);
@@ -77,7 +73,7 @@ lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const si
     }
     for (size_t d = 0; d < draws; d++) {
         lac_rg_map map;
-        size_t n = resample(def, d, groups, first, s, s_next, pairs);
+        size_t n = resample(def, d, groups, first, s, s_next, pairs, pairs + groups * most);
         bool fits = lac_rg_map_fit(n, pairs, pairs + groups * most, &map, NULL) == LAC_OK;
         drawn[d] = fits ? map.fixed_point : NAN;
         drawn[draws + d] = fits ? map.lambda : NAN;

@@ -292,25 +292,20 @@ static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_
     return LAC_OK;
 }
 
-static void add_sizes(const lac_rg_sizes *from, double weight, lac_rg_sizes *to, double *counted)
-{
-    if (from->blocks > 0) {
-        to->blocks += from->blocks;
-        to->load += weight * from->load;
-        to->strength += weight * from->strength;
-        to->spread += weight * from->spread;
-        *counted += weight;
-    }
-}
-
 static void mean_sizes(const lac_rg_study *study, lac_rg_result *r)
 {
     for (size_t level = 0; level <= study->levels; level++) {
         double counted = 0.0;
         lac_rg_sizes *to = &r->size[level];
-        for (size_t j = 0; j < study->joints; j++) {
-            for (size_t i = 0; i < study->def.places; i++) {
-                add_sizes(&study->of_joint[j][i].size[level], 1.0, to, &counted);
+        for (size_t k = 0; k < study->joints * study->def.places; k++) {
+            const size_t j = k / study->def.places;
+            const lac_rg_sizes *from = &study->of_joint[j][k % study->def.places].size[level];
+            if (from->blocks > 0) {
+                to->blocks += from->blocks;
+                to->load += from->load;
+                to->strength += from->strength;
+                to->spread += from->spread;
+                counted += 1.0;
             }
         }
         to->load /= counted;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The contact of a case, pressed from its surface or stated without one, with its box dimension.
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 #include "surface/surface.h"
 
@@ -27,16 +29,11 @@ lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
 static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 {
     size_t cells = lac_grid_cells(&def->grid);
-    double mean = 0.0;
-    double highest = -INFINITY;
-    for (size_t i = 0; i < cells; i++) {
-        mean += def->heights[i] / (double)cells;
-        highest = fmax(highest, def->heights[i]);
-    }
     return lac_fail(err, LAC_EINPUT,
                     "the faces do not touch: at an approach of %g m the highest peak, %g m above "
                     "the mean of the heights, is short of it",
-                    def->approach, highest - mean);
+                    def->approach,
+                    gsl_stats_max(def->heights, 1, cells) - lac_mean(cells, def->heights));
 }
 
 // Presses the surface; heights and gap are allocated here.

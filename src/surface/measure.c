@@ -37,8 +37,7 @@ static lac_status check(const lac_grid *grid, const double *heights, lac_error *
     return LAC_OK;
 }
 
-// rms difference of cells `lag` apart along x (or y) over their distance; 0 where there are none
-static double rms_slope(const lac_grid *grid, const double *h, bool along_x, size_t lag)
+double lac_rms_slope(const lac_grid *grid, const double *h, bool along_x, size_t lag)
 {
     size_t count = along_x ? grid->nx : grid->ny;
     size_t last = grid->periodic ? count : count - lag;
@@ -177,7 +176,7 @@ static void measure_profiles(const lac_grid *grid, const double *h, lac_surface_
         }
         lac_profile_measure *profile = &m->profile[m->profiles++];
         profile->step = step;
-        profile->z2 = rms_slope(grid, h, true, (size_t)lag);
+        profile->z2 = lac_rms_slope(grid, h, true, (size_t)lag);
         profile->jrc = tse_cruden(profile->z2);
         profile->jrc_yu = k == 0 ? 60.32 * profile->z2 - 4.51 : (double)NAN;
     }
@@ -199,8 +198,8 @@ static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_
     // a plane where the ends do not meet
     lac_detrend(grid->periodic ? LAC_DETREND_MEAN : LAC_DETREND_PLANE, grid, fft->real);
     m.rms_height = sqrt(lac_dot(n, fft->real, fft->real) / (double)n);
-    m.rms_slope_x = rms_slope(grid, fft->real, true, 1);
-    m.rms_slope_y = rms_slope(grid, fft->real, false, 1);
+    m.rms_slope_x = lac_rms_slope(grid, fft->real, true, 1);
+    m.rms_slope_y = lac_rms_slope(grid, fft->real, false, 1);
     m.z2 = m.rms_slope_x;
     m.z2_step = grid->dx;
     m.jrc = tse_cruden(m.z2);

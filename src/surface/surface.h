@@ -157,6 +157,9 @@ lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *g
                                          double *heights, lac_surface_report *report,
                                          lac_error *err);
 
+/// rms slope between cells `lag` apart along x (or y); 0 where there are none.
+double lac_rms_slope(const lac_grid *grid, const double *heights, bool along_x, size_t lag);
+
 /// Measures a height field, its mean and, unless periodic, its mean plane taken off:
 /// docs/theory/surface.md, Measures. @param known  where the spectrum is a power law narrows the
 /// wavelengths fitted; NULL
