@@ -28,7 +28,7 @@ void cli_row(const char *label, const char *format, ...) __attribute__((format(p
 
 /// A short text by value: it lives as long as the statement that it stands in.
 typedef struct cli_text {
-    char s[200];
+    char s[560]; ///< longer than LAC_TEXT_ROOM
 } cli_text;
 cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
