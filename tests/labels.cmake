@@ -12,7 +12,7 @@ set(about_physics
 set(about_cli
   "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases)")
 set(about_data
-  "unit\\.test_(dataset|load_files|netcdf|recording|store|store_.*)"
+  "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*)"
   "case\\.test_(domain_file|every_call|resume|rg_file)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
@@ -20,7 +20,7 @@ set(about_docs
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
   "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")
-set(about_build "case\\.test_(build|install|python|vector_width)" "lint\\..*")
+set(about_build "case\\.test_(build|door|install|python|vector_width)" "lint\\..*")
 
 get_property(tests DIRECTORY PROPERTY TESTS)
 foreach(test ${tests})

@@ -3,6 +3,8 @@
 // first and add their own quantities to it.
 #include "analysis/analysis.h"
 
+#include "lacuna/simulation.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

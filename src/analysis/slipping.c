@@ -2,6 +2,8 @@
 // Which cells slip: told by the strength that is left of that at the start, or by the slip rate.
 #include "analysis/slipping.h"
 
+#include "lacuna/simulation.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

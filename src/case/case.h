@@ -228,6 +228,9 @@ typedef struct lac_case_value {
 /// @return false where there is none
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 
+/// The seed among a slot's parameters; NULL where it has none.
+int64_t *lac_slot_seed(const lac_slot *slot);
+
 /// The row of a key of a section ("solver.rtol"), whose offset is in lac_case; NULL where there is
 /// none.
 const lac_param *lac_case_row(const char *key);

@@ -14,15 +14,12 @@ const char *lac_key_behind(const char *key, const char *part)
 static bool find_in(const lac_param *params, size_t count, const char *key, void *at,
                     lac_case_value *out)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (params[i].type == LAC_REAL && strcmp(params[i].key, key) == 0 &&
-            lac_param_given(&params[i], at)) {
-            out->at = (double *)(void *)((char *)at + params[i].offset);
-            out->param = &params[i];
-            return true;
-        }
+    const lac_param *param = lac_param_find(params, count, key);
+    bool found = param != NULL && param->type == LAC_REAL && lac_param_given(param, at);
+    if (found) {
+        *out = (lac_case_value){(double *)(void *)((char *)at + param->offset), param};
     }
-    return false;
+    return found;
 }
 
 static bool find_in_slot(const lac_slot *slot, const char *key, lac_case_value *out)
@@ -156,4 +153,12 @@ lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err)
         *path = whole;
     }
     return LAC_OK;
+}
+
+int64_t *lac_slot_seed(const lac_slot *slot)
+{
+    const lac_descriptor *about = slot->about;
+    const lac_param *seed =
+        about != NULL ? lac_param_find(about->params, about->param_count, "seed") : NULL;
+    return seed != NULL ? (int64_t *)(void *)((char *)slot->params + seed->offset) : NULL;
 }

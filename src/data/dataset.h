@@ -204,7 +204,6 @@ typedef struct lac_entry {
     lac_laid attributes;
 } lac_entry;
 
-/// Holds no values: they are asked for where they are needed.
 struct lac_dataset {
     const char *summary;
     lac_clock clock;

@@ -61,7 +61,7 @@ size_t lac_dataset_count(const lac_dataset *dataset, const char *name)
 const double *lac_dataset_array(const lac_dataset *dataset, const char *name)
 {
     const lac_item item = find(dataset, name);
-    return item.name != NULL ? lac_item_array(&item) : NULL;
+    return item.name != NULL && item.row->held == LAC_HELD_REALS ? lac_item_array(&item) : NULL;
 }
 
 // A variable that there must be, of numbers or of texts.

@@ -2,6 +2,7 @@
 // When a joint counts as failed; the rate for it is lowered where damping holds it below that.
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "model/internal.h"
 
 // What uniform slip takes off all cells together [Pa s/m].

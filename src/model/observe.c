@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/vsum.h"
+#include "lacuna/simulation.h"
 #include "model/internal.h"
 
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)

@@ -2,6 +2,7 @@
 // Settings of a run where none are given, and the formulation that suits method and friction.
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 
 lac_run_def lac_run_default(void)

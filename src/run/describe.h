@@ -3,23 +3,8 @@
 #define LACUNA_RUN_DESCRIBE_H
 
 #include "data/dataset.h"
+#include "lacuna/simulation.h"
 #include "run/run.h"
-
-/// Per-cell fields that a run may keep.
-enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
-
-/// What a run puts out.
-typedef struct lac_run_output {
-    const lac_domain *domain;       ///< NULL: nothing of the cells
-    const lac_hierarchy *hierarchy; ///< NULL: no levels
-    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;                ///< LAC_FIELD_*, of snapshots; 0: there are none
-    size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond
-    bool events;            ///< a catalogue of events comes along
-    bool dated;             ///< the run starts at a date
-    double start_date;      ///< seconds since 1970 of t = 0
-} lac_run_output;
 
 /// What is put out at the moment; the variables of a run are laid on it.
 typedef struct lac_run_place {

@@ -2,6 +2,7 @@
 #ifndef LACUNA_RUN_FOLLOW_H
 #define LACUNA_RUN_FOLLOW_H
 
+#include "lacuna/simulation.h"
 #include "run/engine.h"
 #include "run/sensitivity.h"
 

@@ -3,8 +3,34 @@
 #define LACUNA_RUN_RUN_H
 
 #include "base/tape.h"
-#include "lacuna/simulation.h"
 #include "model/problem.h"
+
+// Of lacuna/simulation.h, which only those include who look inside.
+typedef struct lac_sink lac_sink;
+typedef struct lac_record lac_record;
+typedef struct lac_snapshot lac_snapshot;
+typedef struct lac_step lac_step;
+typedef struct lac_event lac_event;
+typedef struct lac_extra lac_extra;
+typedef struct lac_progress lac_progress;
+typedef struct lac_run_result lac_run_result;
+
+/// Per-cell fields that a run may keep.
+enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
+
+/// What a run puts out.
+typedef struct lac_run_output {
+    const lac_domain *domain;       ///< NULL: nothing of the cells
+    const lac_hierarchy *hierarchy; ///< NULL: no levels
+    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
+    unsigned fields;                ///< LAC_FIELD_*, of snapshots; 0: there are none
+    size_t extras;
+    const lac_extra *extra; ///< [extras] what records carry beyond
+    bool events;            ///< a catalogue of events comes along
+    bool dated;             ///< the run starts at a date
+    double start_date;      ///< seconds since 1970 of t = 0
+    bool passing;           ///< kept in memory for lac_recording_move alone: only what grows
+} lac_run_output;
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 
@@ -23,13 +49,13 @@ typedef struct lac_cadence {
 } lac_cadence;
 
 /// Where a run stands: all that it needs to go on, in another process of the same program too.
-struct lac_checkpoint {
+typedef struct lac_checkpoint {
     bool planned; ///< the run begins anew there whether or not it is stopped, so that one that goes
                   ///< on from it is the same to the last bit; else to the tolerance
     double time;  ///< [s]
     size_t size;  ///< [bytes]
     const unsigned char *state; ///< the engine's, then the sinks'
-};
+} lac_checkpoint;
 
 /// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
 /// lac_run_def.beyond.
@@ -83,27 +109,19 @@ typedef struct lac_events_scene {
 } lac_events_scene;
 
 /// Whether fidelity EVENTS follows such a scene.
-/// @return LAC_OK; LAC_EINPUT: says what it does not follow
 lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err);
 
-/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
-/// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
-/// @param asked  any but AUTO is given back
-/// @param form   of the friction law
+/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF, SLIP
+/// under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);
 
 /// Whether a run can start: what lac_run would refuse before its first step.
-/// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err);
 
 /// Integrates a problem in time. At planned checkpoints the integrator begins anew from what is
 /// saved. A run without planned ones that is interrupted makes a forced one.
 /// @param sink    gets the records, the first at t = 0; NULL drops them
 /// @param result  filled as far as the run came, whatever the status
-/// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
-///         step, order and worst cell, or where a slip rate leaves the numbers; what the sink
-///         returns; LAC_ENOMEM; LAC_EINPUT where the checkpoint to go on from is of another
-///         problem, or beyond the end, and where def->beyond is not 0
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
 

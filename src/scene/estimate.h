@@ -3,6 +3,7 @@
 #define LACUNA_SCENE_ESTIMATE_H
 
 #include "case/case.h"
+#include "lacuna/simulation.h"
 
 /// Steps of a run whose cells move together, and of each cell that fails alone
 /// (docs/theory/creep.md); updates of a cell with steps of its own, as long as none slips and on

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 #include "scene/rg.h"
 
@@ -58,11 +59,7 @@ static lac_status copy_domain(const lac_domain *from, double share, lac_domain *
 // Normal force over the nominal area.
 static double mean_pressure(const lac_domain *domain)
 {
-    double total = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        total += domain->pressure[i];
-    }
-    return total / (double)lac_grid_cells(&domain->grid);
+    return lac_sum(domain->n, domain->pressure) / (double)lac_grid_cells(&domain->grid);
 }
 
 // How loaded the joint is, and its weakest cell.

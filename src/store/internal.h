@@ -2,6 +2,7 @@
 #ifndef LACUNA_STORE_INTERNAL_H
 #define LACUNA_STORE_INTERNAL_H
 
+#include "run/describe.h"
 #include "store/writer.h"
 
 struct lac_store {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
+#include "run/describe.h"
 #include "store/input.h"
 #include "store/store_cells.h"
 

@@ -2,7 +2,8 @@
 #ifndef LACUNA_TRADE_TRADE_H
 #define LACUNA_TRADE_TRADE_H
 
-#include "lacuna/dataset.h"
+#include "data/dataset.h"
+#include "lacuna/simulation.h"
 #include "scene/scene.h"
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.

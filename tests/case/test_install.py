@@ -179,15 +179,28 @@ class Installed(Prefix, unittest.TestCase):
         self.checks_of_python()
 
     def test_headers_stand_alone(self):
-        # Each by itself, as any of them may be the first that somebody includes.
-        with open(os.path.join(self.folder, "all.c"), "w", encoding="utf-8") as file:
-            names = os.listdir(os.path.join(self.prefix, "include", "lacuna"))
-            file.write("\n".join(f"#include <lacuna/{name}>" for name in sorted(names)))
-        call("cc", "-std=c11", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-I",
-             os.path.join(self.prefix, "include"), os.path.join(self.folder, "all.c"))
-        self.assertEqual(sorted(names),
-                         sorted(os.listdir(os.path.join(SOURCE, "include", "lacuna"))))
+        """Each by itself, as any of them may be the first that somebody includes, in C and in C++."""
+        names = sorted(os.listdir(os.path.join(self.prefix, "include", "lacuna")))
+        self.assertEqual(names, sorted(os.listdir(os.path.join(SOURCE, "include", "lacuna"))))
+        compilers = [("cc", "-xc", "-std=c11")]
+        if shutil.which("c++"):
+            compilers.append(("c++", "-xc++", "-std=c++17"))
+        for name in names:
+            source = os.path.join(self.folder, "alone")
+            with open(source, "w", encoding="utf-8") as file:
+                file.write(f"#include <lacuna/{name}>\nint alone;\n")
+            for words in compilers:
+                call(*words, "-fsyntax-only", "-Wall", "-Wextra", "-pedantic", "-Werror", "-I",
+                     os.path.join(self.prefix, "include"), source)
 
+    @unittest.skipUnless(shutil.which("c++"), "needs a C++ compiler")
+    def test_cpp_program(self):
+        program = os.path.join(self.folder, "force")
+        call("c++", "-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Werror",
+             os.path.join(SOURCE, "docs", "embed", "force.cpp"), *self.flags(), "-o", program)
+        environment = dict(os.environ, LD_LIBRARY_PATH=os.path.join(self.prefix, "lib"))
+        printed = call(program, os.path.join(SOURCE, "cases", "rg", "cons.yaml"), env=environment)
+        self.assertRegex(printed, r"^critical shear force over f P: 0\.714\d$")
 
     @unittest.skipUnless(shutil.which("c++") or shutil.which("clang++"), "needs a C++ compiler")
     def test_headers_serve_from_cpp(self):
@@ -198,7 +211,7 @@ class Installed(Prefix, unittest.TestCase):
             file.writelines(f"#include <lacuna/{name}>\n" for name in headers)
             file.write("const void *all[] = {%s};\n" % ", ".join(
                 f"(const void *)&{name}" for name in sorted(declared())))
-        call(shutil.which("c++") or "clang++", "-std=c++11", "-Wall", "-Wextra", "-Werror", "-c", "-I",
+        call(shutil.which("c++") or "clang++", "-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Werror", "-c", "-I",
              os.path.join(self.prefix, "include"), source, "-o", made)
         wanted = {line.split()[-1] for line in call("nm", "-u", made).splitlines()}
         self.assertEqual({name for name in wanted if "lac_" in name}, declared())

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 #include "support/half_space.h"
 #include "support/test.h"

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/slot.h"
 #include "support/test.h"
 #include "support/tree.h"

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/rng.h"
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/slot.h"
 #include "support/test.h"

@@ -11,6 +11,7 @@
 
 #include <fftw3.h>
 
+#include "lacuna/simulation.h"
 #include "support/fault.h"
 
 // One line: compiler and options, libraries, and the instruction set that loops over cells take.

@@ -2,6 +2,7 @@
 #ifndef LACUNA_TESTS_ONE_CELL_H
 #define LACUNA_TESTS_ONE_CELL_H
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 
 // Time [s] in which the block goes from its start to slip rate `to` under constant load, aging law,

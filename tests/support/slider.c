@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/slider.h"
+#include "lacuna/simulation.h"
 
 #include <math.h>
 #include <stdio.h>

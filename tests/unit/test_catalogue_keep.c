@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "analysis/catalogue.h"
+#include "lacuna/simulation.h"
 #include "support/test.h"
 
 enum { NX = 6, NY = 5, CELLS = NX * NY, STEPS = 61, MOST_EVENTS = 400 };

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "analysis/catalogue.h"
+#include "lacuna/simulation.h"
 #include "support/test.h"
 
 enum { MOST_CELLS = 64, MOST_EVENTS = 16 };

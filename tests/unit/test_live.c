@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "report/report.h"
 #include "store/store_file.h"
 #include "support/test.h"

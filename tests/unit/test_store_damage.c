@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/rng.h"
+#include "lacuna/simulation.h"
 #include "store/store.h"
 #include "support/scratch_group.h"
 #include "support/store_records.h"

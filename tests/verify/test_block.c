@@ -7,6 +7,7 @@
 #include <gsl/gsl_sf_lambert.h>
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/quadrature.h"
 #include "support/slot.h"

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "rg/rg.h"
 #include "support/slot.h"
 #include "support/test.h"

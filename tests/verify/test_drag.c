@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/test.h"
 #include "support/tree.h"

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "lacuna/simulation.h"
 #include "run/sensitivity.h"
 #include "support/block.h"
 #include "support/test.h"

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <sundials/sundials_config.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/slider.h"
 #include "support/slot.h"

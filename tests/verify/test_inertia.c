@@ -8,6 +8,7 @@
 #include <gsl/gsl_poly.h>
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/slot.h"
 #include "support/test.h"

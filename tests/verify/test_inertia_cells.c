@@ -9,6 +9,7 @@
 #include <gsl/gsl_odeiv2.h>
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/test.h"
 #include "support/tree.h"
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/quadrature.h"
 #include "support/slot.h"

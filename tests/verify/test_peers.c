@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "lacuna/simulation.h"
 #include "scene/scene.h"
 #include "support/fault.h"
 #include "support/test.h"

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/slider.h"
 #include "support/test.h"

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "run/sensitivity.h"
 #include "support/block.h"
 #include "support/slot.h"

@@ -8,6 +8,7 @@
 #include <omp.h>
 
 #include "base/parts.h"
+#include "lacuna/simulation.h"
 #include "support/test.h"
 #include "support/tree.h"
 #include "support/trees.h"

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "lacuna/simulation.h"
 #include "support/block.h"
 #include "support/test.h"
 #include "support/tree.h"

@@ -3,6 +3,7 @@
 #include "cli/common/failure.h"
 
 #include "cli/common/words.h"
+#include "lacuna/simulation.h"
 
 const char *const cli_failure_lowered = "a p/eta: damping holds the joint below that of the case; "
                                         "judged by all cells as one";

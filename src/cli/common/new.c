@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/write_text.h"
+#include "base/part.h"
 #include "cli/common/command.h"
 #include "cli/common/texts.h"
 #include "cli/common/words.h"

@@ -12,6 +12,7 @@
 
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
+#include "lacuna/simulation.h"
 
 double cli_clock(void)
 {

@@ -2,6 +2,7 @@
 #ifndef LACUNA_CLI_RUN_HISTORY_H
 #define LACUNA_CLI_RUN_HISTORY_H
 
+#include "lacuna/simulation.h"
 #include "run/run.h"
 #include "series/series.h"
 

@@ -55,7 +55,7 @@ static lac_status integrate(const cli_trade_job *job, const lac_case *c, const c
     const lac_sink sink = lac_trade_probe_sink(&probe);
     LAC_TRY(lac_simulation_run(simulation, &sink, err));
     LAC_TRY(lac_store_finish(store, of->status, &of->run, 0.0, err));
-    lac_trade_probe_values(&probe, &of->run, def.events, m->value);
+    lac_trade_probe_values(&probe, &of->run, def.of.events, m->value);
     keep_numbers(of, m);
 out:
     lac_store_free(store);

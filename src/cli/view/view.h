@@ -3,6 +3,7 @@
 #define LACUNA_CLI_VIEW_VIEW_H
 
 #include "cli/common/options.h"
+#include "lacuna/simulation.h"
 #include "store/store.h"
 
 /// The page of a run while it goes on (`lacuna run --view`). Nothing here stops a run: what fails
