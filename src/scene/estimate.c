@@ -177,15 +177,6 @@ static double elastic_seconds(const lac_case *c, const lac_transfer_outline *hel
     return over_grid(e, (filter ? filter_seconds : iteration_seconds) * (alone ? 4 : 1));
 }
 
-// Of `seeds` interfaces with their blocks at `places` places, for `betas` residual strengths.
-static double cascade_of(const lac_case *c, bool elastic, double seeds, double places, double betas,
-                         const lac_estimate *e)
-{
-    double cells = isnan(e->contact_cells) ? some_contact * e->grid_cells : e->contact_cells;
-    double path = elastic ? path_seconds * (double)c->rg.contacts * e->grid_cells : 0;
-    return seeds * (path + place_seconds * places * betas * cells) * slowdown(e);
-}
-
 // The cascade that a run follows is that of its own interface, once.
 static const lac_analysis_rg *followed_cascade(const lac_case *c)
 {
@@ -198,18 +189,21 @@ static const lac_analysis_rg *followed_cascade(const lac_case *c)
     return NULL;
 }
 
+// Of `seeds` interfaces with their blocks at `places` places, for `betas` residual strengths.
 static double cascade_seconds(const lac_case *c, const lac_estimate *e)
 {
-    const lac_analysis_rg *rg = followed_cascade(c);
-    if (e->integrated && rg != NULL) {
-        return cascade_of(c, rg->field == LAC_RG_ELASTIC, 1, (double)rg->shifts, 1, e);
-    }
-    if (e->integrated || !c->rg.named) {
+    const lac_analysis_rg *rg = e->integrated ? followed_cascade(c) : NULL;
+    if (rg == NULL && (e->integrated || !c->rg.named)) {
         return NAN;
     }
-    double betas = c->rg.betas > 0 ? (double)c->rg.betas : 1, seeds = (double)c->rg.seeds;
-    return contact_seconds(c, e) * seeds +
-           cascade_of(c, c->rg.field == LAC_RG_ELASTIC, seeds, (double)c->rg.shifts, betas, e);
+    const bool elastic = (rg != NULL ? rg->field : c->rg.field) == LAC_RG_ELASTIC;
+    const double seeds = rg != NULL ? 1 : (double)c->rg.seeds;
+    const double places = (double)(rg != NULL ? rg->shifts : c->rg.shifts);
+    const double betas = rg == NULL && c->rg.betas > 0 ? (double)c->rg.betas : 1;
+    double cells = isnan(e->contact_cells) ? some_contact * e->grid_cells : e->contact_cells;
+    double path = elastic ? path_seconds * (double)c->rg.contacts * e->grid_cells : 0;
+    return (rg != NULL ? 0 : contact_seconds(c, e) * seeds) +
+           seeds * (path + place_seconds * places * betas * cells) * slowdown(e);
 }
 
 static void count_time(const lac_case *c, lac_estimate *e)

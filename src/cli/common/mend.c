@@ -8,16 +8,6 @@
 #include "store/store.h"
 #include "store/store_file.h"
 
-static void print_json(const char *path, const char *status, bool mended)
-{
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_json_text(&json, "file", path);
-    lac_json_boolean(&json, "mended", mended);
-    lac_json_text(&json, "status", status);
-    lac_json_close(&json, '}');
-}
-
 lac_status cli_mend(const cli_request *request, lac_error *err)
 {
     const char *path = request->argument[0];
@@ -39,7 +29,12 @@ lac_status cli_mend(const cli_request *request, lac_error *err)
         word[0] = '\0';
     }
     if (cli_given(request, CLI_OPT_JSON)) {
-        print_json(path, word, mended);
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        lac_json_text(&json, "file", path);
+        lac_json_boolean(&json, "mended", mended);
+        lac_json_text(&json, "status", word);
+        lac_json_close(&json, '}');
     } else if (!cli_given(request, CLI_OPT_QUIET)) {
         printf("%s: %s%s%s%s\n", path, mended ? "mended" : "is whole, nothing to mend",
                word[0] != '\0' ? " (" : "", word, word[0] != '\0' ? ")" : "");
