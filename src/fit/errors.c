@@ -23,7 +23,6 @@ static double likelihood(guess *g, double time)
     const lac_fit_errors_at unit = {.displacement = 1.0, .time = time};
     double *w = g->scratch;
     double *e = g->scratch + data->n;
-    double ew = 0.0;
     double ee = 0.0;
     double squares = 0.0;
     double log_det = lac_fit_whiten(data, &unit, g->r, w);
@@ -32,14 +31,10 @@ static double likelihood(guess *g, double time)
             e[i] = 1.0;
         }
         (void)lac_fit_whiten(data, &unit, e, e);
-        for (size_t i = 0; i < data->n; i++) {
-            ew += e[i] * w[i];
-            ee += e[i] * e[i];
-        }
+        (void)lac_fit_take_offset(data->n, e, w, &ee);
     }
     for (size_t i = 0; i < data->n; i++) {
-        double by = w[i] - (ee > 0.0 ? ew / ee * e[i] : 0.0);
-        squares += by * by;
+        squares += w[i] * w[i];
     }
     double n = (double)data->displacements - (ee > 0.0 ? 1.0 : 0.0);
     g->scale = isnan(g->held) ? sqrt(squares / n) : g->held;

@@ -100,6 +100,11 @@ void lac_fit_model_clear(lac_fit_model *model);
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_follow *out, lac_error *err);
 
+// What the case says at the readings, [n] each, at coordinates u.
+// @return as lac_fit_model_run; LAC_ENUMERIC where the run fails before the last reading
+lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
+                              lac_error *err);
+
 // Whether its runs are as exact as derivatives need them, or as exact as readings do.
 void lac_fit_model_tighten(lac_fit_model *model, bool exact);
 
@@ -121,6 +126,10 @@ void lac_fit_put(const lac_fit_def *def, const double *u, double *const *at);
 // determinant of their covariance.
 double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors, const double *r,
                       double *white);
+
+// Takes the best offset out of whitened residuals w. @param e  [n] what an offset of 1 adds to them
+// @return the offset; `weight` is the sum of e^2
+double lac_fit_take_offset(size_t n, const double *e, double *w, double *weight);
 
 // ln of the likelihood, the offset integrated out. @param scratch  [3 n]
 lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *errors,

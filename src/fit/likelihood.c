@@ -60,6 +60,21 @@ double lac_fit_whiten(const lac_fit_data *data, const lac_fit_errors_at *errors,
     return log_det;
 }
 
+double lac_fit_take_offset(size_t n, const double *e, double *w, double *weight)
+{
+    double ew = 0.0;
+    *weight = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        ew += e[i] * w[i];
+        *weight += e[i] * e[i];
+    }
+    const double offset = *weight > 0.0 ? ew / *weight : 0.0;
+    for (size_t i = 0; i < n; i++) {
+        w[i] -= offset * e[i];
+    }
+    return offset;
+}
+
 // Displacements: r^T C^-1 r after the best offset, which is integrated over.
 static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at *errors,
                                     const double *slip, double *scratch)
@@ -75,21 +90,13 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
     double log_det = lac_fit_whiten(data, errors, r, w);
     lac_fit_misfit out = {.peak = -0.5 * (log_det + (double)data->displacements * log_two_pi)};
     if (fit->def->offset) {
-        double ew = 0.0;
-        double ee = 0.0;
+        double weight;
         for (size_t i = 0; i < n; i++) {
             r[i] = 1.0;
         }
         (void)lac_fit_whiten(data, errors, r, e);
-        for (size_t i = 0; i < n; i++) {
-            ew += e[i] * w[i];
-            ee += e[i] * e[i];
-        }
-        out.offset = ew / ee;
-        for (size_t i = 0; i < n; i++) {
-            w[i] -= out.offset * e[i];
-        }
-        out.log_likelihood = 0.5 * (log_two_pi - log(ee));
+        out.offset = lac_fit_take_offset(n, e, w, &weight);
+        out.log_likelihood = 0.5 * (log_two_pi - log(weight));
     }
     for (size_t i = 0; i < n; i++) {
         out.peak -= 0.5 * w[i] * w[i];
@@ -127,10 +134,7 @@ double lac_fit_log_posterior(lac_fit *fit, int thread, const double *x)
     }
     double *slip = model->scratch;
     double *log_rate = slip + data->n;
-    lac_follow seen = {.slip = slip, .log_rate = log_rate};
-    lac_status status =
-        lac_fit_model_run(model, x, data->time[data->n - 1], data->n, data->time, &seen, NULL);
-    if (status != LAC_OK || seen.reached < data->n) {
+    if (lac_fit_model_read(model, x, slip, log_rate, NULL) != LAC_OK) {
         return -INFINITY;
     }
     lac_fit_errors_at errors = lac_fit_errors_of(fit, x);

@@ -2,6 +2,7 @@
 // What has been published of the size effect on rock joints: statements of texts, not results.
 #include <math.h>
 
+#include "base/rows.h"
 #include "fractal/fractal.h"
 
 #define BORRI_BRUNETTO "Borri-Brunetto, Carpinteri and Chiaia 2004, fig. 4: Bandis et al. 1981, "
@@ -22,7 +23,4 @@ static const lac_size_exponent table[] = {
     {"shear strength", 0.28, 0.44, 0.05, 0.4, false, "Barton-Bandis scaling, JRC 15"},
 };
 
-const lac_size_exponent *lac_size_exponent_at(size_t index)
-{
-    return index < sizeof table / sizeof table[0] ? &table[index] : NULL;
-}
+LAC_ROWS_AT(lac_size_exponent, lac_size_exponent_at, table)

@@ -133,17 +133,11 @@ static const lac_variable of_surface[] = {
     {.json = "surface/jrc_in_range", G(jrc_in_range), .flags = LAC_TRUTH},
 };
 
-#define P(json_, field)                                                                 \
-    {                                                                                   \
-        .json = "surface/profiles[]/" json_, LAC_HELD(REAL, lac_profile_measure, field) \
-    }
+#define P(json_, field) LAC_JSON("surface/profiles[]/" json_, REAL, lac_profile_measure, field)
 static const lac_variable of_profiles[] = {P("step_m", step), P("z2", z2), P("jrc", jrc),
                                            P("jrc_yu_vayssade", jrc_yu)};
 
-#define F(json_, kind, field)                                                    \
-    {                                                                            \
-        .json = "surface/files[]/" json_, LAC_HELD(kind, lac_file_report, field) \
-    }
+#define F(json_, kind, field) LAC_JSON("surface/files[]/" json_, kind, lac_file_report, field)
 static const lac_variable of_files[] = {
     F("path", TEXT, path),
     F("format", TEXT, format),
@@ -176,10 +170,7 @@ LAC_GETTER(double, shear_y, RECORD, r->shear.traction[1] * AREA)
 LAC_GETTER(double, highest, RECORD, isnan(r->highest[0]) ? (double)NAN : r->shear.highest_ratio)
 LAC_TEXT_GETTER(method, (void)of, "direct")
 
-#define STEP(json_, getter_)                                 \
-    {                                                        \
-        .json = "steps[]/" json_, .dims = "step", G(getter_) \
-    }
+#define STEP(json_, getter_) LAC_JSON_BY("steps[]/" json_, "step", getter_)
 static const lac_variable of_history[] = {
     {.json = "status", T(status)},
     {.json = "history_method", T(method)},
@@ -196,10 +187,7 @@ static const lac_variable of_history[] = {
     STEP("q_y_N", shear_y),
 };
 
-#define S(json_, kind, field)                                               \
-    {                                                                       \
-        .json = "steps[]/" json_, LAC_HELD(kind, lac_history_record, field) \
-    }
+#define S(json_, kind, field) LAC_JSON("steps[]/" json_, kind, lac_history_record, field)
 static const lac_variable of_steps[] = {
     S("shift_m", REAL, shear.shift[0]),
     S("shift_y_m", REAL, shear.shift[1]),
