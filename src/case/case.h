@@ -239,6 +239,9 @@ const lac_param *lac_case_row(const char *key);
 /// @return NULL, or what is wrong
 const char *lac_case_fault(const lac_case *c);
 
+/// The index-th file that a case names, a path from the working folder; NULL past the end.
+char **lac_case_file(const lac_case *c, size_t index);
+
 /// Whether a case was read so that it serves a purpose.
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_case_serves(const lac_case *c, lac_case_purpose purpose, lac_error *err);

@@ -6,6 +6,7 @@
 //     (d3 - d1)/(d2 - d1) = ln((tc - t1)/(tc - t3)) / ln((tc - t1)/(tc - t2)).
 #include <math.h>
 
+#include "base/roots.h"
 #include "forecast/kinds.h"
 
 enum { HALVINGS = 200 };
@@ -27,12 +28,7 @@ static double solve(double t1, double t2, double d1, double d2, double d3)
         return NAN;
     }
     for (int i = 0; i < HALVINGS && high - low > 0.0; i++) {
-        const double middle = 0.5 * (low + high);
-        if (excess(exp(middle), t1, t2) > ratio) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        lac_halve(&low, &high, excess(exp(0.5 * (low + high)), t1, t2) > ratio);
     }
     return exp(0.5 * (low + high));
 }

@@ -2,6 +2,7 @@
 // How often events come on the way to failure: n ~ (tc - t)^-p.
 #include <math.h>
 
+#include "base/roots.h"
 #include "precursor/kinds.h"
 
 enum { FEW = 5, FEW_TO_FIT = 10, HALVINGS = 100 };
@@ -38,13 +39,8 @@ static double find_p(double mean, double length, double count, double *error)
     double found;
     double variance = NAN;
     for (int i = 0; i < HALVINGS; i++) {
-        const double k = 0.5 * (low + high);
-        tilted(k, length, &found, &variance);
-        if (found < mean) {
-            low = k;
-        } else {
-            high = k;
-        }
+        tilted(0.5 * (low + high), length, &found, &variance);
+        lac_halve(&low, &high, found < mean);
     }
     *error = 1.0 / sqrt(count * variance);
     return 1.0 - 0.5 * (low + high);

@@ -171,6 +171,8 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
 {
     size_t now = ++h->result->steps;
     note_state(h, now, h->state[now - 1].dissipated + h->reached.dissipation);
+    record->number = now;
+    record->area = lac_grid_area(&h->contact->grid);
     record->pressure = h->mean;
     record->shear = h->reached;
     record->dissipated = h->state[now].dissipated;

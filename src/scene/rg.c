@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 
 void lac_scene_joint_clear(lac_scene_joint *j)
@@ -137,10 +138,7 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
         const lac_rg_joint part = {domain, j->strength, j->drop, j->path, solved ? &press : NULL};
         LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
     }
-    double total = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        total += j->strength[i];
-    }
+    double total = lac_sum(domain->n, j->strength);
     out->strength += total / (double)lac_grid_cells(&domain->grid) / (double)out->seeds;
 out:
     return status;

@@ -25,6 +25,7 @@ OTHER_TABLES = ("src/cli/", "src/case/registry.c", "src/store/", "src/case/secti
 OTHER_WORDS = {
     ("src/case/value.c", "transfer"),  # a section
     ("src/case/read_sections.c", "case"),  # the whole
+    ("src/case/check.c", "rg"),  # a section
     ("src/cli/common/new.c", "joint"),  # a kind of case file
     ("src/cli/precursors/precursors_read.c", "none"),  # no onset
 }
