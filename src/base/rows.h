@@ -43,6 +43,19 @@
 /// A descriptor; behind what all say of themselves LAC_ROWS, .fault ...
 #define LAC_ABOUT(title, text, source, ...)                                                       \
     {.name = (title), .summary = (text), .reference = (source), __VA_ARGS__}
+
+/// Defines the function that gives the index-th of a list of pointers to rows, or of rows; NULL past
+/// the end.
+#define LAC_KINDS_AT(type, name, list)                                                            \
+    const type *name(size_t index)                                                                \
+    {                                                                                             \
+        return index < sizeof(list) / sizeof *(list) ? (list)[index] : NULL;                      \
+    }
+#define LAC_ROWS_AT(type, name, list)                                                             \
+    const type *name(size_t index)                                                                \
+    {                                                                                             \
+        return index < sizeof(list) / sizeof *(list) ? &(list)[index] : NULL;                     \
+    }
 // clang-format on
 
 #endif

@@ -248,7 +248,6 @@ lac_status lac_case_serves(const lac_case *c, lac_case_purpose purpose, lac_erro
 
 /// Puts a folder before every relative path of a case, which is then to be written elsewhere.
 /// @param folder  ends in a slash
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
 /// A section of plain parameters (interface, material, time, solver ...).

@@ -3,8 +3,6 @@
 // are rows of the sections solver, rg and material.
 #include "case/sections.h"
 
-#define COUNT(array) (sizeof(array) / sizeof(array)[0])
-
 #define CVODES                                                                              \
     "Hindmarsh et al. (2005) ACM Trans. Math. Softw. 31, 363, doi 10.1145/1089014.1089020 " \
     "(CVODES)"
@@ -84,14 +82,8 @@ static const lac_descriptor rules[] = {
                   "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
 };
 
-#define AT(name, table)                                       \
-    const lac_descriptor *name(size_t index)                  \
-    {                                                         \
-        return index < COUNT(table) ? &(table)[index] : NULL; \
-    }
-
-AT(lac_momentum_at, momenta)
-AT(lac_fidelity_at, fidelities)
-AT(lac_method_at, methods)
-AT(lac_formulation_at, formulations)
-AT(lac_rule_at, rules)
+LAC_ROWS_AT(lac_descriptor, lac_momentum_at, momenta)
+LAC_ROWS_AT(lac_descriptor, lac_fidelity_at, fidelities)
+LAC_ROWS_AT(lac_descriptor, lac_method_at, methods)
+LAC_ROWS_AT(lac_descriptor, lac_formulation_at, formulations)
+LAC_ROWS_AT(lac_descriptor, lac_rule_at, rules)

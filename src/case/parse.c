@@ -27,6 +27,9 @@ static size_t line_of(const builder *b, const yaml_event_t *event)
     return b->place != NULL ? 0 : event->start_mark.line + 1;
 }
 
+#define REFUSE(b, event, ...) \
+    (lac_blame_text((b)->reader, line_of(b, event), (b)->place, __VA_ARGS__), false)
+
 // Why libyaml cannot read on.
 static void blame_syntax(builder *b, const yaml_parser_t *parser)
 {
@@ -157,9 +160,7 @@ static bool take_scalar(builder *b, const yaml_event_t *event)
 static bool take_alias(builder *b, const yaml_event_t *event)
 {
     if (awaits_key(b)) {
-        lac_blame_text(b->reader, line_of(b, event), b->place,
-                       "is no case: an alias stands for a key");
-        return false;
+        return REFUSE(b, event, "is no case: an alias stands for a key");
     }
     const char *name = (const char *)event->data.alias.anchor;
     lac_node *node = add(b, event, LAC_NODE_SCALAR, "", 0);
@@ -175,15 +176,11 @@ static bool open_node(builder *b, const yaml_event_t *event, lac_node_kind kind)
 {
     bool list = kind == LAC_NODE_LIST;
     if (awaits_key(b)) {
-        lac_blame_text(b->reader, line_of(b, event), b->place,
-                       "is no case: a key is a %s where it must be a word",
-                       list ? "list" : "mapping");
-        return false;
+        return REFUSE(b, event, "is no case: a key is a %s where it must be a word",
+                      list ? "list" : "mapping");
     }
     if (b->depth == LAC_TREE_DEPTH) {
-        lac_blame_text(b->reader, line_of(b, event), b->place,
-                       "is no case: it is nested more than %d deep", LAC_TREE_DEPTH);
-        return false;
+        return REFUSE(b, event, "is no case: it is nested more than %d deep", LAC_TREE_DEPTH);
     }
     lac_node *node = add(b, event, kind, NULL, 0);
     if (node == NULL) {
@@ -199,9 +196,7 @@ static bool open_node(builder *b, const yaml_event_t *event, lac_node_kind kind)
 static bool take_document(builder *b, const yaml_event_t *event)
 {
     if (b->documents_seen) {
-        lac_blame_text(b->reader, line_of(b, event), b->place,
-                       "holds a second document; a case is one");
-        return false;
+        return REFUSE(b, event, "holds a second document; a case is one");
     }
     b->documents_seen = true;
     return true;

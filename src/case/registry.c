@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The kinds of models that a case can choose or that a command has, a row each.
 #include "analysis/analysis.h"
+#include "base/rows.h"
 #include "case/schema.h"
 #include "case/sections.h"
 #include "precursor/precursor.h"
@@ -68,4 +69,4 @@ static const lac_kind kinds[] = {
             "methods of forecasting the time of failure"),
 };
 
-const lac_kind *lac_kind_at(size_t index) { return index < COUNT(kinds) ? &kinds[index] : NULL; }
+LAC_ROWS_AT(lac_kind, lac_kind_at, kinds)

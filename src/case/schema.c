@@ -86,7 +86,8 @@ static bool read_choice(lac_reader *reader, const lac_node *node, const lac_para
     return false;
 }
 
-char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowed)
+// A text that is not empty; NULL where it is wrong, which is then reported.
+static char *read_text(lac_reader *reader, const lac_node *node, const char *allowed)
 {
     if (node->kind != LAC_NODE_SCALAR || node->text[0] == '\0' || lac_node_is_null(node) ||
         node->bad) {
@@ -109,7 +110,7 @@ char *lac_path_below(const char *folder, size_t length, const char *path)
 
 static char *read_path(lac_reader *reader, const lac_node *node)
 {
-    char *path = lac_read_text(reader, node, "a file name");
+    char *path = read_text(reader, node, "a file name");
     size_t folder = lac_folder_length(reader->name);
     if (path == NULL || path[0] == '/' || folder == 0) {
         return path;
@@ -135,7 +136,7 @@ bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *p
     case LAC_TEXT:
         break;
     }
-    return (*(char **)at = lac_read_text(reader, node, "a text that is not empty")) != NULL;
+    return (*(char **)at = read_text(reader, node, "a text that is not empty")) != NULL;
 }
 
 // "column:unit", split at its last colon.
@@ -143,7 +144,7 @@ static void read_column(lac_reader *reader, const lac_node *node, const char *si
 {
     lac_error err = {""};
     double scale, offset;
-    char *text = lac_read_text(reader, node, "a column and its unit such as \"disp:mm\"");
+    char *text = read_text(reader, node, "a column and its unit such as \"disp:mm\"");
     char *colon = text == NULL ? NULL : strrchr(text, ':');
     column[0] = text;
     if (colon == NULL) {

@@ -32,10 +32,6 @@ bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *p
 /// Reads a number of the dimension of `unit`; the range is the caller's.
 bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit, double *value);
 
-/// Reads a text that is not empty; the caller frees it.
-/// @return NULL where it is wrong, which is then reported
-char *lac_read_text(lac_reader *reader, const lac_node *node, const char *allowed);
-
 /// Frees the texts of a table but the caller's own.
 void lac_table_clear(const lac_table *table, void *params);
 

@@ -2,6 +2,7 @@
 // What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
 #include "base/rg_rows.h"
+#include "base/rows.h"
 #include "rg/rg.h"
 
 #include <math.h>
@@ -375,7 +376,7 @@ static const lac_part parts[] = {
     {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
 };
 
-const lac_part *lac_part_at(size_t index) { return index < COUNT(parts) ? &parts[index] : NULL; }
+LAC_ROWS_AT(lac_part, lac_part_at, parts)
 
 const lac_section *lac_section_at(size_t index)
 {
@@ -387,7 +388,8 @@ const lac_section *lac_section_at(size_t index)
     return NULL;
 }
 
-const char *lac_section_key(size_t index)
+// The index-th key of a case that holds a section, NULL past the end.
+static const char *section_key(size_t index)
 {
     for (size_t i = 1; i < COUNT(parts); i++) {
         if (strchr(parts[i].about.name, '.') == NULL && index-- == 0) {
@@ -410,7 +412,7 @@ lac_table lac_part_table(const lac_section *about)
 {
     return (lac_table){.params = about->params,
                        .count = about->param_count,
-                       .more = about == &parts[0].about ? lac_section_key : NULL};
+                       .more = about == &parts[0].about ? section_key : NULL};
 }
 
 const lac_param *lac_case_row(const char *key)

@@ -41,9 +41,6 @@ typedef struct lac_part {
 /// The index-th part in the order of a resolved case, NULL past the end.
 const lac_part *lac_part_at(size_t index);
 
-/// The index-th key of a case that holds a section, NULL past the end.
-const char *lac_section_key(size_t index);
-
 /// The keys of a section that lac_section_at has, by its name or by itself.
 lac_table lac_section_table(const char *name);
 lac_table lac_part_table(const lac_section *about);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/rows.h"
 #include "case/schema.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -36,78 +37,24 @@ static double uniform(const lac_spread_random *p, uint64_t place, uint64_t strea
     return lac_random_uniform((uint64_t)p->seed, LAC_STREAM_SPREAD, place, stream);
 }
 
-static double draw_lognormal(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return exp(p->width * standard_normal(p, place, stream));
-}
-
-static double draw_normal(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return 1.0 + p->width * standard_normal(p, place, stream);
-}
-
-static double draw_uniform(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return 1.0 + p->width * (2.0 * uniform(p, place, stream) - 1.0);
-}
-
-static double draw_weibull(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return pow(-log(uniform(p, place, stream)), 1.0 / p->width);
-}
-
-static double draw_exponential(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return -log(uniform(p, place, stream));
-}
-
-static double draw_pareto(const void *params, uint64_t place, uint64_t stream)
-{
-    const lac_spread_random *p = params;
-    return pow(uniform(p, place, stream), -1.0 / p->width);
-}
+#define DRAW(name, factor)                                                         \
+    static double draw_##name(const void *params, uint64_t place, uint64_t stream) \
+    {                                                                              \
+        const lac_spread_random *p = params;                                       \
+        return (factor);                                                           \
+    }
+DRAW(lognormal, exp(p->width *standard_normal(p, place, stream)))
+DRAW(normal, 1.0 + p->width * standard_normal(p, place, stream))
+DRAW(flat, 1.0 + p->width * (2.0 * uniform(p, place, stream) - 1.0))
+DRAW(weibull, pow(-log(uniform(p, place, stream)), 1.0 / p->width))
+DRAW(exponential, -log(uniform(p, place, stream)))
+DRAW(pareto, pow(uniform(p, place, stream), -1.0 / p->width))
 
 static const char *random_fault(const void *params)
 {
     const lac_spread_random *p = params;
     return p->highest <= p->lowest ? "highest must be above lowest" : NULL;
 }
-
-static const lac_param lognormal_rows[] = {
-    LAC_REAL("sigma", "1", RANDOM(width), NAN, 0, 20, 0, "standard deviation of the logarithm"),
-    RANDOM_ROWS,
-};
-
-static const lac_param normal_rows[] = {
-    LAC_REAL("sigma", "1", RANDOM(width), NAN, 0, 1, 0,
-             "standard deviation relative to the nominal value"),
-    RANDOM_ROWS,
-};
-
-static const lac_param uniform_rows[] = {
-    LAC_REAL("half_width", "1", RANDOM(width), NAN, 0, 1, 0,
-             "largest deviation relative to the nominal value"),
-    RANDOM_ROWS,
-};
-
-static const lac_param weibull_rows[] = {
-    LAC_REAL("shape", "1", RANDOM(width), NAN, 0.05, 1e3, 0,
-             "Weibull's modulus k: the larger, the narrower"),
-    RANDOM_ROWS,
-};
-
-static const lac_param exponential_rows[] = {RANDOM_ROWS};
-
-static const lac_param pareto_rows[] = {
-    LAC_REAL("exponent", "1", RANDOM(width), NAN, 0.05, 1e3, 0,
-             "P(factor > x) = x^-exponent, x >= 1"),
-    RANDOM_ROWS,
-};
 
 static const lac_param map_rows[] = {
     LAC_PATH("file", MAP(path), 0,
@@ -129,62 +76,51 @@ static const lac_param size_rows[] = {
                "of the largest block around the cell that touches everywhere"),
 };
 
-#define ABOUT(title, text, source, rows, type)                                           \
-    {                                                                                    \
-        .name = (title), .summary = (text), .reference = (source), LAC_ROWS(rows, type), \
-        .fault = sizeof(type) == sizeof(lac_spread_random) ? random_fault : NULL         \
-    }
+// A random kind and its rows, the row of its width before those of all.
+#define RANDOM_KIND(kind, title, text, source, ...)                                          \
+    static const lac_param kind##_rows[] = {__VA_ARGS__ RANDOM_ROWS};                        \
+    static const lac_spread_kind kind = {LAC_ABOUT(title, text, source,                      \
+                                                   LAC_ROWS(kind##_rows, lac_spread_random), \
+                                                   .fault = random_fault),                   \
+                                         draw_##kind};
+#define WIDTH(name, low, high, text) LAC_REAL(name, "1", RANDOM(width), NAN, low, high, 0, text),
 
-static const lac_spread_kind lognormal = {
-    ABOUT("lognormal", "the nominal value times exp(sigma z), z standard normal",
-          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 14",
-          lognormal_rows, lac_spread_random),
-    draw_lognormal};
-static const lac_spread_kind normal = {
-    ABOUT("normal", "the nominal value times 1 + sigma z, z standard normal",
-          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 13",
-          normal_rows, lac_spread_random),
-    draw_normal};
-static const lac_spread_kind flat = {
-    ABOUT("uniform", "the nominal value times 1 + half_width z, z uniform between -1 and 1",
-          "Johnson, Kotz & Balakrishnan (1995) Continuous Univariate Distributions 2, ch. 26",
-          uniform_rows, lac_spread_random),
-    draw_uniform};
-static const lac_spread_kind weibull = {
-    ABOUT("weibull", "the nominal value, as the scale, times (-ln z)^(1/shape), z uniform",
-          "Weibull (1951) J. Appl. Mech. 18, 293, doi 10.1115/1.4010337", weibull_rows,
-          lac_spread_random),
-    draw_weibull};
-static const lac_spread_kind exponential = {
-    ABOUT("exponential", "the nominal value, as the mean, times -ln z, z uniform",
-          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 19",
-          exponential_rows, lac_spread_random),
-    draw_exponential};
-static const lac_spread_kind pareto = {
-    ABOUT("pareto", "the nominal value, as the least, times z^(-1/exponent), z uniform",
-          "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 20",
-          pareto_rows, lac_spread_random),
-    draw_pareto};
+RANDOM_KIND(lognormal, "lognormal", "the nominal value times exp(sigma z), z standard normal",
+            "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 14",
+            WIDTH("sigma", 0, 20, "standard deviation of the logarithm"))
+RANDOM_KIND(normal, "normal", "the nominal value times 1 + sigma z, z standard normal",
+            "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 13",
+            WIDTH("sigma", 0, 1, "standard deviation relative to the nominal value"))
+RANDOM_KIND(flat, "uniform", "the nominal value times 1 + half_width z, z uniform between -1 and 1",
+            "Johnson, Kotz & Balakrishnan (1995) Continuous Univariate Distributions 2, ch. 26",
+            WIDTH("half_width", 0, 1, "largest deviation relative to the nominal value"))
+RANDOM_KIND(weibull, "weibull",
+            "the nominal value, as the scale, times (-ln z)^(1/shape), z uniform",
+            "Weibull (1951) J. Appl. Mech. 18, 293, doi 10.1115/1.4010337",
+            WIDTH("shape", 0.05, 1e3, "Weibull's modulus k: the larger, the narrower"))
+RANDOM_KIND(exponential, "exponential", "the nominal value, as the mean, times -ln z, z uniform",
+            "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 19", )
+RANDOM_KIND(pareto, "pareto", "the nominal value, as the least, times z^(-1/exponent), z uniform",
+            "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 20",
+            WIDTH("exponent", 0.05, 1e3, "P(factor > x) = x^-exponent, x >= 1"))
 
-const lac_spread_kind lac_spread_map_kind = {ABOUT("map", "a field from a netCDF file",
-                                                   "docs/theory/friction.md, \"From cell to cell\"",
-                                                   map_rows, lac_spread_map),
-                                             NULL};
+const lac_spread_kind lac_spread_map_kind = {
+    LAC_ABOUT("map", "a field from a netCDF file", "docs/theory/friction.md, \"From cell to cell\"",
+              LAC_ROWS(map_rows, lac_spread_map)),
+    NULL};
 const lac_spread_kind lac_spread_size_kind = {
-    ABOUT("size", "the nominal value times a power of the size of the cell's patch or block",
-          "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that weakens "
-          "a joint grows with its size)",
-          size_rows, lac_spread_size),
+    LAC_ABOUT(
+        "size", "the nominal value times a power of the size of the cell's patch or block",
+        "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that weakens "
+        "a joint grows with its size)",
+        LAC_ROWS(size_rows, lac_spread_size)),
     NULL};
 
 static const lac_spread_kind *const spreads[] = {
     &lognormal,           &normal, &flat, &weibull, &exponential, &pareto, &lac_spread_map_kind,
     &lac_spread_size_kind};
 
-const lac_spread_kind *lac_spread_kind_at(size_t index)
-{
-    return index < COUNT(spreads) ? spreads[index] : NULL;
-}
+LAC_KINDS_AT(lac_spread_kind, lac_spread_kind_at, spreads)
 
 bool lac_spread_is_value(const lac_spread *spread)
 {

@@ -40,7 +40,6 @@ lac_node *lac_tree_parse(struct lac_reader *reader, const char *text, size_t siz
 lac_node *lac_node_create(lac_node *parent, lac_node_kind kind, const char *key, const char *text,
                           size_t text_size);
 
-/// Frees a node and what hangs from it; NULL is fine.
 void lac_node_free(lac_node *node);
 
 /// The value of a key of a mapping; NULL where it isn't one or has no such key.

@@ -146,10 +146,7 @@ static const lac_domain_source *const registry[] = {
     &lac_domain_from_file,
 };
 
-const lac_domain_source *lac_domain_source_at(size_t index)
-{
-    return index < sizeof registry / sizeof *registry ? registry[index] : NULL;
-}
+LAC_KINDS_AT(lac_domain_source, lac_domain_source_at, registry)
 
 // The load is held: every contact cell carries N/n times the mean pressure.
 static void spread_load(size_t cells, const uint8_t *occupied, double mean_pressure,

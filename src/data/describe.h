@@ -37,4 +37,14 @@
 /// A value that is held. @param kind  REAL, COUNT ... of lac_held
 #define LAC_HELD(kind, type, field) .held = LAC_HELD_##kind, .offset = offsetof(type, field)
 
+/// Rows of JSON alone: of a value that is held, and of one by its getter.
+#define LAC_JSON(path, kind, type, field)           \
+    {                                               \
+        .json = (path), LAC_HELD(kind, type, field) \
+    }
+#define LAC_JSON_BY(path, dims_, getter)                   \
+    {                                                      \
+        .json = (path), .dims = (dims_), .value = (getter) \
+    }
+
 #endif

@@ -105,7 +105,6 @@ typedef struct lac_fit_outcome {
 /// Its variables, for a file, JSON or page; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 /// @param out  freed by the caller, whatever the status
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_fit_describe(const lac_fit_outcome *outcome, lac_dataset **out, lac_error *err);
 
 /// Who watches a fit. Members may be NULL.
@@ -120,7 +119,6 @@ typedef struct lac_fit_watch {
 /// @param series   its times on the run's clock: seconds since 1970 where both are dated, else
 ///                 since the start; read with the columns of c->fit
 /// @param sigma    the column fit.sigma: the series' `value` holds it
-/// @param threads  that compute at the same time
 /// @return LAC_OK; LAC_EINPUT (too few readings, a date against none ...); what a scene returns
 lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threads, lac_fit **out,
                           lac_error *err);

@@ -100,6 +100,11 @@ void lac_fit_model_clear(lac_fit_model *model);
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_follow *out, lac_error *err);
 
+// What the case says at the readings, [n] each, at coordinates u.
+// @return as lac_fit_model_run; LAC_ENUMERIC where the run fails before the last reading
+lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
+                              lac_error *err);
+
 // Whether its runs are as exact as derivatives need them, or as exact as readings do.
 void lac_fit_model_tighten(lac_fit_model *model, bool exact);
 

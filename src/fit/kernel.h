@@ -27,7 +27,6 @@ typedef struct lac_kernels {
     double *away;      ///< [2 count] scratch: squared distances
 } lac_kernels;
 
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_kernels_create(size_t count, size_t dimension, lac_kernels *out, lac_error *err);
 
 void lac_kernels_clear(lac_kernels *k);
@@ -41,7 +40,6 @@ void lac_kernels_set(lac_kernels *k, const double *x);
 /// @param which  of the walkers, each as likely
 /// @param z      [dimension] standard normal numbers; overwritten
 /// @param share  uniform in (0, 1), twice: of the t
-/// @param x      [dimension]
 void lac_kernels_draw(const lac_kernels *k, size_t which, double *z, const double share[2],
                       double *x);
 

@@ -139,22 +139,20 @@ static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
     }
     tell(s);
     read_line(fit, z, u);
-    lac_follow seen = {.slip = s->seen.slip, .log_rate = s->seen.log_rate};
+    double *slip = s->seen.slip, *log_rate = s->seen.log_rate;
     fit->runs++;
-    lac_status status = lac_fit_model_run(&fit->model[0], u, data->time[data->n - 1], data->n,
-                                          data->time, &seen, NULL);
-    if (status != LAC_OK || seen.reached < data->n) {
+    if (lac_fit_model_read(&fit->model[0], u, slip, log_rate, NULL) != LAC_OK) {
         gsl_vector_set_all(f, nowhere);
         return GSL_SUCCESS;
     }
     for (size_t i = 0; i < data->n; i++) {
-        s->r[i] = seen.slip[i] - data->displacement[i];
-        seen.log_rate[i] -= data->log_rate[i];
+        s->r[i] = slip[i] - data->displacement[i];
+        log_rate[i] -= data->log_rate[i];
     }
     for (size_t k = 0; k < fit->def->count; k++) {
         prior[k] = prior_residual(&fit->def->parameter[k], u[k]);
     }
-    put_column(s, s->r, seen.log_rate, prior, f);
+    put_column(s, s->r, log_rate, prior, f);
     return GSL_SUCCESS;
 }
 
@@ -257,17 +255,15 @@ static double rate_start(search *s, double *x)
 {
     lac_fit *fit = s->fit;
     const lac_fit_data *data = &fit->data;
-    lac_follow seen = {.slip = s->seen.slip, .log_rate = s->seen.log_rate};
+    double *slip = s->seen.slip, *log_rate = s->seen.log_rate;
     tell(s);
     fit->runs++;
-    lac_status status = lac_fit_model_run(&fit->model[0], x, data->time[data->n - 1], data->n,
-                                          data->time, &seen, NULL);
-    if (status != LAC_OK || seen.reached < data->n) {
+    if (lac_fit_model_read(&fit->model[0], x, slip, log_rate, NULL) != LAC_OK) {
         return -INFINITY;
     }
-    estimate_errors(s, seen.slip, seen.log_rate, x);
-    lac_fit_misfit misfit = lac_fit_likelihood(fit, &s->errors, seen.slip, seen.log_rate,
-                                               fit->model[0].scratch + 2 * data->n);
+    estimate_errors(s, slip, log_rate, x);
+    lac_fit_misfit misfit =
+        lac_fit_likelihood(fit, &s->errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
     double all = misfit.log_likelihood + lac_fit_log_prior(fit, x);
     return isnan(all) ? -INFINITY : all;
 }

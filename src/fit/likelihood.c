@@ -134,10 +134,7 @@ double lac_fit_log_posterior(lac_fit *fit, int thread, const double *x)
     }
     double *slip = model->scratch;
     double *log_rate = slip + data->n;
-    lac_follow seen = {.slip = slip, .log_rate = log_rate};
-    lac_status status =
-        lac_fit_model_run(model, x, data->time[data->n - 1], data->n, data->time, &seen, NULL);
-    if (status != LAC_OK || seen.reached < data->n) {
+    if (lac_fit_model_read(model, x, slip, log_rate, NULL) != LAC_OK) {
         return -INFINITY;
     }
     lac_fit_errors_at errors = lac_fit_errors_of(fit, x);

@@ -130,6 +130,18 @@ lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, 
     return lac_follow_run(&def, out, err);
 }
 
+lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
+                              lac_error *err)
+{
+    const lac_fit_data *data = &model->fit->data;
+    lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    lac_status status =
+        lac_fit_model_run(model, u, data->time[data->n - 1], data->n, data->time, &seen, err);
+    return status == LAC_OK && seen.reached < data->n
+               ? lac_fail(err, LAC_ENUMERIC, "fails before the last reading")
+               : status;
+}
+
 static lac_status make_nudged(lac_fit_model *model, lac_error *err)
 {
     size_t count = 2 * model->fit->def->count;
@@ -243,21 +255,16 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
     lac_status status = LAC_OK;
     const double before = model->rtol;
     model->rtol = tight;
-    lac_follow seen = {.slip = model->scratch, .log_rate = model->scratch + data->n};
+    double *slip = model->scratch, *log_rate = slip + data->n;
     for (int side = -1; side <= 1; side += 2) {
         memcpy(moved, u, count * sizeof *moved);
         moved[k] += side * step;
-        LAC_TRY(lac_fit_model_run(model, moved, data->time[data->n - 1], data->n, data->time, &seen,
-                                  err));
-        if (seen.reached < data->n) {
-            LAC_TRY(lac_fail(err, LAC_ENUMERIC, "fails before the last reading"));
-        }
+        LAC_TRY(lac_fit_model_read(model, moved, slip, log_rate, err));
         for (size_t i = 0; i < data->n; i++) {
             size_t at = i * count + k;
             double share = side / (2.0 * step);
-            out->slip_by[at] = (side < 0 ? 0.0 : out->slip_by[at]) + share * seen.slip[i];
-            out->log_rate_by[at] =
-                (side < 0 ? 0.0 : out->log_rate_by[at]) + share * seen.log_rate[i];
+            out->slip_by[at] = (side < 0 ? 0.0 : out->slip_by[at]) + share * slip[i];
+            out->log_rate_by[at] = (side < 0 ? 0.0 : out->log_rate_by[at]) + share * log_rate[i];
         }
     }
     out->failure_by[k] = NAN;

@@ -49,15 +49,13 @@ static void look(const prediction *p, int thread, const double *x, double *displ
     double *log_rate = slip + data->n;
     double *later = log_rate + data->n;
     double *later_rate = later + TIMES;
-    lac_follow seen = {.slip = slip, .log_rate = log_rate};
-    lac_status status =
-        lac_fit_model_run(model, x, data->time[data->n - 1], data->n, data->time, &seen, NULL);
+    const bool whole = lac_fit_model_read(model, x, slip, log_rate, NULL) == LAC_OK;
     lac_fit_errors_at errors = lac_fit_errors_of(fit, x);
     double offset = 0.0;
-    if (status == LAC_OK && seen.reached == data->n && data->displacements > 0) {
+    if (whole && data->displacements > 0) {
         offset = lac_fit_likelihood(fit, &errors, slip, log_rate, model->scratch).offset;
     }
-    seen = (lac_follow){.slip = later, .log_rate = later_rate};
+    lac_follow seen = {.slip = later, .log_rate = later_rate};
     (void)lac_fit_model_run(model, x, fit->source->run.end, TIMES, p->time, &seen, NULL);
     for (size_t i = 0; i < TIMES; i++) {
         displacement[i] = i < seen.reached ? later[i] + offset : INFINITY;

@@ -50,7 +50,6 @@ typedef struct lac_chain {
 lac_status lac_sampler_run(const lac_sampler_def *def, const double *start, lac_chain **out,
                            lac_error *err);
 
-/// Frees a chain; NULL is fine.
 void lac_chain_free(lac_chain *chain);
 
 /// How well one coordinate of a chain was sampled.

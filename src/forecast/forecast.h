@@ -148,12 +148,10 @@ typedef struct lac_outlook {
 } lac_outlook;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.
-/// @param readings  one or more
 /// @return LAC_OK, also where no method issues one; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
                               lac_outlook **out, lac_error *err);
 
-/// Frees an outlook; NULL is fine.
 void lac_outlook_free(lac_outlook *outlook);
 
 #endif

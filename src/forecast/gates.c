@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What keeps a forecast from being issued, in the order in which it is asked: window.c and
 // outlook.c.
+#include "base/rows.h"
 #include "forecast/forecast.h"
 
 static const lac_forecast_gate gates[] = {
@@ -23,7 +24,4 @@ static const lac_forecast_gate gates[] = {
     {"vagueness", "standard error of ln(tc - t) above 1.5"},
 };
 
-const lac_forecast_gate *lac_forecast_gate_at(size_t index)
-{
-    return index < sizeof gates / sizeof *gates ? &gates[index] : NULL;
-}
+LAC_ROWS_AT(lac_forecast_gate, lac_forecast_gate_at, gates)

@@ -31,7 +31,6 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
                               size_t most, const lac_rolling_watch *watch, lac_rolling **out,
                               lac_error *err);
 
-/// Frees it; NULL is fine.
 void lac_rolling_free(lac_rolling *rolling);
 
 /// How good a method's rolling forecasts were, where the time of failure is known. A method alarms
@@ -54,8 +53,6 @@ typedef struct lac_skill {
 /// Measures all methods.
 /// @param failed_at  [s]; INFINITY: never
 /// @param horizon    of alarms [s]
-/// @param skill      [rolling->methods]
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_rolling_measure(const lac_rolling *rolling, double failed_at, double horizon,
                                lac_skill *skill, lac_error *err);
 

@@ -27,7 +27,6 @@ void lac_window_gate(const lac_forecast_def *def, const lac_motion *motion, doub
 
 /// The motion since `start`, thinned to LAC_WINDOW_READINGS displacements by means of consecutive
 /// ones, the first and the last apart.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_window_create(const lac_motion *motion, double start, lac_window **out,
                              lac_error *err);
 void lac_window_free(lac_window *window);

@@ -32,8 +32,6 @@ typedef struct lac_projection {
 /// time starts from a thirtieth of the last interval to thirty windows. Fills in remaining, its
 /// error (linearised; residuals taken as a first-order autoregression), rms, misfit, points.
 /// @param self  afterwards at the best; lac_projection_clear frees its work, whatever the status
-/// @param p     [shapes] the best
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit, lac_error *err);
 void lac_projection_clear(lac_projection *self);
 
@@ -61,7 +59,6 @@ enum { LAC_POSTERIOR_DRAWS = 257 }; ///< places of one curve
 /// @param p          [2] the best
 /// @param effective  number of residuals, as many as white ones would tell
 /// @param least      sum of squares that has the weight 1
-/// @param draw       [LAC_POSTERIOR_DRAWS]
 /// @cost  some 600 curves
 void lac_posterior_draw(lac_projection *law, const double *p, double effective, double least,
                         lac_draw *draw);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The methods of forecasting in their order: a case's own comes before the baseline, which is last.
+#include "base/rows.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {
@@ -10,10 +11,7 @@ static const lac_forecast_kind *const kinds[] = {
 
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
-const lac_forecast_kind *lac_forecast_kind_at(size_t index)
-{
-    return index < KINDS ? kinds[index] : NULL;
-}
+LAC_KINDS_AT(lac_forecast_kind, lac_forecast_kind_at, kinds)
 
 size_t lac_forecast_count(const lac_forecast_def *def)
 {

@@ -124,17 +124,12 @@ const lac_friction_law *lac_friction_law_at(size_t index);
 const lac_descriptor *lac_friction_option_at(size_t index);
 
 /// Cells that all have the parameters of the slot.
-/// @param slot  a friction law and its parameters
-/// @param n     cells
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **out, lac_error *err);
 
-/// Frees a friction; NULL is fine.
 void lac_friction_free(lac_friction *friction);
 
 /// Gives the cells values of their own for one parameter, checked against its range.
 /// @param key     a LAC_CELLWISE parameter of the law, given before or not
-/// @param values  [n] SI
 /// @return LAC_OK; LAC_EINPUT (no such parameter, a value out of range: says which cell);
 /// LAC_ENOMEM
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
@@ -146,7 +141,6 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
 const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key);
 
 /// Whether the parameters of every cell go together: alpha > 0 needs b > 0.
-/// @return LAC_OK; LAC_EINPUT: says which cell
 lac_status lac_friction_check(const lac_friction *friction, lac_error *err);
 
 /// Evaluates strength and evolution over some cells.

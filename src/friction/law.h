@@ -21,6 +21,11 @@ extern const char *const lac_friction_form_names[];
 // right (docs/limits.md).
 #define LAC_LEAST_DC 1e-18
 
+// Of the regularised form, which any law may have.
+#define LAC_RICE_BEN_ZION \
+    "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi 10.1073/pnas.93.9.3811"
+#define LAC_LAPUSTA "Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi 10.1029/2000JB900250"
+
 #define LAC_COMMON(name) offsetof(lac_friction_params, name)
 
 // First rows of every law's parameter table, in the order of LAC_F0, LAC_A ...; rows of the law's

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What any law can have besides, by the parameters that every law shares.
+#include "base/rows.h"
 #include "friction/law.h"
 
 static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
@@ -10,9 +11,7 @@ static const lac_descriptor options[] = {
     {.name = "regularised",
      .summary = "strength a asinh(...) that vanishes at rest and lets slip reverse, instead of the "
                 "plain logarithm: form",
-     .reference = "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
-                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
-                  "10.1029/2000JB900250; docs/theory/friction.md, \"Strength\"",
+     .reference = LAC_RICE_BEN_ZION "; " LAC_LAPUSTA "; docs/theory/friction.md, \"Strength\"",
      .params = &rows[FORM],
      .param_count = 1},
     {.name = "cut-off",
@@ -31,7 +30,4 @@ static const lac_descriptor options[] = {
      .param_count = 1},
 };
 
-const lac_descriptor *lac_friction_option_at(size_t index)
-{
-    return index < sizeof options / sizeof *options ? &options[index] : NULL;
-}
+LAC_ROWS_AT(lac_descriptor, lac_friction_option_at, options)

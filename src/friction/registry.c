@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The friction laws that a case can name: a new one is one more row of this table.
+#include "base/rows.h"
 #include "friction/law.h"
 
 static const lac_friction_law *const laws[] = {
@@ -9,7 +10,4 @@ static const lac_friction_law *const laws[] = {
     &lac_friction_composite,
 };
 
-const lac_friction_law *lac_friction_law_at(size_t index)
-{
-    return index < sizeof laws / sizeof laws[0] ? laws[index] : NULL;
-}
+LAC_KINDS_AT(lac_friction_law, lac_friction_law_at, laws)

@@ -37,9 +37,14 @@ void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
         }
     }
     for (size_t i = 0; i < set->pore_count; i++) {
-        const lac_signal pore = set->pore[i].kind->signal(&set->pore[i], t);
-        sum->pore += pore.value;
-        sum->pore_rate += pore.rate;
+        const lac_load *load = &set->pore[i];
+        if (load->kind->signal != NULL) {
+            const lac_signal pore = load->kind->signal(load, t);
+            sum->pore += pore.value;
+            sum->pore_rate += pore.rate;
+        } else {
+            load->kind->add(load, t, sum);
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The loads that a case can name: one table each of normal loads, shear loads and pore pressures.
+#include "base/rows.h"
 #include "load/kinds.h"
-
-#define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 static const lac_normal_load *const normal[] = {
     &lac_normal_pressure, &lac_normal_depth,     &lac_normal_slope,
@@ -19,17 +18,8 @@ static const lac_load_kind *const pore[] = {
     &lac_pore_series,   &lac_pore_reservoir, &lac_pore_rain,
 };
 
-const lac_normal_load *lac_normal_load_at(size_t index)
-{
-    return index < COUNT(normal) ? normal[index] : NULL;
-}
+LAC_KINDS_AT(lac_normal_load, lac_normal_load_at, normal)
 
-const lac_load_kind *lac_shear_load_at(size_t index)
-{
-    return index < COUNT(shear) ? shear[index] : NULL;
-}
+LAC_KINDS_AT(lac_load_kind, lac_shear_load_at, shear)
 
-const lac_load_kind *lac_pore_load_at(size_t index)
-{
-    return index < COUNT(pore) ? pore[index] : NULL;
-}
+LAC_KINDS_AT(lac_load_kind, lac_pore_load_at, pore)

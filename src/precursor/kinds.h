@@ -14,7 +14,6 @@ extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodi
 #define LAC_PRECURSOR_VALUES(list) .value_count = sizeof(list) / sizeof *(list), .value = (list)
 
 /// Moment magnitudes (Hanks & Kanamori 1979) of the events that have a moment; the caller frees.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
                                     lac_error *err);
 

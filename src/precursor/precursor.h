@@ -76,8 +76,6 @@ const char *lac_needs_name(lac_needs needs);
 double lac_precursor_find(const lac_precursor *found, const char *key);
 
 /// All indicators.
-/// @param out  [LAC_PRECURSORS_MAX]
-/// @return LAC_OK; LAC_ENOMEM
 enum { LAC_PRECURSORS_MAX = 16 };
 lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
                                lac_error *err);
@@ -95,8 +93,6 @@ lac_evidence lac_evidence_default(void);
 
 /// All indicators as of an outlook's time of issue: from the motion it saw, the events that had
 /// ended and the records that had been made, tc and start as its log law has them if it issues.
-/// @param out  [LAC_PRECURSORS_MAX]
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
                              lac_precursor *out, size_t *count, lac_error *err);
 
@@ -108,16 +104,13 @@ typedef struct lac_precursor_course {
 } lac_precursor_course;
 
 /// An empty one, with room for `most` times.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_precursor_course_create(const lac_evidence *evidence, size_t most,
                                        lac_precursor_course **out, lac_error *err);
 
-/// Frees it; NULL is fine.
 void lac_precursor_course_free(lac_precursor_course *course);
 
 /// Adds the indicators as of an outlook: a lac_rolling_watch's `see`.
 /// @pre   fewer than `most` are there
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_precursor_course_see(void *course, const lac_outlook *outlook, lac_error *err);
 
 /// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
@@ -161,7 +154,6 @@ typedef struct lac_slowing {
 /// autoregressions of the autocorrelation of what is left, and (`phase`) what is left with the
 /// phases of its Fourier transform at random (Theiler et al. 1992), all put through the same.
 /// @pre n >= 12
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err);
 
@@ -185,7 +177,6 @@ typedef struct lac_forecast_outcome {
 /// Their variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 /// @param out  freed by the caller, whatever the status
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
                                  lac_error *err);
 

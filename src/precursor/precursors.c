@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rows.h"
 #include "precursor/kinds.h"
 
 static const lac_precursor_kind *const kinds[] = {
@@ -12,10 +13,7 @@ static const lac_precursor_kind *const kinds[] = {
     &lac_precursor_slowing,       &lac_precursor_log_periodicity,
 };
 
-const lac_precursor_kind *lac_precursor_kind_at(size_t index)
-{
-    return index < sizeof kinds / sizeof kinds[0] ? kinds[index] : NULL;
-}
+LAC_KINDS_AT(lac_precursor_kind, lac_precursor_kind_at, kinds)
 
 const char *lac_needs_name(lac_needs needs)
 {

@@ -120,17 +120,11 @@ static const lac_variable of_surface[] = {
     {.json = "surface/jrc_in_range", G(jrc_in_range), .flags = LAC_TRUTH},
 };
 
-#define P(json_, field)                                                                 \
-    {                                                                                   \
-        .json = "surface/profiles[]/" json_, LAC_HELD(REAL, lac_profile_measure, field) \
-    }
+#define P(json_, field) LAC_JSON("surface/profiles[]/" json_, REAL, lac_profile_measure, field)
 static const lac_variable of_profiles[] = {P("step_m", step), P("z2", z2), P("jrc", jrc),
                                            P("jrc_yu_vayssade", jrc_yu)};
 
-#define F(json_, kind, field)                                                    \
-    {                                                                            \
-        .json = "surface/files[]/" json_, LAC_HELD(kind, lac_file_report, field) \
-    }
+#define F(json_, kind, field) LAC_JSON("surface/files[]/" json_, kind, lac_file_report, field)
 static const lac_variable of_files[] = {
     F("path", TEXT, path),
     F("format", TEXT, format),

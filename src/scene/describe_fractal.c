@@ -64,17 +64,6 @@ LAC_GETTER(double, kappa, RESOLUTION,
            r->area * r->slope * ((const lac_scene_contact *)of)->e_star / s->load)
 LAC_GETTER(double, fitted, SCALING, at[0] + s->left_out < s->n)
 
-#define PUBLISHED \
-    (void)of;     \
-    const lac_size_exponent *x = lac_size_exponent_at(at[0])
-LAC_TEXT_GETTER(exponent_of, PUBLISHED, x->quantity)
-LAC_TEXT_GETTER(exponent_source, PUBLISHED, x->source)
-LAC_GETTER(double, exponent_low, PUBLISHED, x->low)
-LAC_GETTER(double, exponent_high, PUBLISHED, x->high)
-LAC_GETTER(double, exponent_shortest, PUBLISHED, x->shortest_m)
-LAC_GETTER(double, exponent_longest, PUBLISHED, x->longest_m)
-LAC_GETTER(double, exponent_stated, PUBLISHED, x->stated)
-
 #define G(getter) .value = (getter)
 #define T(getter) .text = (getter)
 // One value as an attribute and in JSON.
@@ -222,14 +211,13 @@ static const lac_variable of_specimens[] = {
              "mean_pressure_Pa", pressure, OF_SIZE),
 };
 
+#define PUBLISHED(json_, kind, field) \
+    LAC_JSON("published_exponents[]/" json_, kind, lac_size_exponent, field)
 static const lac_variable of_exponents[] = {
-    {.json = "published_exponents[]/quantity", T(exponent_of)},
-    {.json = "published_exponents[]/exponent_low", G(exponent_low)},
-    {.json = "published_exponents[]/exponent_high", G(exponent_high)},
-    {.json = "published_exponents[]/shortest_m", G(exponent_shortest)},
-    {.json = "published_exponents[]/longest_m", G(exponent_longest)},
-    {.json = "published_exponents[]/stated", G(exponent_stated), TRUTH},
-    {.json = "published_exponents[]/source", T(exponent_source)},
+    PUBLISHED("quantity", TEXT, quantity),   PUBLISHED("exponent_low", REAL, low),
+    PUBLISHED("exponent_high", REAL, high),  PUBLISHED("shortest_m", REAL, shortest_m),
+    PUBLISHED("longest_m", REAL, longest_m), PUBLISHED("stated", BOOL, stated),
+    PUBLISHED("source", TEXT, source),
 };
 
 static size_t published(void)
@@ -269,7 +257,8 @@ lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_
         {LAC_VARIABLES(of_clusters, "", 0), clustered},
         {LAC_VARIABLES(of_octaves, "", sizeof(size_t)), clustered},
         {LAC_VARIABLES(of_specimens, "specimen", sizeof(lac_size_strength)), f->size},
-        {LAC_VARIABLES(of_exponents, "exponent", 0), c},
+        {LAC_VARIABLES(of_exponents, "exponent", sizeof(lac_size_exponent)),
+         lac_size_exponent_at(0)},
     };
     lac_status status = lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err);
     return status == LAC_OK ? lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err) : status;

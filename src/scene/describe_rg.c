@@ -111,15 +111,9 @@ LAC_TEXT_GETTER(kind, O, kind_of(o->cells->kind))
 // A number of each beta, in file and JSON; in JSON alone.
 #define EACH(name, path, field, long_name, ...) \
     LAC_ROW(name, NULL, NULL, long_name, RESULT(path), H(REAL, field), AND("beta"), __VA_ARGS__)
-#define ALSO(path, kind, field)      \
-    {                                \
-        RESULT(path), H(kind, field) \
-    }
+#define ALSO(path, kind, field) LAC_JSON("results[]/" path, kind, lac_rg_result, field)
 // In JSON alone, by a getter.
-#define JSON(path, dims_, getter)                \
-    {                                            \
-        RESULT(path), .dims = (dims_), G(getter) \
-    }
+#define JSON(path, dims_, getter) LAC_JSON_BY("results[]/" path, dims_, getter)
 
 static const lac_variable of_all[] = {
     {.name = "rule", .json = "rule", T(rule)},

@@ -44,7 +44,6 @@ typedef struct lac_estimate {
 
 /// Estimates them, and is a check too: the surface is generated, not its contact; a small scene is
 /// built whole, of a large one the loads at the start are looked at.
-/// @param files  as in lac_scene_create_with
 /// @return LAC_OK; what the surface, the domain or the scene returns; LAC_ENOMEM
 lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estimate *out,
                              lac_error *err);

@@ -56,10 +56,7 @@ typedef struct lac_spread_place {
 // Values of one parameter over the cells: nominal, or the map of values, times the factors of all
 // its spreads. A random factor depends on its seed, the key, its rank among the key's spreads and
 // the cell's place on the grid only.
-// @param unit     SI unit of the parameter
 // @param nominal  NaN where only a map gives values
-// @param values   [n] overwritten
-// @return LAC_OK; LAC_EINPUT; LAC_EIO (a map); LAC_ENOMEM
 lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list *list,
                            const char *key, const char *unit, double nominal, double *values,
                            lac_error *err);

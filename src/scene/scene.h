@@ -67,7 +67,6 @@ typedef struct lac_contact_outcome {
 /// Its variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 /// @param out  freed by the caller, whatever the status
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset **out,
                                 lac_error *err);
 
@@ -103,7 +102,6 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
 
 /// What a file says of the case it was made from; the command line, the libraries and the time are
 /// the caller's.
-/// @param case_text  the resolved case; borrowed
 lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
 
 /// The same of a dataset that outlives its maker: with the case's text, freed by free().
@@ -112,7 +110,6 @@ typedef struct lac_made_from {
     char *case_text;
 } lac_made_from;
 
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
@@ -129,7 +126,6 @@ typedef struct lac_scene {
 
 /// Solves the contact of a case.
 /// @param all  keep heights, gap and pressure (for `contact`); else only what a run needs
-/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_ENOMEM
 lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
                                    lac_error *err);
 
@@ -151,7 +147,6 @@ void lac_scene_contact_clear(lac_scene_contact *contact);
 double lac_damping_of(const lac_material_def *material);
 
 /// Builds the whole scene of a case. The case must outlive it.
-/// @return as lac_scene_contact_solve
 lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err);
 
 /// The same, with what its loads read kept for scenes made later.
@@ -163,11 +158,8 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
 /// contact, the hierarchy and the transfer stay. After an error the scene has no problem and can
 /// only be renewed or freed.
 /// @param files  as in lac_scene_create_with
-/// @param loads  make the loads anew too
-/// @return as lac_scene_create
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
 
-/// Frees a scene; NULL is fine.
 void lac_scene_free(lac_scene *scene);
 
 #endif

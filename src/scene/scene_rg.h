@@ -39,7 +39,6 @@ typedef struct lac_rg_watch {
 } lac_rg_watch;
 
 /// Runs the cascade of a case.
-/// @param watch  NULL: not watched
 /// @return LAC_OK; LAC_EINPUT (no beta follows from the friction law, no contact ...);
 ///         LAC_ENUMERIC; LAC_EINTERRUPT where the watch ended it; LAC_ENOMEM
 /// @cost   with `elastic` 24 contacts a seed; some 300 passes a place and beta
@@ -82,10 +81,8 @@ typedef struct lac_rg_outcome {
 /// Its variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 /// @param out  freed by the caller, whatever the status
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_scene_rg_describe(const lac_rg_outcome *outcome, lac_dataset **out, lac_error *err);
 
-/// Frees what it holds.
 void lac_scene_rg_clear(lac_scene_rg *rg);
 
 #endif

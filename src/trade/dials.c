@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rows.h"
 #include "trade/trade.h"
 
 static void put(lac_dial_value *out, const char *label, const char *yaml)
@@ -194,10 +195,7 @@ static const lac_dial dials[] = {
          .ratio = 2, .finer = 4, .finest = 10000),
 };
 
-const lac_dial *lac_dial_at(size_t index)
-{
-    return index < sizeof dials / sizeof dials[0] ? &dials[index] : NULL;
-}
+LAC_ROWS_AT(lac_dial, lac_dial_at, dials)
 
 void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out)
 {

@@ -75,7 +75,6 @@ typedef struct lac_quantity_about {
     bool contact; ///< of a contact, not of a run
 } lac_quantity_about;
 
-/// @param quantity  below LAC_QUANTITIES
 const lac_quantity_about *lac_quantity_about_of(int quantity);
 
 /// A sink that looks at a run for the quantities and passes everything on.
@@ -86,7 +85,6 @@ typedef struct lac_trade_probe {
     int64_t records, events; ///< so far
 } lac_trade_probe;
 
-/// @param c  of the run, for its friction
 lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next);
 lac_sink lac_trade_probe_sink(lac_trade_probe *probe);
 
@@ -129,8 +127,6 @@ typedef struct lac_trade_plan {
 } lac_trade_plan;
 
 /// Plans a trade.
-/// @param c         the case
-/// @param of        what is traded
 /// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
 ///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
 /// @param crossed   every position with every other; else each with those of the first ladder only

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The table of stress transfers that a case can name: a new one needs its row here.
+#include "base/rows.h"
 #include "transfer/kinds.h"
 
 static const lac_transfer_kind *const registry[] = {
@@ -8,7 +9,4 @@ static const lac_transfer_kind *const registry[] = {
     &lac_none_kind,
 };
 
-const lac_transfer_kind *lac_transfer_kind_at(size_t index)
-{
-    return index < sizeof registry / sizeof *registry ? registry[index] : NULL;
-}
+LAC_KINDS_AT(lac_transfer_kind, lac_transfer_kind_at, registry)

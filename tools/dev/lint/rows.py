@@ -13,7 +13,7 @@ import sys
 
 import source
 
-ROW = re.compile(r'(?:\{\s*\.name\s*=\s*(?="[^"]+",\s*\.(?:summary|key|doc)\b)|\b(?:LAC_ABOUT|DIAL)\(\s*)"([^"]+)"')
+ROW = re.compile(r'(?:\{\s*\.name\s*=\s*(?="[^"]+",\s*\.(?:summary|key|doc)\b)|\b(?:LAC_ABOUT|DIAL|RANDOM_KIND)\((?:\w+,)?\s*)"([^"]+)"')
 COMPARE = re.compile(r"\b(?:str(?:n?case)?n?cmp|find_\w+|is_\w+|named)\s*\(")
 ABOUT = re.compile(r"\babout\s*(?:->|\.)\s*name\b")
 LITERAL = re.compile(r'"([^"]*)"')
