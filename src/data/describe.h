@@ -37,4 +37,8 @@
 /// A value that is held. @param kind  REAL, COUNT ... of lac_held
 #define LAC_HELD(kind, type, field) .held = LAC_HELD_##kind, .offset = offsetof(type, field)
 
+/// What a function that describes ends with: frees what it made of a dataset where it failed.
+/// @return status, unchanged
+lac_status lac_dataset_described(lac_dataset **dataset, lac_status status);
+
 #endif
