@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "data/describe.h"
 
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err)
 {
@@ -45,6 +46,15 @@ void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *
     dataset->result = result;
     dataset->release = release;
     dataset->made = made;
+}
+
+lac_status lac_dataset_described(lac_dataset **dataset, lac_status status)
+{
+    if (status != LAC_OK) {
+        lac_dataset_free(*dataset);
+        *dataset = NULL;
+    }
+    return status;
 }
 
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,

@@ -237,5 +237,5 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     LAC_TRY(add_draws(*out, r, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    return status;
+    return lac_dataset_described(out, status);
 }

@@ -104,7 +104,6 @@ typedef struct lac_fit_outcome {
 
 /// Its variables, for a file, JSON or page; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
-/// @param out  freed by the caller, whatever the status
 lac_status lac_fit_describe(const lac_fit_outcome *outcome, lac_dataset **out, lac_error *err);
 
 /// Who watches a fit. Members may be NULL.

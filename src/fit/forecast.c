@@ -86,13 +86,7 @@ static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_
 static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
 {
     const lac_forecast_def def = plan(f);
-    lac_readings readings = {.n = s->n,
-                             .time = s->time,
-                             .displacement = s->displacement,
-                             .velocity = s->velocity,
-                             .sigma = s->sigma,
-                             .displacement_digit = s->displacement_digit,
-                             .velocity_digit = s->velocity_digit};
+    lac_readings readings = lac_series_readings(s);
     while (readings.n > 0 && readings.time[readings.n - 1] > f->options.until) {
         readings.n--;
     }
@@ -113,8 +107,9 @@ static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
         .outlook = f->outlook,
         .rolling = f->rolling,
         .interrupted = status == LAC_EINTERRUPT,
-        .indicators = f->course != NULL ? f->course->kinds : indicators,
-        .indicator = f->course != NULL ? f->course->found : f->indicator,
+        .indicators = indicators,
+        .indicator = f->indicator,
+        .course = f->course,
     };
 out:
     return status;

@@ -405,5 +405,5 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
     LAC_TRY(lac_dataset_add(*out, laid + 1, 3, err));
     LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
 out:
-    return status;
+    return lac_dataset_described(out, status);
 }

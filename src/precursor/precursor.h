@@ -176,7 +176,6 @@ typedef struct lac_forecast_outcome {
 
 /// Their variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
-/// @param out  freed by the caller, whatever the status
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
                                  lac_error *err);
 

@@ -46,13 +46,8 @@ static lac_status see_series(const lac_page *page, double **time, lac_readings *
     for (size_t i = 0; i < series->n; i++) {
         (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
     }
-    *out = (lac_readings){.n = series->n,
-                          .time = *time,
-                          .displacement = series->displacement,
-                          .velocity = series->velocity,
-                          .sigma = series->sigma,
-                          .displacement_digit = series->displacement_digit,
-                          .velocity_digit = series->velocity_digit};
+    *out = lac_series_readings(series);
+    out->time = *time;
     return LAC_OK;
 }
 

@@ -66,7 +66,6 @@ typedef struct lac_contact_outcome {
 
 /// Its variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
-/// @param out  freed by the caller, whatever the status
 lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset **out,
                                 lac_error *err);
 

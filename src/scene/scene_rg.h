@@ -80,7 +80,6 @@ typedef struct lac_rg_outcome {
 
 /// Its variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
-/// @param out  freed by the caller, whatever the status
 lac_status lac_scene_rg_describe(const lac_rg_outcome *outcome, lac_dataset **out, lac_error *err);
 
 void lac_scene_rg_clear(lac_scene_rg *rg);

@@ -8,6 +8,17 @@
 
 #include "base/least_squares.h"
 
+lac_readings lac_series_readings(const lac_series *s)
+{
+    return (lac_readings){.n = s->n,
+                          .time = s->time,
+                          .displacement = s->displacement,
+                          .velocity = s->velocity,
+                          .sigma = s->sigma,
+                          .displacement_digit = s->displacement_digit,
+                          .velocity_digit = s->velocity_digit};
+}
+
 static lac_status check(const lac_motion_def *def, const lac_readings *readings, lac_error *err)
 {
     const bool polynomial = def->smoothing == LAC_SMOOTH_SAVGOL;

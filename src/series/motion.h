@@ -22,6 +22,9 @@ typedef struct lac_readings {
     double velocity_digit;      ///< the same of a velocity [m/s]
 } lac_readings;
 
+/// All that a series holds of them.
+lac_readings lac_series_readings(const lac_series *series);
+
 /// The motion of a slope as forecasts see it.
 typedef struct lac_motion {
     size_t n;

@@ -238,5 +238,5 @@ lac_status lac_trade_describe(const lac_trade_outcome *o, lac_dataset **out, lac
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(lac_dataset_add_named(*out, &of_value, &named, o->row, err));
 out:
-    return status;
+    return lac_dataset_described(out, status);
 }

@@ -249,7 +249,6 @@ const char *lac_trade_options(const lac_trade_outcome *outcome, size_t run,
 
 /// Its variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
-/// @param out  freed by the caller, whatever the status
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_trade_describe(const lac_trade_outcome *outcome, lac_dataset **out, lac_error *err);
 

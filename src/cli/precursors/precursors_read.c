@@ -90,15 +90,8 @@ static lac_status read_series(const cli_request *request, const lac_case *known,
     }
     lac_status status = cli_series_read(request, &def, w->path, units, &w->series, err);
     if (status == LAC_OK) {
-        const lac_series *s = w->series;
-        w->dated = s->dated;
-        w->readings = (lac_readings){.n = s->n,
-                                     .time = s->time,
-                                     .displacement = s->displacement,
-                                     .velocity = s->velocity,
-                                     .sigma = s->sigma,
-                                     .displacement_digit = s->displacement_digit,
-                                     .velocity_digit = s->velocity_digit};
+        w->dated = w->series->dated;
+        w->readings = lac_series_readings(w->series);
     }
     return status;
 }
