@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/roots.h"
 #include "base/rows.h"
 #include "contact/contact.h"
 
@@ -39,12 +40,8 @@ static double keep_probability(double dimension, int children)
     double wanted = exp2(dimension);
     double low = 0, high = 1;
     for (int i = 0; i < 60; i++) {
-        double q = (low + high) / 2;
-        if (children * q + pow(1 - q, children) < wanted) {
-            low = q;
-        } else {
-            high = q;
-        }
+        double q = 0.5 * (low + high);
+        lac_halve(&low, &high, children * q + pow(1 - q, children) < wanted);
     }
     return high;
 }
@@ -109,8 +106,8 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
 static const lac_param cascade_params[] = {
     LAC_REAL("dimension", "1", offsetof(lac_cascade, dimension), NAN, 0, 2, LAC_ABOVE_MIN,
              "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"),
-    LAC_INTEGER("seed", offsetof(lac_cascade, seed), 1, 0, 0x1p53, 0,
-                "of the random numbers; the same seed gives the same coarse blocks at every level"),
+    LAC_SEED(offsetof(lac_cascade, seed), 1, 0,
+             "of the random numbers; the same seed gives the same coarse blocks at every level"),
 };
 
 static const lac_domain_source random_cascade = {

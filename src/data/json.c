@@ -38,65 +38,78 @@ size_t lac_utf8_length(const unsigned char *s)
     return 0;
 }
 
-// Text goes through here: what cannot be written shows up when the stream is flushed.
-static void put(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Text goes through here.
+static void put(lac_json *json, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-static void put(FILE *out, const char *format, ...)
+static void put(lac_json *json, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    (void)vfprintf(out, format, args);
+    json->broken = vfprintf(json->out, format, args) < 0 || json->broken;
     va_end(args);
 }
 
 // By its number, in two halves where it is beyond 16 bits.
-static void write_escaped(FILE *out, const unsigned char *s, size_t length)
+static void write_escaped(lac_json *json, const unsigned char *s, size_t length)
 {
     unsigned c = length == 1 ? *s : *s & (0xffu >> (length + 1));
     for (size_t i = 1; i < length; i++) {
         c = (c << 6) | (s[i] & 0x3fu);
     }
     if (c > 0xffff) {
-        put(out, "\\u%04x", 0xd7c0u + (c >> 10));
+        put(json, "\\u%04x", 0xd7c0u + (c >> 10));
         c = 0xdc00u + (c & 0x3ffu);
     }
-    put(out, "\\u%04x", c);
+    put(json, "\\u%04x", c);
 }
 
-static void write_character(FILE *out, const unsigned char *s, size_t length)
+// In a page a '<' is escaped too, and hidden characters are '?'.
+static void write_character(lac_json *json, const unsigned char *s, size_t length)
 {
+    const bool hidden = lac_hidden_length((const char *)s, length) > 0;
+    const bool quote = *s == '"' || *s == '\\';
     if (length == 0) {
-        put(out, "\\ufffd");
-    } else if (*s == '"' || *s == '\\') {
-        put(out, "\\%c", *s);
-    } else if (*s == '\n') {
-        put(out, "\\n");
-    } else if (*s < 0x20 || *s == 0x7f || lac_hidden_length((const char *)s, length) > 0) {
-        write_escaped(out, s, length);
+        put(json, "\\ufffd");
+    } else if (hidden && json->page) {
+        put(json, "?");
+    } else if (quote && !json->page) {
+        put(json, "\\%c", *s);
+    } else if (*s == '\n' && !json->page) {
+        put(json, "\\n");
+    } else if (*s < 0x20 || *s == 0x7f || hidden || quote || (*s == '<' && json->page)) {
+        write_escaped(json, s, length);
     } else {
-        (void)fwrite(s, 1, length, out);
+        json->broken = fwrite(s, 1, length, json->out) != length || json->broken;
     }
 }
 
-static void write_string(FILE *out, const char *text)
+static void write_string(lac_json *json, const char *text)
 {
-    put(out, "\"");
+    put(json, "\"");
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
         size_t length = lac_utf8_length(s);
-        write_character(out, s, length);
+        write_character(json, s, length);
         s += length > 0 ? length : 1;
     }
-    put(out, "\"");
+    put(json, "\"");
+}
+
+static void start_line(lac_json *json)
+{
+    if (!json->page) {
+        put(json, "\n%*s", 2 * json->depth, "");
+    }
 }
 
 static void start_value(lac_json *json, const char *key)
 {
     if (json->depth > 0) {
-        put(json->out, "%s\n%*s", json->filled ? "," : "", 2 * json->depth, "");
+        put(json, "%s", json->filled ? "," : "");
+        start_line(json);
     }
     if (key != NULL) {
-        write_string(json->out, key);
-        put(json->out, ": ");
+        write_string(json, key);
+        put(json, json->page ? ":" : ": ");
     }
     json->filled = true;
 }
@@ -104,7 +117,7 @@ static void start_value(lac_json *json, const char *key)
 void lac_json_open(lac_json *json, const char *key, char bracket)
 {
     start_value(json, key);
-    put(json->out, "%c", bracket);
+    put(json, "%c", bracket);
     json->depth++;
     json->filled = false;
 }
@@ -113,11 +126,11 @@ void lac_json_close(lac_json *json, char bracket)
 {
     json->depth--;
     if (json->filled) {
-        put(json->out, "\n%*s", 2 * json->depth, "");
+        start_line(json);
     }
-    put(json->out, "%c", bracket);
+    put(json, "%c", bracket);
     if (json->depth == 0) {
-        put(json->out, "\n");
+        start_line(json);
     }
     json->filled = true;
 }
@@ -126,33 +139,43 @@ void lac_json_number(lac_json *json, const char *key, double value)
 {
     start_value(json, key);
     if (!isfinite(value)) {
-        put(json->out, "null");
+        put(json, "null");
         return;
     }
     if (value == rint(value) && fabs(value) < 0x1p53) {
-        put(json->out, "%.0f", value); // 80, not 8e+01
+        put(json, "%.0f", value); // 80, not 8e+01
         return;
     }
     char text[40];
-    put(json->out, "%s", lac_number_exact(value, 1, text, sizeof text));
+    put(json, "%s", lac_number_exact(value, 1, text, sizeof text));
+}
+
+void lac_json_digits(lac_json *json, const char *key, double value, int digits)
+{
+    if (!isfinite(value)) {
+        lac_json_null(json, key);
+        return;
+    }
+    start_value(json, key);
+    put(json, "%.*g", digits, value);
 }
 
 void lac_json_integer(lac_json *json, const char *key, int64_t value)
 {
     start_value(json, key);
-    put(json->out, "%" PRId64, value);
+    put(json, "%" PRId64, value);
 }
 
 void lac_json_boolean(lac_json *json, const char *key, bool value)
 {
     start_value(json, key);
-    put(json->out, "%s", value ? "true" : "false");
+    put(json, "%s", value ? "true" : "false");
 }
 
 void lac_json_null(lac_json *json, const char *key)
 {
     start_value(json, key);
-    put(json->out, "null");
+    put(json, "null");
 }
 
 void lac_json_text(lac_json *json, const char *key, const char *text)
@@ -162,5 +185,31 @@ void lac_json_text(lac_json *json, const char *key, const char *text)
         return;
     }
     start_value(json, key);
-    write_string(json->out, text);
+    write_string(json, text);
+}
+
+void lac_json_bytes(lac_json *json, const char *key, const uint8_t *bytes, size_t n)
+{
+    static const char letters[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    start_value(json, key);
+    put(json, "\"");
+    for (size_t i = 0; i < n; i += 3) {
+        const size_t left = n - i;
+        const uint32_t word = (uint32_t)bytes[i] << 16 |
+                              (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
+                              (left > 2 ? bytes[i + 2] : 0);
+        put(json, "%c%c%c%c", letters[word >> 18], letters[word >> 12 & 63],
+            left > 1 ? letters[word >> 6 & 63] : '=', left > 2 ? letters[word & 63] : '=');
+    }
+    put(json, "\"");
+}
+
+void lac_json_texts(lac_json *json, const char *const *pair)
+{
+    lac_json_open(json, NULL, '{');
+    for (; pair[0] != NULL; pair += 2) {
+        lac_json_text(json, pair[0], pair[1]);
+    }
+    lac_json_close(json, '}');
 }

@@ -6,7 +6,9 @@
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/statistics.h"
 #include "fit/sampler.h"
 
 // R-hat of m chains of n draws each, chain after chain.
@@ -55,15 +57,6 @@ static size_t split(const lac_chain *chain, size_t coordinate, double *x)
         }
     }
     return half;
-}
-
-static double median(size_t n, const double *x, double *sorted)
-{
-    for (size_t i = 0; i < n; i++) {
-        sorted[i] = x[i];
-    }
-    gsl_sort(sorted, 1, n);
-    return gsl_stats_median_from_sorted_data(sorted, 1, n);
 }
 
 // Mean over the walkers of the autocovariance at a lag, about the mean of all.
@@ -115,7 +108,8 @@ lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_co
     size_t used = chains * half;
     rank_normalise(used, x, order, z);
     double bulk = rhat_of(z, chains, half);
-    double middle = median(used, x, z + n);
+    memcpy(z + n, x, used * sizeof *x);
+    double middle = lac_median(used, z + n);
     for (size_t i = 0; i < used; i++) {
         x[i] = fabs(x[i] - middle);
     }

@@ -2,84 +2,57 @@
 // Inverse velocity falls along a straight line to zero at the time of failure: 1/v = (tc - t)/B,
 // the case alpha = 2 of Voight's law.
 #include <math.h>
+#include <stdlib.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { LAST = 8 };
 
-// y = a + b t by ordinary least squares, with the variances of a and b.
-typedef struct line {
-    double a, b, aa, bb, ab;
-} line;
-
-static line fit_line(size_t n, const double *t, const double *v)
-{
-    double mean = 0.0;
-    double y = 0.0;
-    double tt = 0.0;
-    double ty = 0.0;
-    double left = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        mean += t[i] / (double)n;
-        y += 1.0 / v[i] / (double)n;
-    }
-    for (size_t i = 0; i < n; i++) {
-        tt += (t[i] - mean) * (t[i] - mean);
-        ty += (t[i] - mean) * (1.0 / v[i] - y);
-    }
-    line l = {.b = ty / tt};
-    l.a = y - l.b * mean;
-    for (size_t i = 0; i < n; i++) {
-        const double r = 1.0 / v[i] - l.a - l.b * t[i];
-        left += r * r;
-    }
-    const double variance = n > 2 ? left / (double)(n - 2) : NAN;
-    l.bb = variance / tt;
-    l.aa = variance * (1.0 / (double)n + mean * mean / tt);
-    l.ab = -variance * mean / tt;
-    return l;
-}
-
-static lac_status fit_last(const lac_window *w, size_t n, lac_finding *fit)
+static lac_status fit_last(const lac_window *w, size_t n, lac_finding *fit, lac_error *err)
 {
     const double *t = w->velocity_time + (w->velocities - n);
     const double *v = w->velocity + (w->velocities - n);
-    for (size_t i = 0; i < n; i++) {
-        if (!(v[i] > 0.0)) {
-            return lac_finding_refuse(fit, "a velocity of the %zu is not above 0", n);
-        }
+    size_t known = 0;
+    double *y = calloc(n, sizeof *y);
+    if (y == NULL) {
+        return lac_fail_memory(err);
     }
-    const line l = fit_line(n, t, v);
-    if (!(l.b < 0.0)) {
+    for (; known < n && v[known] > 0.0; known++) {
+        y[known] = 1.0 / v[known];
+    }
+    const lac_line l = lac_line_fit(known, t, y);
+    free(y);
+    if (known < n) {
+        return lac_finding_refuse(fit, "a velocity of the %zu is not above 0", n);
+    }
+    const double a = lac_line_at(&l, 0.0);
+    const double b = lac_line_slope(&l);
+    if (!(b < 0.0)) {
         return lac_finding_refuse(fit, "inverse velocity does not fall");
     }
-    fit->remaining = -l.a / l.b;
-    // Var ln(a/b), to first order
-    fit->error =
-        sqrt(fmax(0.0, l.aa / (l.a * l.a) + l.bb / (l.b * l.b) - 2.0 * l.ab / (l.a * l.b)));
-    lac_finding_judge_inverse(n, t, v, -1.0 / l.b, fit);
-    lac_finding_add(fit, "scale_m", -1.0 / l.b);
+    fit->remaining = -a / b;
+    // of ln(a/b), to first order: the line is off at the mean, and turned about it
+    fit->error = sqrt(l.rest / (l.n - 2.0) / l.xx) * hypot(sqrt(l.xx / l.n) / a, l.x / a + 1.0 / b);
+    lac_finding_judge_inverse(n, t, v, -1.0 / b, fit);
+    lac_finding_add(fit, "scale_m", -1.0 / b);
     return LAC_OK;
 }
 
 static lac_status fit_eight(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    (void)err;
-    return fit_last(w, LAST, fit);
+    return fit_last(w, LAST, fit, err);
 }
 
 static lac_status fit_all(const lac_window *w, lac_finding *fit, lac_error *err)
 {
-    (void)err;
-    return fit_last(w, w->velocities, fit);
+    return fit_last(w, w->velocities, fit, err);
 }
 
 const lac_forecast_kind lac_forecast_inv8 = {
-    .about = {.name = "inv8",
-              .summary = "inverse velocity, the last eight",
-              .reference =
-                  "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, "
-                  "145-150"},
+    .about = LAC_ABOUT(
+        "inv8", "inverse velocity, the last eight",
+        "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "1/v on t by ordinary least squares over the last eight velocities; tc where the "
                  "line meets 0",
     .least = LAST,
@@ -89,11 +62,9 @@ const lac_forecast_kind lac_forecast_inv8 = {
 };
 
 const lac_forecast_kind lac_forecast_inv = {
-    .about = {.name = "inv",
-              .summary = "inverse velocity, the whole window",
-              .reference =
-                  "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, "
-                  "145-150"},
+    .about = LAC_ABOUT(
+        "inv", "inverse velocity, the whole window",
+        "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,

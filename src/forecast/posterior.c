@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The posterior of the time of failure: every shape of the fitted curve counts by its weight.
-#include "forecast/posterior.h"
+#include "forecast/project.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+#include "base/statistics.h"
 
 static const double pace = 0.25;  // of both rules
 static const double widest = 3.0; // standard deviation of a rule, in e-folds
@@ -141,13 +143,6 @@ void lac_posterior_draw(lac_projection *law, const double *p, double effective, 
     }
 }
 
-static int compare(const void *left, const void *right)
-{
-    const double a = ((const lac_draw *)left)->x;
-    const double b = ((const lac_draw *)right)->x;
-    return (a > b) - (a < b);
-}
-
 // Between the draws whose middles of weight lie on both sides.
 static double quantile(size_t n, const lac_draw *draw, double share)
 {
@@ -182,7 +177,7 @@ void lac_posterior_finish(size_t n, lac_draw *draw, lac_finding *fit)
     for (size_t i = 0; i < n; i++) {
         draw[i].weight /= all;
     }
-    qsort(draw, n, sizeof *draw, compare);
+    qsort(draw, n, sizeof *draw, lac_by_first);
     for (size_t k = 0; k < LAC_FORECAST_LEVELS; k++) {
         fit->quantile[k] = quantile(n, draw, share[k]);
     }

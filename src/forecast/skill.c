@@ -3,25 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "forecast/hindcast.h"
 
 enum { LEVELS = 5 };
-
-static int compare(const void *left, const void *right)
-{
-    const double a = *(const double *)left;
-    const double b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-static double median(size_t n, double *values)
-{
-    if (n == 0) {
-        return NAN;
-    }
-    qsort(values, n, sizeof *values, compare);
-    return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
 
 // Twice the mean quantile loss over five levels, the middle one between those of the 50 % interval
 // in logarithms: the CRPS, which is that over all levels, by five.
@@ -107,12 +92,12 @@ static void measure(const lac_rolling *r, size_t k, double failed_at, double hor
     for (size_t lead = 0; lead <= LAC_LEADS; lead++) {
         const size_t n = isfinite(failed_at) ? gather(r, k, failed_at, lead, error, ratio) : 0;
         if (lead == LAC_LEADS) {
-            s->error = median(n, error);
+            s->error = lac_median(n, error);
             continue;
         }
         s->lead_count[lead] = n;
-        s->lead_error[lead] = median(n, error);
-        s->lead_bias[lead] = median(n, ratio);
+        s->lead_error[lead] = lac_median(n, error);
+        s->lead_bias[lead] = lac_median(n, ratio);
     }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // v (tc - t) = B, read as t v = tc v - B: the slope of t v against v is the time of failure.
 #include <math.h>
+#include <stdlib.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 static lac_status fit_slope(const lac_window *w, lac_finding *fit, lac_error *err)
@@ -9,44 +11,34 @@ static lac_status fit_slope(const lac_window *w, lac_finding *fit, lac_error *er
     const size_t n = w->velocities;
     const double *t = w->velocity_time;
     const double *v = w->velocity;
-    double mean = 0.0;
-    double product = 0.0;
-    double vv = 0.0;
-    double vp = 0.0;
-    double left = 0.0;
-    (void)err;
-    for (size_t i = 0; i < n; i++) {
-        if (!(v[i] > 0.0)) {
-            return lac_finding_refuse(fit, "a velocity of the window is not above 0");
-        }
-        mean += v[i] / (double)n;
-        product += t[i] * v[i] / (double)n;
+    size_t known = 0;
+    double *y = calloc(n, sizeof *y);
+    if (y == NULL) {
+        return lac_fail_memory(err);
     }
-    for (size_t i = 0; i < n; i++) {
-        vv += (v[i] - mean) * (v[i] - mean);
-        vp += (v[i] - mean) * (t[i] * v[i] - product);
+    for (; known < n && v[known] > 0.0; known++) {
+        y[known] = t[known] * v[known];
     }
-    const double slope = vp / vv;
-    const double intercept = product - slope * mean;
-    for (size_t i = 0; i < n; i++) {
-        const double r = t[i] * v[i] - intercept - slope * v[i];
-        left += r * r;
+    const lac_line line = lac_line_fit(known, v, y);
+    free(y);
+    if (known < n) {
+        return lac_finding_refuse(fit, "a velocity of the window is not above 0");
     }
-    fit->remaining = slope;
+    const double intercept = lac_line_at(&line, 0.0);
+    fit->remaining = lac_line_slope(&line);
     if (!(intercept < 0.0)) {
         return lac_finding_refuse(fit, "t v does not fall with v as that of a finite time does");
     }
-    fit->error = sqrt(left / (double)(n - 2) / vv) / fabs(slope);
+    fit->error = sqrt(line.rest / (line.n - 2.0) / line.xx) / fabs(fit->remaining);
     lac_finding_judge_inverse(n, t, v, -intercept, fit);
     lac_finding_add(fit, "scale_m", -intercept);
     return LAC_OK;
 }
 
 const lac_forecast_kind lac_forecast_slo = {
-    .about = {.name = "slo",
-              .summary = "slope of t v against v",
-              .reference = "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
-                           "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"},
+    .about = LAC_ABOUT("slo", "slope of t v against v",
+                       "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
+                       "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"),
     .estimator = "t v on v by ordinary least squares over all velocities of the window; tc is the "
                  "slope",
     .least = 5,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The readings that methods are fitted to, and whether the slope accelerates beyond its noise.
-#include "forecast/window.h"
+#include "forecast/kinds.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/statistics.h"
 
 enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3 };
 static const double above_noise = 3.0; // errors of the last displacement
@@ -124,25 +126,12 @@ static size_t first_at(size_t n, const double *time, double start)
 // Off the least-squares line of x over t, or off the mean of x where it must be level.
 static double rms_off_line(size_t n, const double *t, const double *x, bool level, double *slope)
 {
-    double mean_t = 0.0;
-    double mean_x = 0.0;
-    double tt = 0.0;
-    double tx = 0.0;
-    double sum = 0.0;
+    lac_line line = {0};
     for (size_t i = 0; i < n; i++) {
-        mean_t += (t[i] - t[0]) / (double)n;
-        mean_x += (x[i] - x[0]) / (double)n;
+        lac_line_add(&line, level ? 0.0 : t[i], x[i]);
     }
-    for (size_t i = 0; i < n; i++) {
-        tt += (t[i] - t[0] - mean_t) * (t[i] - t[0] - mean_t);
-        tx += (t[i] - t[0] - mean_t) * (x[i] - x[0] - mean_x);
-    }
-    *slope = level ? 0.0 : tx / tt;
-    for (size_t i = 0; i < n; i++) {
-        const double off = x[i] - x[0] - mean_x - *slope * (t[i] - t[0] - mean_t);
-        sum += off * off / (double)n;
-    }
-    return sqrt(sum);
+    *slope = level ? 0.0 : lac_line_slope(&line);
+    return sqrt(line.rest / line.n);
 }
 
 // The gate that takes the onset's place with --since: more than a line, rounded to the last digit.

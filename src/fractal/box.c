@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "fractal/fractal.h"
-#include "fractal/line_fit.h"
 
 enum { FEW_CELLS = 500, LEAST_SIDES = 3 };
 static const double dense_fraction = 0.3;
@@ -150,10 +150,11 @@ static logs logs_of(const double *counts, size_t sizes)
 }
 
 // Least squares over sides first ... last: the dimension is minus the slope.
-static lac_line fit(const double *counts, size_t first, size_t last)
+static double fit(const double *counts, size_t first, size_t last)
 {
     logs l = logs_of(counts, last + 1);
-    return lac_line_fit(&l.side[first], &l.count[first], last - first + 1);
+    const lac_line line = lac_line_fit(last - first + 1, &l.side[first], &l.count[first]);
+    return -lac_line_slope(&line);
 }
 
 // Mean and least counts over the origins; returns the variance of the dimension among them.
@@ -177,7 +178,7 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
             r->count[j] += counts[j] / (double)def->origins;
             r->minimum[j] = fmin(r->minimum[j], counts[j]);
         }
-        double dimension = -fit(counts, r->fit_first, r->fit_last).slope;
+        double dimension = fit(counts, r->fit_first, r->fit_last);
         sum += dimension;
         sum2 += dimension * dimension;
     }
@@ -189,9 +190,9 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
 static double bias(const lac_grid *grid, const lac_box_count *r)
 {
     // Boxes of the next smaller side still see the cells: counts bend most there.
-    double finer = r->fit_first > 0 ? fit(r->count, r->fit_first - 1, r->fit_last).slope : 0.0;
-    finer = r->fit_first > 0 ? finer + r->dimension : 0.0;
-    double cover = fit(r->minimum, r->fit_first, r->fit_last).slope + r->dimension;
+    double finer =
+        r->fit_first > 0 ? fit(r->count, r->fit_first - 1, r->fit_last) - r->dimension : 0.0;
+    double cover = fit(r->minimum, r->fit_first, r->fit_last) - r->dimension;
     double edge = 0.0;
     if (!grid->periodic) {
         // A side of n cells is cut into 1 + (s - 1)/n times as many boxes as fit it.
@@ -201,7 +202,7 @@ static double bias(const lac_grid *grid, const lac_box_count *r)
             double along_y = grid->ny > 1 ? 1.0 + (r->side[j] - 1.0) / (double)grid->ny : 1.0;
             whole[j] = r->count[j] / (along_x * along_y);
         }
-        edge = fit(whole, r->fit_first, r->fit_last).slope + r->dimension;
+        edge = fit(whole, r->fit_first, r->fit_last) - r->dimension;
     }
     return fmax(fabs(finer), fmax(fabs(cover), fabs(edge)));
 }
@@ -214,13 +215,13 @@ static void measure(const lac_domain *domain, double origin_variance, lac_box_co
     }
     size_t first = r->fit_first;
     logs l = logs_of(r->count, r->sizes);
-    lac_line line = fit(r->count, first, r->fit_last);
-    double ranges =
-        lac_line_range_spread(&l.side[first], &l.count[first], r->fit_last - first + 1, line.slope);
-    r->dimension = -line.slope;
-    r->regression_error = line.error;
+    lac_line line = lac_line_fit(r->fit_last - first + 1, &l.side[first], &l.count[first]);
+    double ranges = lac_line_range_spread(&line, &l.side[first], &l.count[first]);
+    r->dimension = -lac_line_slope(&line);
+    r->regression_error = lac_line_error(&line);
     double departure = hypot(ranges, bias(&domain->grid, r));
-    r->error = sqrt(origin_variance + departure * departure + line.error * line.error);
+    r->error =
+        sqrt(origin_variance + departure * departure + r->regression_error * r->regression_error);
     r->few_cells = domain->n < FEW_CELLS;
     r->dense = (double)domain->n > dense_fraction * (double)lac_grid_cells(&domain->grid);
 }

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "fractal/fractal.h"
-#include "fractal/line_fit.h"
 
 enum { LEAST_POINTS = 3, FEW_CELLS = 100 };
 
@@ -75,7 +75,8 @@ static double dimension_of(const double *x, const double *measure, size_t n)
             return NAN;
         }
     }
-    return 2 - lac_line_fit(x, y, n).slope;
+    const lac_line line = lac_line_fit(n, x, y);
+    return 2 - lac_line_slope(&line);
 }
 
 // With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
@@ -107,15 +108,15 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
         s->at[i].local = i + 1 < s->n ? 2 - (y[i + 1] - y[i]) / (x[i + 1] - x[i]) : (double)NAN;
     }
     size_t fitted = s->n - left_out;
-    lac_line line = lac_line_fit(x, y, fitted);
+    lac_line line = lac_line_fit(fitted, x, y);
     s->left_out = left_out;
-    s->dimension = 2 - line.slope;
-    s->regression_error = line.error;
-    s->error = hypot(line.error, lac_line_range_spread(x, y, fitted, line.slope));
+    s->dimension = 2 - lac_line_slope(&line);
+    s->regression_error = lac_line_error(&line);
+    s->error = hypot(s->regression_error, lac_line_range_spread(&line, x, y));
     check_load(s);
     compare(s, x, fitted);
     s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
-    s->fractal_area = exp(line.intercept);
+    s->fractal_area = exp(lac_line_at(&line, 0.0));
     s->fractal_pressure = s->load / s->fractal_area;
     return LAC_OK;
 }

@@ -4,26 +4,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "load/table.h"
+#include "load/kinds.h"
 
-// One column of one file, on the clock of the run, without offset.
+// One column of one file, on the clock of the run, without offset; or a doubt about a file.
 typedef struct kept {
-    char *name; // all that tells it from another
-    double start;
-    bool dated;
+    char *text; // all that tells the column from another; or what was taken for want of a word
+    bool doubt;
     lac_readings readings;
     struct kept *next;
 } kept;
 
-// What was taken for want of a word.
-typedef struct doubt {
-    char *text;
-    struct doubt *next;
-} doubt;
-
 struct lac_load_files {
     kept *first;
-    doubt *doubts;
 };
 
 lac_status lac_load_files_create(lac_load_files **out, lac_error *err)
@@ -32,115 +24,87 @@ lac_status lac_load_files_create(lac_load_files **out, lac_error *err)
     return *out != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-static void free_kept(kept *entry)
+// Adds an entry at the end; takes the text over. @return NULL where memory is short
+static kept *add(lac_load_files *files, char *text, bool doubt)
 {
-    free(entry->name);
-    lac_readings_clear(&entry->readings);
-    free(entry);
+    kept *entry = text != NULL ? calloc(1, sizeof *entry) : NULL;
+    kept **end = &files->first;
+    if (entry == NULL) {
+        free(text);
+        return NULL;
+    }
+    *entry = (kept){.text = text, .doubt = doubt};
+    while (*end != NULL) {
+        end = &(*end)->next;
+    }
+    *end = entry;
+    return entry;
 }
 
 lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
                                lac_error *err)
 {
     const size_t size = strlen(path) + strlen(text) + 3;
-    doubt *entry = calloc(1, sizeof *entry);
-    doubt **end = &files->doubts;
-    if (entry == NULL || (entry->text = malloc(size)) == NULL) {
-        free(entry);
-        return lac_fail_memory(err);
+    char *note = malloc(size);
+    if (note != NULL) {
+        (void)snprintf(note, size, "%s: %s", path, text);
     }
-    (void)snprintf(entry->text, size, "%s: %s", path, text);
-    while (*end != NULL) {
-        end = &(*end)->next;
-    }
-    *end = entry;
-    return LAC_OK;
+    return add(files, note, true) != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
 const char *lac_load_files_doubt(const lac_load_files *files, size_t index)
 {
-    const doubt *entry = files->doubts;
-    while (entry != NULL && index-- > 0) {
+    const kept *entry = files->first;
+    while (entry != NULL && !(entry->doubt && index-- == 0)) {
         entry = entry->next;
     }
     return entry != NULL ? entry->text : NULL;
 }
 
-static void free_doubts(doubt *entry)
-{
-    while (entry != NULL) {
-        doubt *next = entry->next;
-        free(entry->text);
-        free(entry);
-        entry = next;
-    }
-}
-
 void lac_load_files_free(lac_load_files *files)
 {
-    free_doubts(files != NULL ? files->doubts : NULL);
     while (files != NULL && files->first != NULL) {
         kept *entry = files->first;
         files->first = entry->next;
-        free_kept(entry);
+        free(entry->text);
+        lac_readings_clear(&entry->readings);
+        free(entry);
     }
     free(files);
 }
 
-// Path, columns and units, with a byte between them that none of them holds.
-static char *name_of(const lac_readings_def *def)
+// Path, columns, units and clock, with a byte between them that none of them holds.
+static char *name_of(const lac_readings_def *def, const lac_load_clock *clock)
 {
-    const char *parts[] = {def->path, def->time, def->column, def->per != NULL ? def->per : "",
-                           def->si};
-    size_t size = 1;
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
-        size += strlen(parts[i]) + 1;
-    }
+    const char *per = def->per != NULL ? def->per : "";
+    const size_t size = strlen(def->path) + strlen(def->time) + strlen(def->column) + strlen(per) +
+                        strlen(def->si) + 40;
     char *name = malloc(size);
-    if (name == NULL) {
-        return NULL;
+    if (name != NULL) {
+        (void)snprintf(name, size, "%s\n%s\n%s\n%s\n%s\n%d %a", def->path, def->time, def->column,
+                       per, def->si, clock->dated, clock->start);
     }
-    char *at = name;
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
-        size_t n = strlen(parts[i]);
-        memcpy(at, parts[i], n);
-        at[n] = '\n';
-        at += n + 1;
-    }
-    *at = '\0';
     return name;
 }
 
-static const kept *find(const lac_load_files *files, const char *name, const lac_load_clock *clock)
-{
-    for (const kept *entry = files->first; entry != NULL; entry = entry->next) {
-        if (strcmp(entry->name, name) == 0 && entry->dated == clock->dated &&
-            entry->start == clock->start) {
-            return entry;
-        }
-    }
-    return NULL;
-}
-
-// Reads a column and keeps it; takes the name over.
+// Reads a column that is not kept yet, and keeps it; takes the name over.
 static lac_status keep(const lac_readings_def *def, const lac_load_clock *clock, char *name,
                        const kept **out, lac_error *err)
 {
-    kept *entry = calloc(1, sizeof *entry);
-    if (entry == NULL) {
-        free(name);
-        return lac_fail_memory(err);
-    }
-    *entry = (kept){.name = name, .start = clock->start, .dated = clock->dated};
     lac_readings_def plain = *def;
+    lac_readings readings;
     plain.offset = 0.0;
-    lac_status status = lac_readings_load(&plain, clock, &entry->readings, err);
+    lac_status status = lac_readings_load(&plain, clock, &readings, err);
     if (status != LAC_OK) {
-        free_kept(entry);
+        free(name);
         return status;
     }
-    entry->next = clock->files->first;
-    clock->files->first = entry;
+    kept *entry = add(clock->files, name, false);
+    if (entry == NULL) {
+        lac_readings_clear(&readings);
+        return lac_fail_memory(err);
+    }
+    entry->readings = readings;
     *out = entry;
     return LAC_OK;
 }
@@ -150,7 +114,6 @@ static lac_status copy(const lac_readings *from, double offset, lac_readings *ou
     out->t = malloc((from->n + 1) * sizeof *out->t);
     out->value = malloc((from->n + 1) * sizeof *out->value);
     if (out->t == NULL || out->value == NULL) {
-        lac_readings_clear(out);
         return lac_fail_memory(err);
     }
     out->n = from->n;
@@ -161,22 +124,56 @@ static lac_status copy(const lac_readings *from, double offset, lac_readings *ou
     return LAC_OK;
 }
 
-lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
-                             lac_readings *out, lac_error *err)
+// The column as it is kept, read where it is not yet.
+static lac_status look_up(const lac_readings_def *def, const lac_load_clock *clock,
+                          lac_readings *out, lac_error *err)
 {
-    *out = (lac_readings){0};
-    if (clock->files == NULL) {
-        return lac_readings_load(def, clock, out, err);
-    }
-    char *name = name_of(def);
+    char *name = name_of(def, clock);
+    const kept *entry = clock->files->first;
+    lac_status status = LAC_OK;
     if (name == NULL) {
         return lac_fail_memory(err);
     }
-    const kept *entry = find(clock->files, name, clock);
-    if (entry != NULL) {
-        free(name);
-        return copy(&entry->readings, def->offset, out, err);
+    while (entry != NULL && (entry->doubt || strcmp(entry->text, name) != 0)) {
+        entry = entry->next;
     }
-    lac_status status = keep(def, clock, name, &entry, err);
+    if (entry == NULL) {
+        status = keep(def, clock, name, &entry, err);
+    } else {
+        free(name);
+    }
     return status == LAC_OK ? copy(&entry->readings, def->offset, out, err) : status;
+}
+
+// Refuses readings that do not cover the run from its start to its end.
+static lac_status cover(const lac_readings *readings, const char *path, const lac_load_clock *clock,
+                        const char *remedy, lac_error *err)
+{
+    double last = readings->t[readings->n - 1];
+    if (readings->t[0] > 0.0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: begins %g s after the run's start; must not begin after it%s", path,
+                        readings->t[0], remedy);
+    }
+    if (last < clock->end) {
+        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run's end; must reach it%s",
+                        path, clock->end - last, remedy);
+    }
+    return LAC_OK;
+}
+
+lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
+                             const char *remedy, lac_readings *out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = (lac_readings){0};
+    LAC_TRY(clock->files == NULL ? lac_readings_load(def, clock, out, err)
+                                 : look_up(def, clock, out, err));
+    if (remedy != NULL) {
+        LAC_TRY(cover(out, def->path, clock, remedy, err));
+    }
+    return LAC_OK;
+out:
+    lac_readings_clear(out);
+    return status;
 }

@@ -5,6 +5,17 @@
 #include "base/rows.h"
 #include "load/load.h"
 
+#define LAC_PI 3.14159265358979323846
+
+/// Parameters of a load that is one number.
+typedef struct lac_load_value {
+    double value;
+} lac_load_value;
+
+/// The row of the number of a load whose first member it is.
+#define LAC_VALUE_ROW(si, low, high, bits, text) \
+    LAC_REAL("value", si, offsetof(lac_load_value, value), NAN, low, high, bits, text)
+
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57
 
@@ -18,12 +29,17 @@ extern const char *const lac_share_names[];
                "as elastic rock puts it on them when all slip alike (elastic; needs a material)")
 
 /// Rows of keys that several loads have, by the member of the same name.
+#define LAC_ANGLE_ROW(holder)                                                  \
+    LAC_REAL("angle", "rad", offsetof(holder, angle), NAN, 0, LAC_STEEPEST, 0, \
+             "dip of the interface")
 #define LAC_START_ROW(holder)                                                  \
     LAC_REAL("start", "s", offsetof(holder, start), 0, -INFINITY, INFINITY, 0, \
              "when it begins, since the start of the run")
 #define LAC_TIME_COLUMN_ROW(holder)             \
     LAC_TEXT("time", offsetof(holder, time), 0, \
              "name of the time column: dates, or seconds since the start of the run")
+#define LAC_OFFSET_ROW(holder, text) \
+    LAC_REAL("offset", "s", offsetof(holder, offset), 0, -INFINITY, INFINITY, 0, text)
 
 /// LAC_ROWS of a pore pressure that a table shares with a force, whose share comes last: all cells
 /// feel it alike.
@@ -31,7 +47,9 @@ extern const char *const lac_share_names[];
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
     .params_size = sizeof(holder)
 
-#define LAC_PI 3.14159265358979323846
+/// The first end of the window [start, end), end NaN: never, after t; INFINITY where none is, or
+/// where the window is empty.
+double lac_window_break(double start, double end, double t);
 
 extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
     lac_normal_approach, lac_normal_dimension;
@@ -39,5 +57,47 @@ extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac
     lac_shear_step, lac_shear_sine, lac_shear_shaking, lac_shear_series, lac_shear_back_slip;
 extern const lac_load_kind lac_pore_constant, lac_pore_ramp, lac_pore_step, lac_pore_sine,
     lac_pore_series, lac_pore_reservoir, lac_pore_rain;
+
+struct lac_units;
+
+/// A column of a monitoring file on the clock of a run; missing readings left out.
+typedef struct lac_readings {
+    size_t n;
+    double *t;     ///< [n] since the start of the run [s], rising
+    double *value; ///< [n] SI
+} lac_readings;
+
+/// What is read.
+typedef struct lac_readings_def {
+    const char *path, *time;
+    const char *column; ///< "name" or "name:unit"
+    const char *per;    ///< what one unit of the column makes, "9810 Pa/m"; NULL: 1
+    const char *si;     ///< unit of the product
+    double offset;      ///< laid on the run this much later [s]
+} lac_readings_def;
+
+/// Reads a column, or takes it from what the clock's `files` keep. One without a unit, and without
+/// `per`, is asked about as that of a monitoring series is (lac_series_read): taken as SI, which
+/// `files` keep as a doubt, or refused.
+/// @param remedy  what the user may do, for the message, where they do not cover the run; NULL:
+///                they need not
+lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *clock,
+                             const char *remedy, lac_readings *out, lac_error *err);
+
+/// The same without a look at what `files` keep.
+lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *clock,
+                             lac_readings *out, lac_error *err);
+
+/// Keeps a doubt about a file that was read: lac_load_files_doubt.
+lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
+                               lac_error *err);
+
+void lac_readings_clear(lac_readings *readings);
+
+/// Index of the last reading at or before t; SIZE_MAX before the first.
+size_t lac_readings_before(const double *t, size_t n, double at);
+
+/// First of the times after `at`; INFINITY beyond the last.
+double lac_readings_next(const double *t, size_t n, double at);
 
 #endif

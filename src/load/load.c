@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "load/kinds.h"
-#include "load/signal.h"
 
 const char *const lac_share_names[] = {"pressure", "equal", "elastic", NULL};
 
@@ -17,52 +16,69 @@ static const lac_load_kind *kind_of(const lac_slot *slot)
     return (const lac_load_kind *)(const void *)slot->about;
 }
 
-static void add_all(const lac_load *loads, size_t count, double t, lac_load_state *sum)
+// Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as. A spring's
+// stress is the same on all cells; here it has no stiffness.
+static void add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
 {
-    for (size_t i = 0; i < count; i++) {
-        loads[i].kind->add(&loads[i], t, sum);
-    }
-}
-
-static double first_break(const lac_load *loads, size_t count, double t)
-{
-    double first = INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        if (loads[i].kind->next_break != NULL) {
-            first = fmin(first, loads[i].kind->next_break(&loads[i], t));
-        }
-    }
-    return first;
-}
-
-static double longest_step(const lac_load *loads, size_t count, double t)
-{
-    double longest = INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        if (loads[i].kind->longest_step != NULL) {
-            longest = fmin(longest, loads[i].kind->longest_step(&loads[i], t));
-        }
-    }
-    return longest;
+    bool equal = load->share == LAC_SHARE_EQUAL, elastic = load->share == LAC_SHARE_ELASTIC;
+    *(equal ? &sum->spring_stress : elastic ? &sum->elastic : &sum->stress) += s.value;
+    *(equal ? &sum->spring_rate : elastic ? &sum->elastic_rate : &sum->stress_rate) += s.rate;
 }
 
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
 {
     *sum = (lac_load_state){0};
-    add_all(set->shear, set->shear_count, t, sum);
-    add_all(set->pore, set->pore_count, t, sum);
+    for (size_t i = 0; i < set->shear_count; i++) {
+        const lac_load *load = &set->shear[i];
+        if (load->kind->signal != NULL) {
+            add_stress(load, sum, load->kind->signal(load, t));
+        } else {
+            load->kind->add(load, t, sum);
+        }
+    }
+    for (size_t i = 0; i < set->pore_count; i++) {
+        const lac_signal pore = set->pore[i].kind->signal(&set->pore[i], t);
+        sum->pore += pore.value;
+        sum->pore_rate += pore.rate;
+    }
+}
+
+// The index-th load of a set, shear before pore; NULL past the end.
+static const lac_load *load_at(const lac_load_set *set, size_t index)
+{
+    const size_t pore = index - set->shear_count;
+    return index < set->shear_count ? &set->shear[index]
+           : pore < set->pore_count ? &set->pore[pore]
+                                    : NULL;
 }
 
 double lac_load_next_break(const lac_load_set *set, double t)
 {
-    return fmin(first_break(set->shear, set->shear_count, t),
-                first_break(set->pore, set->pore_count, t));
+    const lac_load *load;
+    double first = INFINITY;
+    for (size_t i = 0; (load = load_at(set, i)) != NULL; i++) {
+        first =
+            load->kind->next_break != NULL ? fmin(first, load->kind->next_break(load, t)) : first;
+    }
+    return first;
 }
 
 double lac_load_longest_step(const lac_load_set *set, double t)
 {
-    return fmin(longest_step(set->shear, set->shear_count, t),
-                longest_step(set->pore, set->pore_count, t));
+    const lac_load *load;
+    double longest = INFINITY;
+    for (size_t i = 0; (load = load_at(set, i)) != NULL; i++) {
+        longest = load->kind->longest_step != NULL
+                      ? fmin(longest, load->kind->longest_step(load, t))
+                      : longest;
+    }
+    return longest;
+}
+
+double lac_window_break(double start, double end, double t)
+{
+    double next = t < start ? start : isnan(end) || t >= end ? INFINITY : end;
+    return end <= start ? INFINITY : next;
 }
 
 lac_share lac_load_slot_share(const lac_slot *slot)
@@ -94,32 +110,34 @@ double lac_load_shear(const lac_load_state *state, double pressure)
     return ratio * pressure + state->stress + state->elastic + state->spring_stress;
 }
 
-static bool need_files(const lac_slot *slots, size_t count)
+// Whether all loads are constant in time, or any reads a file.
+static bool all_constant(const lac_slot *slots, size_t count)
 {
+    bool constant = true;
     for (size_t i = 0; i < count; i++) {
-        if (kind_of(&slots[i])->prepare != NULL) {
-            return true;
-        }
+        constant = constant && kind_of(&slots[i])->constant;
     }
-    return false;
+    return constant;
+}
+
+static bool any_reads(const lac_slot *slots, size_t count)
+{
+    bool reads = false;
+    for (size_t i = 0; i < count; i++) {
+        reads = reads || kind_of(&slots[i])->prepare != NULL;
+    }
+    return reads;
 }
 
 bool lac_load_slots_need_files(const lac_load_slots *slots)
 {
-    return need_files(slots->shear, slots->shear_count) ||
-           need_files(slots->pore, slots->pore_count);
+    return any_reads(slots->shear, slots->shear_count) || any_reads(slots->pore, slots->pore_count);
 }
 
 bool lac_load_slots_constant(const lac_load_slots *slots)
 {
-    bool constant = true;
-    for (size_t i = 0; i < slots->shear_count; i++) {
-        constant = constant && kind_of(&slots->shear[i])->constant;
-    }
-    for (size_t i = 0; i < slots->pore_count; i++) {
-        constant = constant && kind_of(&slots->pore[i])->constant;
-    }
-    return constant;
+    return all_constant(slots->shear, slots->shear_count) &&
+           all_constant(slots->pore, slots->pore_count);
 }
 
 // Makes the loads of one list ready, up to the first that cannot be.

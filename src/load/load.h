@@ -2,7 +2,7 @@
 #ifndef LACUNA_LOAD_LOAD_H
 #define LACUNA_LOAD_LOAD_H
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 
@@ -41,6 +41,11 @@ typedef struct lac_normal_load {
     double (*dimension)(const void *params);
 } lac_normal_load;
 
+/// A quantity and its rate at one time.
+typedef struct lac_signal {
+    double value, rate;
+} lac_signal;
+
 struct lac_load_kind;
 
 /// A load made ready: its row, its parameters and what was prepared from them.
@@ -54,14 +59,12 @@ typedef struct lac_load {
 /// What loads have read from files, kept for when they are made again; for one thread.
 typedef struct lac_load_files lac_load_files;
 
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_load_files_create(lac_load_files **out, lac_error *err);
 
 /// The index-th thing that was taken for want of a word in what was read ("p.csv: head: no unit is
 /// named: taken as Pa"), and should be asked about; NULL past the last.
 const char *lac_load_files_doubt(const lac_load_files *files, size_t index);
 
-/// Frees what was kept; NULL is fine.
 void lac_load_files_free(lac_load_files *files);
 
 /// The run that loads belong to.
@@ -86,7 +89,9 @@ typedef struct lac_load_kind {
     lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
                           lac_error *err);
     void (*release)(void *state);
-    /// Adds its values at time t [s since the start of the run].
+    /// Its stress or pore pressure at time t [s since the start of the run]. NULL: `add` tells.
+    lac_signal (*signal)(const lac_load *load, double t);
+    /// Adds what is no such stress.
     void (*add)(const lac_load *load, double t, lac_load_state *sum);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
     double (*next_break)(const lac_load *load, double t);
@@ -115,8 +120,8 @@ typedef struct lac_load_slots {
 
 /// Makes loads ready: reads the files that they name.
 /// @param slots  must outlive the set
-/// @return LAC_OK; LAC_EINPUT (data that do not fit the run ...); LAC_EIO; LAC_ENOMEM. The message
-///         names the load: "load.shear.0: ..."
+/// @return LAC_EINPUT (data that do not fit the run ...) or LAC_EIO with the load: "load.shear.0:
+/// ..."
 lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err);
 
@@ -129,7 +134,6 @@ bool lac_load_set_is_shaped(const lac_load_set *set);
 /// Q over the nominal area, springs' slip apart. @param pressure  mean normal stress [Pa]
 double lac_load_shear(const lac_load_state *state, double pressure);
 
-/// Frees what a set owns. The set is empty afterwards.
 void lac_load_set_clear(lac_load_set *set);
 
 /// Whether all of these loads are constant in time.

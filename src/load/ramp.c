@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress or pore pressure that changes at a constant rate, then holds what it has come to.
 #include "load/kinds.h"
-#include "load/signal.h"
 
 typedef struct ramp_params {
     double rate;  // [Pa/s]
@@ -14,27 +13,17 @@ typedef struct ramp_params {
 static lac_signal ramp_at(const lac_load *load, double t)
 {
     const ramp_params *ramp = load->params;
-    double end = lac_end_of(ramp->end);
-    if (t < ramp->start || end <= ramp->start) {
+    if (t < ramp->start || ramp->end <= ramp->start) {
         return (lac_signal){0.0, 0.0};
     }
-    return (lac_signal){ramp->rate * (fmin(t, end) - ramp->start), t < end ? ramp->rate : 0.0};
-}
-
-static void add_shear(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_stress(load, sum, ramp_at(load, t));
-}
-
-static void add_pore(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_pore(sum, ramp_at(load, t));
+    return (lac_signal){ramp->rate * (fmin(t, ramp->end) - ramp->start),
+                        t >= ramp->end ? 0.0 : ramp->rate};
 }
 
 static double next_break(const lac_load *load, double t)
 {
     const ramp_params *ramp = load->params;
-    return lac_window_break(ramp->start, lac_end_of(ramp->end), t);
+    return lac_window_break(ramp->start, ramp->end, t);
 }
 
 static const char *fault(const void *p)
@@ -55,24 +44,20 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_ramp = {
-    .about = {.name = "ramp",
-              .summary = "shear stress that changes at a constant rate between two times",
-              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
-                           "10.1029/93JB02581 (constant stressing rate)",
-              LAC_ROWS(params, ramp_params),
-              .fault = fault},
+    .about = LAC_ABOUT("ramp", "shear stress that changes at a constant rate between two times",
+                       "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 "
+                       "(constant stressing rate)",
+                       LAC_ROWS(params, ramp_params), .fault = fault),
     .linear = true,
-    .add = add_shear,
+    .signal = ramp_at,
     .next_break = next_break,
 };
 
 const lac_load_kind lac_pore_ramp = {
-    .about = {.name = "ramp",
-              .summary = "pore pressure that changes at a constant rate between two times",
-              .reference = "docs/theory/loads.md, \"Pore pressure\"",
-              LAC_PORE_ROWS(params, ramp_params),
-              .fault = fault},
+    .about = LAC_ABOUT("ramp", "pore pressure that changes at a constant rate between two times",
+                       "docs/theory/loads.md, \"Pore pressure\"",
+                       LAC_PORE_ROWS(params, ramp_params), .fault = fault),
     .linear = true,
-    .add = add_pore,
+    .signal = ramp_at,
     .next_break = next_break,
 };

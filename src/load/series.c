@@ -4,8 +4,6 @@
 #include <stdlib.h>
 
 #include "load/kinds.h"
-#include "load/signal.h"
-#include "load/table.h"
 
 enum { LINEAR, SMOOTH };
 enum { REFUSE, HOLD, ZERO };
@@ -79,11 +77,9 @@ static lac_status prepare(const void *p, const lac_load_clock *clock, void **out
     if (state == NULL) {
         return lac_fail_memory(err);
     }
-    LAC_TRY(lac_readings_read(&def, clock, &state->readings, err));
-    if (s->outside == REFUSE) {
-        LAC_TRY(lac_readings_cover(&state->readings, s->file, clock,
-                                   ", or say outside: hold or zero", err));
-    }
+    LAC_TRY(lac_readings_read(&def, clock,
+                              s->outside == REFUSE ? ", or say outside: hold or zero" : NULL,
+                              &state->readings, err));
     if (s->interpolation == SMOOTH) {
         LAC_TRY(smooth(state, err));
     }
@@ -129,16 +125,6 @@ static lac_signal series_at(const lac_load *load, double t)
     return (lac_signal){s->scale * signal.value, s->scale * signal.rate};
 }
 
-static void add_shear(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_stress(load, sum, series_at(load, t));
-}
-
-static void add_pore(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_pore(sum, series_at(load, t));
-}
-
 // Straight lines bend at every reading, smooth curves turn there: a long step of a cell at rest
 // would leap over what lies between two of them.
 static double next_break(const lac_load *load, double t)
@@ -170,8 +156,7 @@ static const lac_param params[] = {
              "stress that one unit of the column makes, such as \"9807 Pa/m\" or \"5e5 kg/m2\"; "
              "the column is a stress if absent"),
     LAC_REAL("scale", "1", offsetof(series_params, scale), 1, -1e12, 1e12, 0, "factor on it all"),
-    LAC_REAL("offset", "s", offsetof(series_params, offset), 0, -INFINITY, INFINITY, 0,
-             "the data come this much later than their times say"),
+    LAC_OFFSET_ROW(series_params, "the data come this much later than their times say"),
     LAC_CHOICE("interpolation", offsetof(series_params, interpolation), LINEAR, interpolations, 0,
                "straight lines, or a smooth curve that overshoots nowhere; the integrator begins "
                "anew at every reading"),
@@ -181,25 +166,23 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_series = {
-    .about = {.name = "series",
-              .summary = "shear stress read from a file: recorded shaking, tremor",
-              .reference = "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-              LAC_ROWS(params, series_params)},
+    .about = LAC_ABOUT("series", "shear stress read from a file: recorded shaking, tremor",
+                       "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+                       LAC_ROWS(params, series_params)),
     .prepare = prepare,
     .release = release,
-    .add = add_shear,
+    .signal = series_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };
 
 const lac_load_kind lac_pore_series = {
-    .about = {.name = "series",
-              .summary = "pore pressure read from a file: a piezometer",
-              .reference = "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-              LAC_PORE_ROWS(params, series_params)},
+    .about = LAC_ABOUT("series", "pore pressure read from a file: a piezometer",
+                       "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+                       LAC_PORE_ROWS(params, series_params)),
     .prepare = prepare,
     .release = release,
-    .add = add_pore,
+    .signal = series_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };

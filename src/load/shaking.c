@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress from ground that shakes as a sine: the mass above the joint pushes by its inertia.
 #include "load/kinds.h"
-#include "load/signal.h"
 
 typedef struct shaking_params {
     double acceleration; // of the ground, its peak [m/s2]
@@ -39,11 +38,6 @@ static lac_signal shaking_at(const lac_load *load, double t)
     double swing = sin(omega * tau);
     return (lac_signal){stress * share.value * swing,
                         stress * (share.rate * swing + share.value * omega * cos(omega * tau))};
-}
-
-static void add(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_stress(load, sum, shaking_at(load, t));
 }
 
 static double next_break(const lac_load *load, double t)
@@ -89,12 +83,11 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_shaking = {
-    .about = {.name = "shaking",
-              .summary = "ground that shakes as a sine under a rigid mass; records: series",
-              .reference = "Newmark (1965) Geotechnique 15, 139, doi 10.1680/geot.1965.15.2.139",
-              LAC_ROWS(params, shaking_params),
-              .fault = fault},
-    .add = add,
+    .about =
+        LAC_ABOUT("shaking", "ground that shakes as a sine under a rigid mass; records: series",
+                  "Newmark (1965) Geotechnique 15, 139, doi 10.1680/geot.1965.15.2.139",
+                  LAC_ROWS(params, shaking_params), .fault = fault),
+    .signal = shaking_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress or pore pressure that swings, as tides, machines and seasons make it.
 #include "load/kinds.h"
-#include "load/signal.h"
 
 typedef struct sine_params {
     double amplitude; // [Pa]
@@ -16,7 +15,7 @@ typedef struct sine_params {
 static lac_signal sine_at(const lac_load *load, double t)
 {
     const sine_params *sine = load->params;
-    if (t < sine->start || t >= lac_end_of(sine->end)) {
+    if (t < sine->start || t >= sine->end) {
         return (lac_signal){0.0, 0.0};
     }
     double omega = 2.0 * LAC_PI / sine->period;
@@ -24,26 +23,16 @@ static lac_signal sine_at(const lac_load *load, double t)
     return (lac_signal){sine->amplitude * sin(angle), sine->amplitude * omega * cos(angle)};
 }
 
-static void add_shear(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_stress(load, sum, sine_at(load, t));
-}
-
-static void add_pore(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_pore(sum, sine_at(load, t));
-}
-
 static double next_break(const lac_load *load, double t)
 {
     const sine_params *sine = load->params;
-    return lac_window_break(sine->start, lac_end_of(sine->end), t);
+    return lac_window_break(sine->start, sine->end, t);
 }
 
 static double longest_step(const lac_load *load, double t)
 {
     const sine_params *sine = load->params;
-    bool swings = sine->amplitude > 0.0 && t >= sine->start && t < lac_end_of(sine->end);
+    bool swings = sine->amplitude > 0.0 && t >= sine->start && !(t >= sine->end);
     return swings ? sine->period / 8 : INFINITY;
 }
 
@@ -67,25 +56,21 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_sine = {
-    .about = {.name = "sine",
-              .summary = "shear stress that swings, as tides and machines make it",
-              .reference = "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi "
-                           "10.1029/2001JB001518",
-              LAC_ROWS(params, sine_params),
-              .fault = fault},
-    .add = add_shear,
+    .about =
+        LAC_ABOUT("sine", "shear stress that swings, as tides and machines make it",
+                  "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi 10.1029/2001JB001518",
+                  LAC_ROWS(params, sine_params), .fault = fault),
+    .signal = sine_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };
 
 const lac_load_kind lac_pore_sine = {
-    .about = {.name = "sine",
-              .summary = "pore pressure that swings, as the seasons make it",
-              .reference = "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi "
-                           "10.1029/2000JB900366",
-              LAC_PORE_ROWS(params, sine_params),
-              .fault = fault},
-    .add = add_pore,
+    .about =
+        LAC_ABOUT("sine", "pore pressure that swings, as the seasons make it",
+                  "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
+                  LAC_PORE_ROWS(params, sine_params), .fault = fault),
+    .signal = sine_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress or pore pressure that comes all at once, for good or for a while: a trigger.
 #include "load/kinds.h"
-#include "load/signal.h"
 
 typedef struct step_params {
     double value; // [Pa]
@@ -14,24 +13,14 @@ typedef struct step_params {
 static lac_signal step_at(const lac_load *load, double t)
 {
     const step_params *step = load->params;
-    bool on = t >= step->at && t < lac_end_of(step->until);
+    bool on = t >= step->at && !(t >= step->until);
     return (lac_signal){on ? step->value : 0.0, 0.0};
-}
-
-static void add_shear(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_stress(load, sum, step_at(load, t));
-}
-
-static void add_pore(const lac_load *load, double t, lac_load_state *sum)
-{
-    lac_add_pore(sum, step_at(load, t));
 }
 
 static double next_break(const lac_load *load, double t)
 {
     const step_params *step = load->params;
-    return lac_window_break(step->at, lac_end_of(step->until), t);
+    return lac_window_break(step->at, step->until, t);
 }
 
 static const char *fault(const void *p)
@@ -52,24 +41,20 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_step = {
-    .about = {.name = "step",
-              .summary = "shear stress that comes at a stated time, for good or for a while",
-              .reference = "Dieterich (1994) J. Geophys. Res. 99, 2601, doi "
-                           "10.1029/93JB02581 (stress step)",
-              LAC_ROWS(params, step_params),
-              .fault = fault},
+    .about =
+        LAC_ABOUT("step", "shear stress that comes at a stated time, for good or for a while",
+                  "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (stress step)",
+                  LAC_ROWS(params, step_params), .fault = fault),
     .linear = true,
-    .add = add_shear,
+    .signal = step_at,
     .next_break = next_break,
 };
 
 const lac_load_kind lac_pore_step = {
-    .about = {.name = "step",
-              .summary = "pore pressure that comes at a stated time, for good or for a while",
-              .reference = "docs/theory/loads.md, \"Triggering\"",
-              LAC_PORE_ROWS(params, step_params),
-              .fault = fault},
+    .about = LAC_ABOUT("step", "pore pressure that comes at a stated time, for good or for a while",
+                       "docs/theory/loads.md, \"Triggering\"", LAC_PORE_ROWS(params, step_params),
+                       .fault = fault),
     .linear = true,
-    .add = add_pore,
+    .signal = step_at,
     .next_break = next_break,
 };

@@ -2,6 +2,7 @@
 // The contact domain: its pressure, and what its cells do in the snapshots that were kept.
 #include "report/cells.h"
 
+#include <gsl/gsl_interp.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,7 @@ static const double slipping_ratio = 10.0;
 // NaN where nothing moved at the start, so that nothing tells what slips.
 static double slipping_rate(const lac_page_run *run)
 {
-    const double rate = lac_page_run_column(run, LAC_PAGE_RATE)[0];
+    const double rate = lac_page_run_column(run, "slip_rate")[0];
     return rate > 0.0 ? slipping_ratio * rate : NAN;
 }
 
@@ -43,15 +44,7 @@ static const field fields[] = {
 // The record nearest to a snapshot's time gives its time before the end.
 static double before_of(const lac_page_run *run, double time)
 {
-    size_t low = 0, high = run->n;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (run->time[middle] <= time) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    const size_t low = gsl_interp_bsearch(run->time, time, 0, run->n);
     return run->before[low] - (time - run->time[low]);
 }
 
@@ -120,7 +113,7 @@ static void find_range(size_t n, const double *value, double *low, double *high)
 }
 
 // Marks what has no logarithm, where there is any.
-static void write_backwards(lac_page_text *text, size_t n, const double *value, uint8_t *bytes)
+static void write_backwards(lac_json *json, size_t n, const double *value, uint8_t *bytes)
 {
     bool any = false;
     for (size_t i = 0; i < n; i++) {
@@ -128,22 +121,22 @@ static void write_backwards(lac_page_text *text, size_t n, const double *value, 
         any = any || bytes[i] != 0;
     }
     if (any) {
-        lac_page_bytes(text, "backwards", bytes, n);
+        lac_json_bytes(json, "backwards", bytes, n);
     }
 }
 
-static void write_map(lac_page_text *text, size_t n, const double *value, double low, double high,
+static void write_map(lac_json *json, size_t n, const double *value, double low, double high,
                       uint8_t *bytes)
 {
     for (size_t i = 0; i < n; i++) {
         bytes[i] = to_byte(value[i], low, high);
     }
-    lac_page_open(text, NULL, '{');
-    lac_page_number(text, "low", low, 5);
-    lac_page_number(text, "high", high, 5);
-    lac_page_bytes(text, "map", bytes, n);
-    write_backwards(text, n, value, bytes);
-    lac_page_close(text, '}');
+    lac_json_open(json, NULL, '{');
+    lac_json_digits(json, "low", low, 5);
+    lac_json_digits(json, "high", high, 5);
+    lac_json_bytes(json, "map", bytes, n);
+    write_backwards(json, n, value, bytes);
+    lac_json_close(json, '}');
 }
 
 // Room for one field in all snapshots.
@@ -181,61 +174,60 @@ out:
     return status;
 }
 
-static void write_field(lac_page_text *text, const lac_page_raster *r, const shots *s,
-                        const char *key, bool common, const double *value, uint8_t *bytes)
+static void write_field(lac_json *json, const lac_page_raster *r, const shots *s, const char *key,
+                        bool common, const double *value, uint8_t *bytes)
 {
     double low = NAN, high = NAN;
     if (common) {
         find_range(s->count * r->squares, value, &low, &high);
     }
-    lac_page_open(text, key, '[');
+    lac_json_open(json, key, '[');
     for (size_t k = 0; k < s->count; k++) {
         const double *one = value + k * r->squares;
         double own_low = low, own_high = high;
         if (!common) {
             find_range(r->squares, one, &own_low, &own_high);
         }
-        write_map(text, r->squares, one, own_low, own_high, bytes);
+        write_map(json, r->squares, one, own_low, own_high, bytes);
     }
-    lac_page_close(text, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_shares(lac_page_text *text, const lac_page_raster *r, const shots *s,
-                         const room *from)
+static void write_shares(lac_json *json, const lac_page_raster *r, const shots *s, const room *from)
 {
-    lac_page_open(text, "slipping", '[');
+    lac_json_open(json, "slipping", '[');
     for (size_t k = 0; k < s->count; k++) {
-        write_map(text, r->squares, from->share + k * r->squares, 0.0, 1.0, from->bytes);
+        write_map(json, r->squares, from->share + k * r->squares, 0.0, 1.0, from->bytes);
     }
-    lac_page_close(text, ']');
-    lac_page_open(text, "slipping_cells", '[');
+    lac_json_close(json, ']');
+    lac_json_open(json, "slipping_cells", '[');
     for (size_t k = 0; k < s->count; k++) {
         double cells = 0.0;
         for (size_t i = 0; i < r->squares; i++) {
             const double share = from->share[k * r->squares + i];
             cells += isnan(share) ? 0.0 : share * (double)r->count[i];
         }
-        lac_page_number(text, NULL, round(cells), 17);
+        lac_json_digits(json, NULL, round(cells), 17);
     }
-    lac_page_close(text, ']');
+    lac_json_close(json, ']');
 }
 
 static lac_status write_snapshots(const lac_page *page, const lac_page_raster *r, const shots *s,
                                   room *to, lac_error *err)
 {
-    lac_page_text *text = page->text;
+    lac_json *json = page->json;
     lac_status status = LAC_OK;
-    lac_page_column(text, "snapshot_time", s->count, s->time, NULL, 12);
-    lac_page_column(text, "snapshot_before", s->count, s->before, NULL, 6);
+    lac_page_column(page, "snapshot_time", s->count, s->time, NULL, 12);
+    lac_page_column(page, "snapshot_before", s->count, s->before, NULL, 6);
     for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
         bool there = false;
         LAC_TRY(read_field(page, r, s, &fields[f], to, &there, err));
         if (there) {
-            write_field(text, r, s, fields[f].key, fields[f].common || r->ny == 1, to->value,
+            write_field(json, r, s, fields[f].key, fields[f].common || r->ny == 1, to->value,
                         to->bytes);
         }
         if (there && fields[f].how == LAC_PAGE_MOST) {
-            write_shares(text, r, s, to);
+            write_shares(json, r, s, to);
         }
     }
 out:
@@ -251,9 +243,9 @@ static lac_status write_pressure(const lac_page *page, const lac_page_raster *r,
         double low = NAN, high = NAN;
         lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, to->value);
         find_range(r->squares, to->value, &low, &high);
-        lac_page_open(page->text, "pressure", '[');
-        write_map(page->text, r->squares, to->value, low, high, to->bytes);
-        lac_page_close(page->text, ']');
+        lac_json_open(page->json, "pressure", '[');
+        write_map(page->json, r->squares, to->value, low, high, to->bytes);
+        lac_json_close(page->json, ']');
     }
     lac_stored_values_clear(&pressure);
     return status;
@@ -261,22 +253,22 @@ static lac_status write_pressure(const lac_page *page, const lac_page_raster *r,
 
 static void write_raster(const lac_page *page, const lac_page_raster *r)
 {
-    lac_page_text *text = page->text;
-    lac_page_number(text, "cells", (double)r->cells, 17);
-    lac_page_number(text, "nx", (double)r->nx, 17);
-    lac_page_number(text, "ny", (double)r->ny, 17);
-    lac_page_number(text, "dx", r->dx, 8);
-    lac_page_number(text, "dy", r->dy, 8);
-    lac_page_number(text, "block", (double)r->block, 17);
-    lac_page_number(text, "slipping_rate", slipping_rate(page->run), 6);
-    lac_page_open(text, "place", '[');
+    lac_json *json = page->json;
+    lac_json_integer(json, "cells", (int64_t)r->cells);
+    lac_json_integer(json, "nx", (int64_t)r->nx);
+    lac_json_integer(json, "ny", (int64_t)r->ny);
+    lac_json_digits(json, "dx", r->dx, 8);
+    lac_json_digits(json, "dy", r->dy, 8);
+    lac_json_integer(json, "block", (int64_t)r->block);
+    lac_json_digits(json, "slipping_rate", slipping_rate(page->run), 6);
+    lac_json_open(json, "place", '[');
     for (size_t k = 0; k < r->squares; k++) {
-        lac_page_number(text, NULL, r->place[k], 17);
+        lac_json_digits(json, NULL, r->place[k], 17);
     }
-    lac_page_close(text, ']');
+    lac_json_close(json, ']');
 }
 
-lac_status lac_page_cells(const lac_page *page, lac_error *err)
+lac_status lac_page_cells(const lac_page *page, const char *key, lac_error *err)
 {
     lac_page_raster raster = {0};
     shots s = {0};
@@ -293,11 +285,11 @@ lac_status lac_page_cells(const lac_page *page, lac_error *err)
                 malloc(raster.squares)};
     LAC_TRY(to.value != NULL && to.share != NULL && to.bytes != NULL ? LAC_OK
                                                                      : lac_fail_memory(err));
-    lac_page_open(page->text, "cells", '{');
+    lac_json_open(page->json, key, '{');
     write_raster(page, &raster);
     LAC_TRY(write_pressure(page, &raster, &to, err));
     LAC_TRY(write_snapshots(page, &raster, &s, &to, err));
-    lac_page_close(page->text, '}');
+    lac_json_close(page->json, '}');
 out:
     free(to.value);
     free(to.share);

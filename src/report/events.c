@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The catalogue of events: each in time, and how many are larger than what.
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_vector.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,17 +12,18 @@ enum { MOST_EVENTS = 3000, STEPS = 160 };
 
 enum { TIME, DURATION, CELLS, POTENCY, MOMENT, SIZE, RATE, CUT, VARIABLES };
 
-static const char *const names[VARIABLES] = {"event_time",          "event_duration", "event_cells",
-                                             "event_potency",       "event_moment",   "event_size",
-                                             "event_max_slip_rate", "event_cut"};
-static const char *const keys[VARIABLES] = {"time",   "duration", "cells",    "potency",
-                                            "moment", "size",     "max_rate", "cut"};
-
-static int descending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a < b) - (a > b);
-}
+static const struct {
+    const char *key, *name;
+} shown[VARIABLES] = {
+    {"time", "event_time"},
+    {"duration", "event_duration"},
+    {"cells", "event_cells"},
+    {"potency", "event_potency"},
+    {"moment", "event_moment"},
+    {"size", "event_size"},
+    {"max_rate", "event_max_slip_rate"},
+    {"cut", "event_cut"},
+};
 
 // The larger half of what may stand on the page by potency, and of the others every `stride`th.
 static size_t choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
@@ -36,18 +39,17 @@ static size_t choose(size_t n, const double *potency, const double *sorted, uint
 }
 
 // N(>= size) at sizes evenly spaced in their logarithm.
-static void write_distribution(lac_page_text *text, size_t n, const double *sorted)
+static void write_distribution(const lac_page *page, size_t n, const double *sorted)
 {
     size_t known = n;
     while (known > 0 && !(sorted[known - 1] > 0.0)) {
         known--;
     }
-    double *at = malloc(2 * STEPS * sizeof *at);
-    double *count = at != NULL ? at + STEPS : NULL;
+    double at[STEPS], count[STEPS];
     size_t steps = 0;
     const double span = known > 0 ? log(sorted[0] / sorted[known - 1]) : 0.0;
     double last = INFINITY;
-    for (size_t i = 0; at != NULL && i < known; i++) {
+    for (size_t i = 0; i < known; i++) {
         const double now = log(sorted[i]);
         const bool edge = i == 0 || i + 1 == known;
         if (steps < STEPS && (edge || (steps + 1 < STEPS && last - now >= span / (STEPS - 2)))) {
@@ -56,35 +58,32 @@ static void write_distribution(lac_page_text *text, size_t n, const double *sort
             last = now;
         }
     }
-    lac_page_column(text, "at_least", steps, at, NULL, 6);
-    lac_page_column(text, "count", steps, count, NULL, 17);
-    text->broken = text->broken || at == NULL;
-    free(at);
+    lac_page_column(page, "at_least", steps, at, NULL, 6);
+    lac_page_column(page, "count", steps, count, NULL, 17);
 }
 
 // What an indicator says of the catalogue.
-static lac_status write_indicator(lac_page_text *text, const lac_precursor_kind *kind,
+static lac_status write_indicator(lac_json *json, const lac_precursor_kind *kind,
                                   const lac_event_list *events, lac_error *err)
 {
     const lac_observed seen = {.events = events, .tc = NAN, .start = NAN};
     lac_finding found = {0};
     lac_status status = kind->look(&seen, &found, err);
     if (status == LAC_OK) {
-        lac_page_open(text, kind->about.name, '{');
-        lac_page_string(text, "reason", found.reason);
-        lac_page_number(text, "points", (double)found.points, 17);
+        lac_json_open(json, kind->about.name, '{');
+        lac_json_text(json, "reason", found.reason);
+        lac_json_integer(json, "points", (int64_t)found.points);
         for (size_t i = 0; i < found.count; i++) {
-            lac_page_number(text, found.value[i].key, found.value[i].value, 4);
+            lac_json_digits(json, found.value[i].key, found.value[i].value, 4);
         }
-        lac_page_close(text, '}');
+        lac_json_close(json, '}');
     }
     return status;
 }
 
-static lac_status write_events(const lac_page *page, size_t n, const lac_stored_values *values,
-                               lac_error *err)
+static lac_status write_events(const lac_page *page, const char *key, size_t n,
+                               const lac_stored_values *values, lac_error *err)
 {
-    lac_page_text *text = page->text;
     double *sorted = malloc(n * sizeof *sorted);
     uint8_t *keep = malloc(n);
     lac_status status = LAC_OK;
@@ -93,40 +92,42 @@ static lac_status write_events(const lac_page *page, size_t n, const lac_stored_
         const double potency = values[POTENCY].value[i];
         sorted[i] = isfinite(potency) ? potency : 0.0;
     }
-    qsort(sorted, n, sizeof *sorted, descending);
+    gsl_sort(sorted, 1, n);
+    gsl_vector_view falling = gsl_vector_view_array(sorted, n);
+    gsl_vector_reverse(&falling.vector);
     (void)choose(n, values[POTENCY].value, sorted, keep);
-    lac_page_open(text, "events", '{');
-    lac_page_number(text, "all", (double)n, 17);
+    lac_json_open(page->json, key, '{');
+    lac_json_integer(page->json, "all", (int64_t)n);
     for (size_t v = 0; v < VARIABLES; v++) {
-        lac_page_column(text, keys[v], n, values[v].value, keep, v == TIME ? 12 : 6);
+        lac_page_column(page, shown[v].key, n, values[v].value, keep, v == TIME ? 12 : 6);
     }
-    write_distribution(text, n, sorted);
+    write_distribution(page, n, sorted);
     const lac_event_list list = {
         .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
     const lac_precursor_kind *kind;
     for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
         if (kind->page) {
-            LAC_TRY(write_indicator(text, kind, &list, err));
+            LAC_TRY(write_indicator(page->json, kind, &list, err));
         }
     }
-    lac_page_close(text, '}');
+    lac_json_close(page->json, '}');
 out:
     free(sorted);
     free(keep);
     return status;
 }
 
-lac_status lac_page_events(const lac_page *page, lac_error *err)
+lac_status lac_page_events(const lac_page *page, const char *key, lac_error *err)
 {
     lac_stored_values values[VARIABLES] = {{0}};
     lac_status status = LAC_OK;
     size_t n = SIZE_MAX;
     for (size_t v = 0; v < VARIABLES; v++) {
-        LAC_TRY(lac_stored_file_values(page->run->file, names[v], &values[v], err));
+        LAC_TRY(lac_stored_file_values(page->run->file, shown[v].name, &values[v], err));
         n = values[v].value == NULL ? 0 : values[v].n < n ? values[v].n : n;
     }
     if (n > 0) {
-        LAC_TRY(write_events(page, n, values, err));
+        LAC_TRY(write_events(page, key, n, values, err));
     }
 out:
     for (size_t v = 0; v < VARIABLES; v++) {

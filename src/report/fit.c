@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fitted model forecasts: the predictive band of displacement and rate, when it fails, and
 // what it found, as lacuna fit has stored it.
+#include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/date.h"
+#include "base/statistics.h"
 #include "report/run.h"
 
 enum { NAME = 128, STEPS = 200, QUANTILES = 5 };
@@ -90,157 +91,124 @@ out:
     return status;
 }
 
-static void write_times(lac_page_text *text, const fitted *f)
+static void write_band(const lac_page *page, const char *key, const lac_stored_values *band)
 {
-    const lac_stored_values *time = &f->value[TIME];
-    lac_page_open(text, "time", '[');
-    for (size_t i = 0; time->value != NULL && i < time->n; i++) {
-        lac_page_number(text, NULL, time->value[i] + f->shift, 12);
-    }
-    lac_page_close(text, ']');
-}
-
-static void write_band(lac_page_text *text, const char *key, const lac_stored_values *band)
-{
-    lac_page_open(text, key, '[');
+    lac_json_open(page->json, key, '[');
     for (size_t q = 0; band->value != NULL && q < band->n; q++) {
-        lac_page_column(text, NULL, band->width, band->value + q * band->width, NULL, 7);
+        lac_page_column(page, NULL, band->width, band->value + q * band->width, NULL, 7);
     }
-    lac_page_close(text, ']');
-}
-
-static int ascending(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-// The q-quantile of sorted values, as lacuna fit gives it: no number lies between one that is
-// finite and never.
-static double quantile(size_t n, const double *sorted, double q)
-{
-    const double at = q * (double)(n - 1);
-    const size_t low = (size_t)at, high = low + 1 < n ? low + 1 : low;
-    const double part = at - (double)low;
-    return isinf(sorted[high]) ? sorted[part > 0.5 ? high : low]
-                               : sorted[low] + part * (sorted[high] - sorted[low]);
+    lac_json_close(page->json, ']');
 }
 
 // Times of failure of the draws that were run on, in order; those that do not fail stand last.
-static void write_failures(lac_page_text *text, const fitted *f)
+static void write_failures(const lac_page *page, const fitted *f)
 {
-    const lac_stored_values *all = &f->value[FAILURE];
+    const lac_stored_values *all = &f->value[FAILURE], *share = &f->value[QUANTILE];
+    double at[STEPS], part[STEPS];
     size_t failing = 0;
     for (size_t i = 0; i < all->n; i++) {
         failing += isfinite(all->value[i]) ? 1 : 0;
         all->value[i] = isfinite(all->value[i]) ? all->value[i] + f->shift : INFINITY;
     }
-    qsort(all->value, all->n, sizeof *all->value, ascending);
-    lac_page_open(text, "failure", '{');
-    lac_page_number(text, "draws", (double)all->n, 17);
-    lac_page_number(text, "failing", (double)failing, 17);
-    lac_page_open(text, "quantile", '[');
-    for (size_t q = 0; q < QUANTILES && f->value[QUANTILE].value != NULL; q++) {
-        lac_page_number(text, NULL, quantile(all->n, all->value, f->value[QUANTILE].value[q]), 12);
+    gsl_sort(all->value, 1, all->n);
+    lac_json_open(page->json, "failure", '{');
+    lac_json_integer(page->json, "draws", (int64_t)all->n);
+    lac_json_integer(page->json, "failing", (int64_t)failing);
+    for (size_t q = 0; q < share->n; q++) {
+        at[q] = lac_quantile(all->n, all->value, share->value[q]);
     }
-    lac_page_close(text, ']');
+    lac_page_column(page, "quantile", share->n, at, NULL, 12);
     const size_t steps = failing < STEPS ? failing : STEPS;
-    lac_page_open(text, "time", '[');
     for (size_t i = 0; i < steps; i++) {
-        lac_page_number(text, NULL, all->value[(i + 1) * failing / steps - 1], 12);
+        at[i] = all->value[(i + 1) * failing / steps - 1];
+        part[i] = (double)((i + 1) * failing / steps) / (double)all->n;
     }
-    lac_page_close(text, ']');
-    lac_page_open(text, "share", '[');
-    for (size_t i = 0; i < steps; i++) {
-        lac_page_number(text, NULL, (double)((i + 1) * failing / steps) / (double)all->n, 6);
-    }
-    lac_page_close(text, ']');
-    lac_page_close(text, '}');
-}
-
-static void write_draws(lac_page_text *text, const lac_stored_values *draws)
-{
-    static const char *const keys[] = {"low90", "median", "high90"};
-    static const double share[] = {0.05, 0.5, 0.95};
-    const size_t n = draws->n * draws->width;
-    if (n > 1) { // one is the best fit alone
-        qsort(draws->value, n, sizeof *draws->value, ascending);
-    }
-    for (size_t i = 0; n > 1 && i < sizeof share / sizeof *share; i++) {
-        lac_page_number(text, keys[i], quantile(n, draws->value, share[i]), 5);
-    }
+    lac_page_column(page, "time", steps, at, NULL, 12);
+    lac_page_column(page, "share", steps, part, NULL, 6);
+    lac_json_close(page->json, '}');
 }
 
 // An estimate, if the variable is one.
-static lac_status write_estimate(lac_page_text *text, const fitted *f, const char *name,
-                                 lac_error *err)
+static lac_status write_estimate(lac_json *json, const fitted *f, const char *name, lac_error *err)
 {
+    static const struct {
+        const char *key, *attribute;
+        int digits;
+    } numbers[] = {{"best", "best_fit", 5},
+                   {"limit", "best_fit_at_end_of_range", 5},
+                   {"error", "standard_error", 3},
+                   {"log_error", "standard_error_of_logarithm", 3},
+                   {"rhat", "rhat", 4}};
+    static const struct {
+        const char *key;
+        double share;
+    } quantiles[] = {{"low90", 0.05}, {"median", 0.5}, {"high90", 0.95}};
     char key[NAME], unit[NAME];
     lac_stored_values draws = {0};
+    lac_status status = LAC_OK;
     lac_stored_file_text(f->file, name, "case_key", key, sizeof key);
-    if (key[0] == '\0') {
+    if (key[0] != '\0') {
+        LAC_TRY(lac_stored_file_values(f->file, name, &draws, err));
+    }
+    if (draws.value == NULL) {
         return LAC_OK;
     }
+    const size_t n = draws.n * draws.width;
+    gsl_sort(draws.value, 1, n);
     lac_stored_file_text(f->file, name, "units", unit, sizeof unit);
-    const lac_status status = lac_stored_file_values(f->file, name, &draws, err);
-    if (status == LAC_OK && draws.value != NULL) {
-        lac_page_open(text, NULL, '{');
-        lac_page_string(text, "key", key);
-        lac_page_string(text, "unit", unit);
-        lac_page_number(text, "best", lac_stored_file_number(f->file, name, "best_fit"), 5);
-        lac_page_number(text, "limit",
-                        lac_stored_file_number(f->file, name, "best_fit_at_end_of_range"), 5);
-        lac_page_number(text, "error", lac_stored_file_number(f->file, name, "standard_error"), 3);
-        lac_page_number(text, "log_error",
-                        lac_stored_file_number(f->file, name, "standard_error_of_logarithm"), 3);
-        lac_page_number(text, "rhat", lac_stored_file_number(f->file, name, "rhat"), 4);
-        write_draws(text, &draws);
-        lac_page_close(text, '}');
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "key", key);
+    lac_json_text(json, "unit", unit);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        lac_json_digits(json, numbers[i].key,
+                        lac_stored_file_number(f->file, name, numbers[i].attribute),
+                        numbers[i].digits);
     }
+    for (size_t i = 0; n > 1 && i < sizeof quantiles / sizeof *quantiles; i++) { // 1: the best fit
+        lac_json_digits(json, quantiles[i].key, lac_quantile(n, draws.value, quantiles[i].share),
+                        5);
+    }
+    lac_json_close(json, '}');
+out:
     lac_stored_values_clear(&draws);
     return status;
 }
 
-static lac_status write_estimates(lac_page_text *text, const fitted *f, lac_error *err)
+static lac_status write_fit(const lac_page *page, const char *key, const fitted *f, lac_error *err)
 {
-    char name[NAME];
+    lac_json *json = page->json;
+    const lac_stored_values *v = f->value;
+    char text[NAME];
     lac_status status = LAC_OK;
-    lac_page_open(text, "estimates", '[');
-    for (size_t i = 0; status == LAC_OK && lac_stored_file_variable(f->file, i, name, sizeof name);
-         i++) {
-        status = write_estimate(text, f, name, err);
+    lac_json_open(json, key, '{');
+    lac_json_text(json, "name", lac_page_name(f->path));
+    if (lac_stored_file_attribute(f->file, "title", text, sizeof text, NULL) == LAC_OK) {
+        lac_json_text(json, "title", text);
     }
-    lac_page_close(text, ']');
+    lac_json_integer(json, "readings", (int64_t)v[READING].n);
+    lac_json_digits(json, "from", v[READING].value[0] + f->shift, 12);
+    lac_json_digits(json, "until", v[READING].value[v[READING].n - 1] + f->shift, 12);
+    for (size_t i = 0; v[TIME].value != NULL && i < v[TIME].n; i++) {
+        v[TIME].value[i] += f->shift;
+    }
+    lac_page_column(page, "time", v[TIME].n, v[TIME].value, NULL, 12);
+    lac_page_column(page, "best", v[BEST].n, v[BEST].value, NULL, 7);
+    write_band(page, "slip", &v[SLIP]);
+    write_band(page, "rate", &v[RATE]);
+    if (v[FAILURE].value != NULL && v[FAILURE].n > 0) {
+        write_failures(page, f);
+    }
+    lac_json_open(json, "estimates", '[');
+    for (size_t i = 0; lac_stored_file_variable(f->file, i, text, sizeof text); i++) {
+        LAC_TRY(write_estimate(json, f, text, err));
+    }
+    lac_json_close(json, ']');
+    lac_json_close(json, '}');
+out:
     return status;
 }
 
-static lac_status write_fit(const lac_page *page, const fitted *f, lac_error *err)
-{
-    lac_page_text *text = page->text;
-    const char *slash = strrchr(f->path, '/');
-    const lac_stored_values *reading = &f->value[READING];
-    char title[NAME];
-    lac_page_open(text, "fit", '{');
-    lac_page_string(text, "name", slash != NULL ? slash + 1 : f->path);
-    if (lac_page_attribute_text(f->file, "title", title, sizeof title)) {
-        lac_page_string(text, "title", title);
-    }
-    lac_page_number(text, "readings", (double)reading->n, 17);
-    lac_page_number(text, "from", reading->value[0] + f->shift, 12);
-    lac_page_number(text, "until", reading->value[reading->n - 1] + f->shift, 12);
-    write_times(text, f);
-    lac_page_column(text, "best", f->value[BEST].n, f->value[BEST].value, NULL, 7);
-    write_band(text, "slip", &f->value[SLIP]);
-    write_band(text, "rate", &f->value[RATE]);
-    if (f->value[FAILURE].value != NULL && f->value[FAILURE].n > 0) {
-        write_failures(text, f);
-    }
-    const lac_status status = write_estimates(text, f, err);
-    lac_page_close(text, '}');
-    return status;
-}
-
-lac_status lac_page_fit(const lac_page *page, lac_error *err)
+lac_status lac_page_fit(const lac_page *page, const char *key, lac_error *err)
 {
     fitted f = {0};
     lac_status status = LAC_OK;
@@ -248,7 +216,7 @@ lac_status lac_page_fit(const lac_page *page, lac_error *err)
         return LAC_OK;
     }
     LAC_TRY(open_fit(page, &f, err));
-    LAC_TRY(write_fit(page, &f, err));
+    LAC_TRY(write_fit(page, key, &f, err));
 out:
     clear(&f);
     return status;

@@ -9,121 +9,95 @@
 
 enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };
 
-// What the forecasts saw.
-typedef struct sight {
-    double *owned[3]; // time, displacement, velocity
-    lac_readings readings;
-} sight;
-
-static void clear(sight *s)
-{
-    for (size_t i = 0; i < 3; i++) {
-        free(s->owned[i]);
-    }
-}
-
-static lac_status make_room(sight *s, size_t n, lac_error *err)
-{
-    for (size_t i = 0; i < 3; i++) {
-        s->owned[i] = malloc(n * sizeof(double));
-        if (s->owned[i] == NULL) {
-            return lac_fail_memory(err);
-        }
-    }
-    s->readings.time = s->owned[0];
-    return LAC_OK;
-}
-
 // Records of a run as far as a double tells their times apart, thinned: a run has far more than a
 // method of forecasting needs.
-static lac_status see_run(const lac_page_run *run, sight *s, lac_error *err)
+static lac_status see_run(const lac_page_run *run, double **owned, lac_readings *out,
+                          lac_error *err)
 {
-    const double *slip = lac_page_run_column(run, LAC_PAGE_SLIP);
-    const double *rate = lac_page_run_column(run, LAC_PAGE_RATE);
+    const double *slip = lac_page_run_column(run, "slip");
+    const double *rate = lac_page_run_column(run, "slip_rate");
     uint8_t *keep = malloc(run->n);
-    lac_status status = keep != NULL ? make_room(s, run->n, err) : lac_fail_memory(err);
+    double *time = *owned = malloc(3 * run->n * sizeof *time);
+    lac_status status = keep != NULL && time != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
+    double *displacement = time + run->n, *velocity = displacement + run->n;
     (void)lac_page_thin(run->n, run->time, run->before, BUCKETS, 0, NULL, keep);
     size_t n = 0;
     for (size_t i = 0; i < run->n; i++) {
-        if (keep[i] && isfinite(run->time[i]) && (n == 0 || run->time[i] > s->owned[0][n - 1])) {
-            s->owned[0][n] = run->time[i];
-            s->owned[1][n] = slip[i];
-            s->owned[2][n++] = rate[i];
+        if (keep[i] && isfinite(run->time[i]) && (n == 0 || run->time[i] > time[n - 1])) {
+            time[n] = run->time[i];
+            displacement[n] = slip[i];
+            velocity[n++] = rate[i];
         }
     }
-    s->readings.n = n;
-    s->readings.displacement = s->owned[1];
-    s->readings.velocity = s->owned[2];
+    *out = (lac_readings){.n = n, .time = time, .displacement = displacement, .velocity = velocity};
 out:
     free(keep);
     return status;
 }
 
-static lac_status see_series(const lac_page *page, sight *s, lac_error *err)
+static lac_status see_series(const lac_page *page, double **time, lac_readings *out, lac_error *err)
 {
     const lac_series *series = page->def->series;
-    const lac_status status = make_room(s, series->n > 0 ? series->n : 1, err);
-    for (size_t i = 0; status == LAC_OK && i < series->n; i++) {
-        s->owned[0][i] = series->time[i] - (series->dated ? page->run->start : 0.0);
+    *time = malloc((series->n + 1) * sizeof **time);
+    if (*time == NULL) {
+        return lac_fail_memory(err);
     }
-    s->readings.n = series->n;
-    s->readings.displacement = series->displacement;
-    s->readings.velocity = series->velocity;
-    s->readings.sigma = series->sigma;
-    s->readings.displacement_digit = series->displacement_digit;
-    s->readings.velocity_digit = series->velocity_digit;
-    return status;
+    for (size_t i = 0; i < series->n; i++) {
+        (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
+    }
+    *out = (lac_readings){.n = series->n,
+                          .time = *time,
+                          .displacement = series->displacement,
+                          .velocity = series->velocity,
+                          .sigma = series->sigma,
+                          .displacement_digit = series->displacement_digit,
+                          .velocity_digit = series->velocity_digit};
+    return LAC_OK;
 }
 
 // Times of failure count from the time of issue: what remains is told to the last digit.
-static void write_forecast(lac_page_text *text, const lac_forecast *f)
+static void write_forecast(lac_json *json, const lac_forecast *f)
 {
-    const double from = f->issue_time;
-    lac_page_open(text, NULL, '[');
-    lac_page_bool(text, NULL, f->issued);
-    lac_page_number(text, NULL, f->time - from, 6);
-    lac_page_number(text, NULL, f->low90 - from, 6);
-    lac_page_number(text, NULL, f->low50 - from, 6);
-    lac_page_number(text, NULL, f->high50 - from, 6);
-    lac_page_number(text, NULL, f->high90 - from, 6);
-    lac_page_string(text, NULL, f->issued ? "" : f->fit.reason);
-    lac_page_open(text, NULL, '[');
-    for (size_t i = 0; i < f->fit.ends; i++) {
-        lac_page_string(text, NULL, f->fit.end[i]);
+    const double after[] = {f->time, f->low90, f->low50, f->high50, f->high90};
+    lac_json_open(json, NULL, '[');
+    lac_json_boolean(json, NULL, f->issued);
+    for (size_t i = 0; i < sizeof after / sizeof *after; i++) {
+        lac_json_digits(json, NULL, after[i] - f->issue_time, 6);
     }
-    lac_page_close(text, ']');
-    lac_page_close(text, ']');
+    lac_json_text(json, NULL, f->issued ? "" : f->fit.reason);
+    lac_json_open(json, NULL, '[');
+    for (size_t i = 0; i < f->fit.ends; i++) {
+        lac_json_text(json, NULL, f->fit.end[i]);
+    }
+    lac_json_close(json, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_methods(lac_page_text *text, const lac_rolling *rolling)
+static void write_rolling(const lac_page *page, const lac_rolling *rolling)
 {
-    lac_page_open(text, "methods", '[');
+    lac_json *json = page->json;
+    lac_json_open(json, "methods", '[');
     for (size_t m = 0; m < rolling->methods; m++) {
         const lac_forecast_kind *kind = rolling->forecast[m].kind;
-        lac_page_open(text, NULL, '{');
-        lac_page_string(text, "name", kind->about.name);
-        lac_page_string(text, "summary", kind->about.summary);
-        lac_page_string(text, "reference", kind->about.reference);
-        lac_page_bool(text, "baseline", kind->baseline);
-        lac_page_close(text, '}');
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "name", kind->about.name);
+        lac_json_text(json, "summary", kind->about.summary);
+        lac_json_text(json, "reference", kind->about.reference);
+        lac_json_boolean(json, "baseline", kind->baseline);
+        lac_json_close(json, '}');
     }
-    lac_page_close(text, ']');
-}
-
-static void write_rolling(lac_page_text *text, const lac_rolling *rolling)
-{
-    write_methods(text, rolling);
-    lac_page_column(text, "issue", rolling->issues, rolling->issue_time, NULL, 17);
-    lac_page_open(text, "forecast", '[');
+    lac_json_close(json, ']');
+    lac_page_column(page, "issue", rolling->issues, rolling->issue_time, NULL, 17);
+    lac_json_open(json, "forecast", '[');
     for (size_t i = 0; i < rolling->issues; i++) {
-        lac_page_open(text, NULL, '[');
+        lac_json_open(json, NULL, '[');
         for (size_t m = 0; m < rolling->methods; m++) {
-            write_forecast(text, &rolling->forecast[i * rolling->methods + m]);
+            write_forecast(json, &rolling->forecast[i * rolling->methods + m]);
         }
-        lac_page_close(text, ']');
+        lac_json_close(json, ']');
     }
-    lac_page_close(text, ']');
+    lac_json_close(json, ']');
 }
 
 // Whether any method but the baseline issued a forecast.
@@ -137,42 +111,46 @@ static bool any_issued(const lac_rolling *rolling)
     return false;
 }
 
-static lac_status forecast(const lac_page *page, bool measured, bool *issued, lac_error *err)
+static lac_status forecast(const lac_page *page, const char *key, bool measured, bool *issued,
+                           lac_error *err)
 {
     lac_forecast_def def = lac_forecast_default();
     lac_rolling *rolling = NULL;
-    sight s = {0};
-    lac_status status = measured ? see_series(page, &s, err) : see_run(page->run, &s, err);
+    lac_readings readings;
+    double *owned = NULL;
+    lac_status status = measured ? see_series(page, &owned, &readings, err)
+                                 : see_run(page->run, &owned, &readings, err);
     LAC_TRY(status);
-    if (s.readings.n < FEWEST) {
+    if (readings.n < FEWEST) {
         goto out;
     }
     def.motion.raw = !measured; // a run has neither outliers nor resets
     const size_t issues = page->def->issues > 0 ? (size_t)page->def->issues : ISSUES;
-    LAC_TRY(lac_rolling_create(&def, &s.readings, issues, NULL, &rolling, err));
+    LAC_TRY(lac_rolling_create(&def, &readings, issues, NULL, &rolling, err));
     *issued = any_issued(rolling);
     if (*issued) {
-        lac_page_open(page->text, "forecasts", '{');
-        lac_page_bool(page->text, "measured", measured);
-        lac_page_number(page->text, "readings", (double)s.readings.n, 17);
-        write_rolling(page->text, rolling);
-        lac_page_close(page->text, '}');
+        lac_json_open(page->json, key, '{');
+        lac_json_boolean(page->json, "measured", measured);
+        lac_json_integer(page->json, "readings", (int64_t)readings.n);
+        write_rolling(page, rolling);
+        lac_json_close(page->json, '}');
     }
 out:
     lac_rolling_free(rolling);
-    clear(&s);
+    free(owned);
     return status;
 }
 
-lac_status lac_page_forecasts(const lac_page *page, lac_error *err)
+lac_status lac_page_forecasts(const lac_page *page, const char *key, lac_error *err)
 {
     bool issued = false;
     lac_status status = LAC_OK;
-    if (page->def->issues < 0) {
-        return LAC_OK;
+    if (page->def->issues >= 0 && page->def->series != NULL) {
+        LAC_TRY(forecast(page, key, true, &issued, err));
     }
-    if (page->def->series != NULL) {
-        status = forecast(page, true, &issued, err);
+    if (page->def->issues >= 0 && !issued) {
+        LAC_TRY(forecast(page, key, false, &issued, err));
     }
-    return status == LAC_OK && !issued ? forecast(page, false, &issued, err) : status;
+out:
+    return status;
 }

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the page of a run that goes on needs: the page without data, and memory that stays bounded.
+// Memory that stays bounded while a run goes on and its page is open.
 #include <stdlib.h>
-#include <string.h>
 
-#include "report/assets.h"
 #include "report/run.h"
 
 enum {
@@ -13,40 +11,6 @@ enum {
     FEWEST_SHOTS = 6,
     SHOT_BYTES = 1 << 28
 };
-
-// HTML, its own scripts and styles given the nonce.
-static void put_html(lac_page_text *text, const char *html, const char *end, const char *nonce)
-{
-    for (const char *at = html; at < end; at++) {
-        if ((at - html >= 7 && strncmp(at - 7, "<script>", 8) == 0) ||
-            (at - html >= 6 && strncmp(at - 6, "<style>", 7) == 0)) {
-            lac_page_puts(text, " nonce=\"");
-            lac_page_puts(text, nonce);
-            lac_page_puts(text, "\"");
-        }
-        lac_page_raw(text, at, 1);
-    }
-}
-
-lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err)
-{
-    static const char *const marks[][2] = {{"@TITLE@", "Lacuna"}, {"@DATA@", "{\"live\":true}"}};
-    const char *rest = (const char *)lac_page_html;
-    lac_page_text text = {0};
-    for (size_t m = 0; m < sizeof marks / sizeof *marks; m++) {
-        const char *mark = strstr(rest, marks[m][0]);
-        put_html(&text, rest, mark, nonce);
-        lac_page_puts(&text, marks[m][1]);
-        rest = mark + strlen(marks[m][0]);
-    }
-    put_html(&text, rest, rest + strlen(rest), nonce);
-    *html = text.broken ? NULL : text.at;
-    if (text.broken) {
-        lac_page_text_clear(&text);
-        return lac_fail_memory(err);
-    }
-    return LAC_OK;
-}
 
 // Times before the last one; the caller frees.
 static double *times_before(size_t n, const double *origin, const double *local)

@@ -17,7 +17,7 @@ typedef struct grid {
 
 static bool read_count(const lac_stored_file *file, const char *name, size_t *out)
 {
-    const double value = lac_page_attribute(file, name);
+    const double value = lac_stored_file_number(file, NULL, name);
     const bool sound = value >= 1.0 && value <= 1e9;
     *out = sound ? (size_t)value : 0;
     return sound;
@@ -28,8 +28,8 @@ static lac_status read_grid(const lac_stored_file *file, grid *g, lac_error *err
     lac_status status;
     LAC_TRY(lac_stored_file_values(file, "x", &g->x, err));
     LAC_TRY(lac_stored_file_values(file, "y", &g->y, err));
-    g->dx = lac_page_attribute(file, "grid_dx_m");
-    g->dy = lac_page_attribute(file, "grid_dy_m");
+    g->dx = lac_stored_file_number(file, NULL, "grid_dx_m");
+    g->dy = lac_stored_file_number(file, NULL, "grid_dy_m");
     if (!read_count(file, "grid_nx", &g->nx) || !read_count(file, "grid_ny", &g->ny) ||
         !(g->dx > 0.0) || !(g->dy > 0.0) || g->x.value == NULL || g->y.value == NULL ||
         g->x.n != g->y.n || g->x.n / g->nx > g->ny) {

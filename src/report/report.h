@@ -31,11 +31,6 @@ typedef struct lac_report_def {
 /// @cost  memory of all records of one column set, and of 12 000 numbers for each of 40 snapshots
 lac_status lac_report_data(const lac_report_def *def, char **json, lac_error *err);
 
-/// The page as one HTML text that needs no other file and no network.
-/// @param html  ends in '\0'; the caller frees it; NULL where it fails
-/// @return as lac_report_data
-lac_status lac_report_page(const lac_report_def *def, char **html, lac_error *err);
-
 /// Writes the page.
 /// @param path   taken only once the page is whole
 /// @param force  replace a file that exists

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a page reads of a run, from its file or from memory: columns, and the time to the end.
+// What a page reads of a run, from its file or from memory: the columns of its sections over time,
+// and the time to the end.
 #include "report/run.h"
 
 #include <math.h>
@@ -8,33 +9,28 @@
 
 #include "base/date.h"
 
-static const char *const names[LAC_PAGE_COLUMNS] = {
-    [LAC_PAGE_SLIP] = "slip",
-    [LAC_PAGE_RATE] = "slip_rate",
-    [LAC_PAGE_MAX_RATE] = "max_slip_rate",
-    [LAC_PAGE_FRICTION] = "apparent_friction",
-    [LAC_PAGE_SHEAR] = "shear_force",
-    [LAC_PAGE_EFFECTIVE] = "effective_normal_force",
-    [LAC_PAGE_NORMAL] = "normal_force",
-    [LAC_PAGE_STEP] = "step_size",
-    [LAC_PAGE_ORDER] = "order",
-    [LAC_PAGE_RHS] = "rhs_evaluations",
-    [LAC_PAGE_RESIDUAL] = "balance_residual",
-    [LAC_PAGE_FRACTION] = "slip_fraction",
-    [LAC_PAGE_CRITICALITY] = "criticality",
-    [LAC_PAGE_LENGTH] = "correlation_length",
+enum { BUCKETS = 500 };
+
+// Columns over time: where the page shows them, and under which key.
+static const struct {
+    const char *section, *key, *name;
+    bool aside; // may be missing, and does not say which records are kept
+} shown[LAC_PAGE_COLUMNS] = {
+    {"motion", "slip", "slip", false},
+    {"motion", "rate", "slip_rate", false},
+    {"motion", "max_rate", "max_slip_rate", false},
+    {"forces", "friction", "apparent_friction", false},
+    {"forces", "shear", "shear_force", false},
+    {"forces", "normal", "normal_force", false},
+    {"forces", "effective", "effective_normal_force", false},
+    {"solver", "step", "step_size", false},
+    {"solver", "order", "order", false},
+    {"solver", "evaluations", "rhs_evaluations", false},
+    {"solver", "residual", "balance_residual", false},
+    {"levels", "fraction", "slip_fraction", false},
+    {"levels", "length", "correlation_length", false},
+    {"levels", "criticality", "criticality", true},
 };
-
-bool lac_page_attribute_text(const lac_stored_file *file, const char *name, char *text, size_t size)
-{
-    return lac_stored_file_attribute(file, name, text, size, NULL) == LAC_OK;
-}
-
-double lac_page_attribute(const lac_stored_file *file, const char *name)
-{
-    char text[64];
-    return lac_page_attribute_text(file, name, text, sizeof text) ? strtod(text, NULL) : NAN;
-}
 
 // Time before the last record, from the pair that tells the last milliseconds apart.
 static lac_status read_before(lac_page_run *run, lac_error *err)
@@ -64,9 +60,16 @@ static lac_status read_columns(lac_page_run *run, lac_error *err)
     lac_status status = LAC_OK;
     for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
         lac_stored_values *column = &run->column[c];
-        LAC_TRY(lac_stored_file_values(run->file, names[c], column, err));
+        LAC_TRY(lac_stored_file_values(run->file, shown[c].name, column, err));
         if (column->value != NULL && (column->n < run->n || column->width != 1)) {
-            LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s does not run over time", run->path, names[c]));
+            LAC_TRY(
+                lac_fail(err, LAC_EIO, "%s: %s does not run over time", run->path, shown[c].name));
+        }
+    }
+    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
+        if (strcmp(shown[c].section, "motion") == 0 && run->column[c].value == NULL) {
+            LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not the file of a run: has no %s", run->path,
+                             shown[c].name));
         }
     }
 out:
@@ -93,26 +96,18 @@ out:
 
 lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err)
 {
-    const char *path = def->run;
     char text[64];
     lac_status status;
-    *out = (lac_page_run){.path = path};
+    *out = (lac_page_run){.path = def->run};
     LAC_TRY(open_run(def, out, err));
     if (out->n == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: holds no record", path));
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: holds no record", def->run));
     }
     LAC_TRY(read_before(out, err));
     LAC_TRY(read_columns(out, err));
-    for (size_t c = LAC_PAGE_SLIP; c <= LAC_PAGE_MAX_RATE; c++) {
-        if (out->column[c].value == NULL) {
-            LAC_TRY(
-                lac_fail(err, LAC_EIO, "%s: is not the file of a run: has no %s", path, names[c]));
-        }
-    }
-    out->dated = lac_page_attribute_text(out->file, "time_coverage_start", text, sizeof text) &&
+    out->dated = lac_stored_file_attribute(out->file, "time_coverage_start", text, sizeof text,
+                                           NULL) == LAC_OK &&
                  lac_date_parse(text, &out->start);
-    out->failed = lac_page_attribute(out->file, "failed") == 1.0;
-    out->failure = out->failed ? lac_page_attribute(out->file, "failure_time_s") : NAN;
 out:
     return status;
 }
@@ -127,7 +122,96 @@ void lac_page_run_clear(lac_page_run *run)
     }
 }
 
-const double *lac_page_run_column(const lac_page_run *run, enum lac_page_columns column)
+const double *lac_page_run_column(const lac_page_run *run, const char *name)
 {
-    return run->column[column].value;
+    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
+        if (strcmp(shown[c].name, name) == 0) {
+            return run->column[c].value;
+        }
+    }
+    return NULL;
+}
+
+void lac_page_column(const lac_page *page, const char *key, size_t n, const double *value,
+                     const uint8_t *keep, int digits)
+{
+    lac_json_open(page->json, key, '[');
+    for (size_t i = 0; value != NULL && i < n; i++) {
+        if (keep == NULL || keep[i]) {
+            lac_json_digits(page->json, NULL, value[i], digits);
+        }
+    }
+    lac_json_close(page->json, ']');
+}
+
+lac_status lac_page_keep(const lac_page *page, const char *section, size_t buckets, uint8_t **keep,
+                         lac_error *err)
+{
+    const lac_page_run *run = page->run;
+    const double *column[LAC_PAGE_COLUMNS];
+    size_t columns = 0;
+    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
+        if (strcmp(shown[c].section, section) == 0 && !shown[c].aside) {
+            column[columns++] = run->column[c].value;
+        }
+    }
+    *keep = malloc(run->n);
+    if (*keep == NULL) {
+        return lac_fail_memory(err);
+    }
+    (void)lac_page_thin(run->n, run->time, run->before, buckets, columns, column, *keep);
+    return LAC_OK;
+}
+
+void lac_page_records(const lac_page *page, const char *section, const uint8_t *keep)
+{
+    const lac_page_run *run = page->run;
+    lac_page_column(page, "time", run->n, run->time, keep, 12);
+    lac_page_column(page, "before", run->n, run->before, keep, 6);
+    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
+        if (strcmp(shown[c].section, section) == 0 && run->column[c].value != NULL) {
+            lac_page_column(page, shown[c].key, run->n, run->column[c].value, keep, 6);
+        }
+    }
+}
+
+// Whether a column changes by more than what its digits are worth.
+static bool varies(const lac_page_run *run, const char *name)
+{
+    const double *v = lac_page_run_column(run, name);
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; v != NULL && i < run->n; i++) {
+        least = fmin(least, v[i]);
+        most = fmax(most, v[i]);
+    }
+    return most - least > 1e-6 * fmax(fabs(most), fabs(least));
+}
+
+// Not of a file that some tool took a column from, nor of constant loads, which the case tells.
+static bool is_there(const lac_page_run *run, const char *section)
+{
+    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
+        if (strcmp(shown[c].section, section) == 0 && run->column[c].value == NULL) {
+            return false;
+        }
+    }
+    return strcmp(section, "forces") != 0 || varies(run, "apparent_friction") ||
+           varies(run, "shear_force") || varies(run, "effective_normal_force");
+}
+
+lac_status lac_page_course(const lac_page *page, const char *key, lac_error *err)
+{
+    uint8_t *keep = NULL;
+    lac_status status = LAC_OK;
+    if (!is_there(page->run, key)) {
+        return LAC_OK;
+    }
+    LAC_TRY(lac_page_keep(page, key, BUCKETS, &keep, err));
+    lac_json_open(page->json, key, '{');
+    lac_json_integer(page->json, "records", (int64_t)page->run->n);
+    lac_page_records(page, key, keep);
+    lac_json_close(page->json, '}');
+out:
+    free(keep);
+    return status;
 }

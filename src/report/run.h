@@ -2,28 +2,11 @@
 #ifndef LACUNA_REPORT_RUN_H
 #define LACUNA_REPORT_RUN_H
 
+#include "data/json.h"
 #include "report/report.h"
-#include "report/text.h"
 #include "store/store_file.h"
 
-/// Columns over time that a page may show.
-enum lac_page_columns {
-    LAC_PAGE_SLIP,
-    LAC_PAGE_RATE,
-    LAC_PAGE_MAX_RATE,
-    LAC_PAGE_FRICTION,
-    LAC_PAGE_SHEAR,
-    LAC_PAGE_EFFECTIVE,
-    LAC_PAGE_NORMAL,
-    LAC_PAGE_STEP,
-    LAC_PAGE_ORDER,
-    LAC_PAGE_RHS,
-    LAC_PAGE_RESIDUAL,
-    LAC_PAGE_FRACTION,
-    LAC_PAGE_CRITICALITY,
-    LAC_PAGE_LENGTH,
-    LAC_PAGE_COLUMNS
-};
+enum { LAC_PAGE_COLUMNS = 14 };
 
 /// What is read of a run's file before anything is written.
 typedef struct lac_page_run {
@@ -35,8 +18,6 @@ typedef struct lac_page_run {
     lac_stored_values column[LAC_PAGE_COLUMNS]; ///< those that the file has, n records at least
     bool dated;
     double start; ///< of the run's clock, seconds since 1970; 0: not dated
-    bool failed;
-    double failure; ///< since the start [s]; NaN: it did not fail
 } lac_page_run;
 
 /// Reads it.
@@ -44,8 +25,8 @@ typedef struct lac_page_run {
 lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err);
 void lac_page_run_clear(lac_page_run *run);
 
-/// A column, NULL where the file has none.
-const double *lac_page_run_column(const lac_page_run *run, enum lac_page_columns column);
+/// A column over time by its name in a file, NULL where there is none.
+const double *lac_page_run_column(const lac_page_run *run, const char *name);
 
 /// Marks the records that a chart of these columns needs: the first and last of each of `buckets`
 /// even parts of time, and of the logarithm of the time before the end, and where a column is least
@@ -55,29 +36,38 @@ const double *lac_page_run_column(const lac_page_run *run, enum lac_page_columns
 size_t lac_page_thin(size_t n, const double *time, const double *before, size_t buckets,
                      size_t columns, const double *const *column, uint8_t *keep);
 
-/// A number or text of the file's attributes; NaN, or false, where it has none.
-double lac_page_attribute(const lac_stored_file *file, const char *name);
-bool lac_page_attribute_text(const lac_stored_file *file, const char *name, char *text,
-                             size_t size);
-
 /// What each section needs.
 typedef struct lac_page {
     const lac_report_def *def;
     const lac_page_run *run;
-    lac_page_text *text;
+    lac_json *json;
 } lac_page;
 
-/// The sections: each writes an object of its own, or nothing where the run has no data for it.
+/// The file's name without its folder.
+const char *lac_page_name(const char *path);
+
+/// The numbers of a column at the records that are kept.
+/// @param value  [n] NULL: none
+/// @param keep   [n] NULL: all
+void lac_page_column(const lac_page *page, const char *key, size_t n, const double *value,
+                     const uint8_t *keep, int digits);
+
+/// The records that the charts of a section's columns need. @param keep  [n] owned by the caller
+lac_status lac_page_keep(const lac_page *page, const char *section, size_t buckets, uint8_t **keep,
+                         lac_error *err);
+
+/// Times and the columns of a section, at the records that are kept.
+void lac_page_records(const lac_page *page, const char *section, const uint8_t *keep);
+
+/// The sections: each writes an object under its key, or nothing where the run has no data for it.
 /// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_page_about(const lac_page *page, lac_error *err);
-lac_status lac_page_motion(const lac_page *page, lac_error *err);
-lac_status lac_page_forces(const lac_page *page, lac_error *err);
-lac_status lac_page_solver(const lac_page *page, lac_error *err);
-lac_status lac_page_series(const lac_page *page, lac_error *err);
-lac_status lac_page_fit(const lac_page *page, lac_error *err);
-lac_status lac_page_forecasts(const lac_page *page, lac_error *err);
-lac_status lac_page_cells(const lac_page *page, lac_error *err);
-lac_status lac_page_levels(const lac_page *page, lac_error *err);
-lac_status lac_page_events(const lac_page *page, lac_error *err);
+lac_status lac_page_about(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_course(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_series(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_fit(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_forecasts(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_cells(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_levels(const lac_page *page, const char *key, lac_error *err);
+lac_status lac_page_events(const lac_page *page, const char *key, lac_error *err);
 
 #endif

@@ -21,8 +21,8 @@ static lac_status lay(const lac_page *page, beside *b, lac_error *err)
     const lac_page_run *run = page->run;
     const lac_history history = {.n = run->n,
                                  .time = run->time,
-                                 .slip = lac_page_run_column(run, LAC_PAGE_SLIP),
-                                 .rate = lac_page_run_column(run, LAC_PAGE_RATE)};
+                                 .slip = lac_page_run_column(run, "slip"),
+                                 .rate = lac_page_run_column(run, "slip_rate")};
     b->view = *page->def->series;
     b->view.time = malloc((b->view.n > 0 ? b->view.n : 1) * sizeof *b->view.time);
     if (b->view.time == NULL) {
@@ -44,53 +44,53 @@ static lac_status lay(const lac_page *page, beside *b, lac_error *err)
 }
 
 // Every `stride`th reading and the last, so that at most about MOST_READINGS stand on the page.
-static void write_column(lac_page_text *text, const char *key, size_t n, const double *value)
+static void write_column(lac_json *json, const char *key, size_t n, const double *value)
 {
     const size_t stride = n / MOST_READINGS + 1;
-    lac_page_open(text, key, '[');
+    lac_json_open(json, key, '[');
     for (size_t i = 0; value != NULL && i < n; i++) {
         if (i % stride == 0 || i + 1 == n) {
-            lac_page_number(text, NULL, value[i], 10);
+            lac_json_digits(json, NULL, value[i], 10);
         }
     }
-    lac_page_close(text, ']');
+    lac_json_close(json, ']');
 }
 
-static void write_misfit(lac_page_text *text, const lac_misfit *misfit)
+static void write_misfit(lac_json *json, const lac_misfit *misfit)
 {
     const bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
-    lac_page_number(text, "offset", slips ? misfit->displacement_offset : NAN, 8);
-    lac_page_number(text, "slip_rms", slips ? misfit->displacement_rms : NAN, 4);
-    lac_page_number(text, "slip_readings", (double)misfit->displacement_count, 17);
-    lac_page_number(text, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN, 4);
-    lac_page_number(text, "rate_readings", (double)misfit->velocity_count, 17);
-    lac_page_number(text, "outside", (double)misfit->outside, 17);
+    lac_json_digits(json, "offset", slips ? misfit->displacement_offset : NAN, 8);
+    lac_json_digits(json, "slip_rms", slips ? misfit->displacement_rms : NAN, 4);
+    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
+    lac_json_digits(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN, 4);
+    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
+    lac_json_integer(json, "outside", (int64_t)misfit->outside);
 }
 
-static void write_series(const lac_page *page, const beside *b)
+static void write_series(const lac_page *page, const char *key, const beside *b)
 {
-    lac_page_text *text = page->text;
+    lac_json *json = page->json;
     const bool derived = b->motion != NULL;
-    lac_page_open(text, "series", '{');
-    lac_page_string(text, "name", page->def->series_name);
-    lac_page_string(text, "attribution", b->view.attribution);
-    lac_page_number(text, "readings", (double)b->view.n, 17);
-    write_column(text, "time", b->view.n, b->view.time);
-    write_column(text, "displacement", b->view.n, b->view.displacement);
-    lac_page_bool(text, "derived", derived);
-    lac_page_bool(text, "falling", derived && b->motion->falling);
+    lac_json_open(json, key, '{');
+    lac_json_text(json, "name", page->def->series_name);
+    lac_json_text(json, "attribution", b->view.attribution);
+    lac_json_integer(json, "readings", (int64_t)b->view.n);
+    write_column(json, "time", b->view.n, b->view.time);
+    write_column(json, "displacement", b->view.n, b->view.displacement);
+    lac_json_boolean(json, "derived", derived);
+    lac_json_boolean(json, "falling", derived && b->motion->falling);
     if (derived) {
-        write_column(text, "rate_time", b->motion->velocities, b->motion->velocity_time);
-        write_column(text, "rate", b->motion->velocities, b->motion->velocity);
+        write_column(json, "rate_time", b->motion->velocities, b->motion->velocity_time);
+        write_column(json, "rate", b->motion->velocities, b->motion->velocity);
     } else {
-        write_column(text, "rate_time", b->view.n, b->view.time);
-        write_column(text, "rate", b->view.n, b->view.velocity);
+        write_column(json, "rate_time", b->view.n, b->view.time);
+        write_column(json, "rate", b->view.n, b->view.velocity);
     }
-    write_misfit(text, &b->misfit);
-    lac_page_close(text, '}');
+    write_misfit(json, &b->misfit);
+    lac_json_close(json, '}');
 }
 
-lac_status lac_page_series(const lac_page *page, lac_error *err)
+lac_status lac_page_series(const lac_page *page, const char *key, lac_error *err)
 {
     beside b = {0};
     lac_status status = LAC_OK;
@@ -102,7 +102,7 @@ lac_status lac_page_series(const lac_page *page, lac_error *err)
                         page->def->series_name, page->def->run);
     }
     LAC_TRY(lay(page, &b, err));
-    write_series(page, &b);
+    write_series(page, key, &b);
 out:
     lac_motion_free(b.motion);
     free(b.view.time);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/statistics.h"
 #include "rg/rg_map.h"
 
 static const double lowest = 0.05; // below, and above 1 - lowest, counts are too few to tell
@@ -15,37 +16,21 @@ static bool in_range(double s) { return s > lowest && s < 1.0 - lowest; }
 lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
                           lac_error *err)
 {
-    double count = 0.0;
-    double x = 0.0;
-    double y = 0.0;
+    lac_line line = {0};
     for (size_t i = 0; i < n; i++) {
         if (in_range(s[i]) && in_range(s_next[i])) {
-            count += 1.0;
-            x += logit(s[i]);
-            y += logit(s_next[i]);
+            lac_line_add(&line, logit(s[i]), logit(s_next[i]));
         }
     }
-    *map = (lac_rg_map){.points = (size_t)count, .fixed_point = NAN, .nu = NAN};
-    double xx = 0.0;
-    double xy = 0.0;
-    double yy = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        if (in_range(s[i]) && in_range(s_next[i])) {
-            double dx = logit(s[i]) - x / count;
-            double dy = logit(s_next[i]) - y / count;
-            xx += dx * dx;
-            xy += dx * dy;
-            yy += dy * dy;
-        }
-    }
-    if (map->points < 3 || !(xx > 1e-12 * count)) {
+    *map = (lac_rg_map){.points = (size_t)line.n, .fixed_point = NAN, .nu = NAN};
+    if (map->points < 3 || !(line.xx > 1e-12 * line.n)) {
         return lac_fail(err, LAC_EINPUT,
                         "a map needs three pairs of slipped fractions between %g and %g, not %zu",
                         lowest, 1.0 - lowest, map->points);
     }
-    map->lambda = xy / xx;
-    map->g = (y - map->lambda * x) / count;
-    map->residual = sqrt(fmax(0.0, yy - map->lambda * xy) / count);
+    map->lambda = lac_line_slope(&line);
+    map->g = lac_line_at(&line, 0.0);
+    map->residual = sqrt(line.rest / line.n);
     if (map->lambda > 1.0) {
         map->fixed_point = 1.0 / (1.0 + exp(map->g / (map->lambda - 1.0)));
         map->nu = ln2 / log(map->lambda);

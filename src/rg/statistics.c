@@ -7,6 +7,7 @@
 #include <gsl/gsl_statistics_double.h>
 
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "rg/study.h"
 
 enum { ESTIMATES = 3 };
@@ -90,71 +91,57 @@ lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const si
     return LAC_OK;
 }
 
-// Sums of a straight line's and a parabola's least squares in x = ln(1 - Q/Q_crit), y = ln xi.
-typedef struct moments {
-    double n, x, y, xx, xy, yy, xxx, xxxx, xxy;
-} moments;
-
-static moments collect(size_t n, const double *load, const double *xi, double critical)
+// Whether a point is fitted: x = ln(1 - Q/Q_crit), y = ln xi.
+static bool is_fitted(double load, double xi, double critical)
 {
-    moments m = {0};
-    double mean = 0.0;
-    double count = 0.0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < n; i++) {
-            if (!(load[i] < critical && xi[i] > 0.0)) {
-                continue;
-            }
-            double x = log(1.0 - load[i] / critical) - (pass > 0 ? mean : 0.0);
-            double y = log(xi[i]);
-            if (pass == 0) {
-                mean += x;
-                count += 1.0;
-                continue;
-            }
-            m.n += 1.0, m.x += x, m.y += y, m.xx += x * x, m.xy += x * y, m.yy += y * y;
-            m.xxx += x * x * x, m.xxxx += x * x * x * x, m.xxy += x * x * y;
-        }
-        mean = count > 0.0 ? mean / count : 0.0;
-    }
-    return m;
+    return load < critical && xi > 0.0;
 }
 
-// Curvature of the parabola through the points, over its standard error (x has mean 0).
-static double curvature(const moments *m)
+// Curvature of the parabola through the points over its standard error: the slope of what the line
+// leaves of y on what a line leaves of x^2.
+static double curvature(size_t n, const double *load, const double *xi, double critical,
+                        const lac_line *line)
 {
-    double sy = m->yy - m->y * m->y / m->n;
-    double sz = m->xxxx - m->xx * m->xx / m->n;
-    double szx = m->xxx;
-    double szy = m->xxy - m->xx * m->y / m->n;
-    double det = sz * m->xx - szx * szx;
-    double c = (szy * m->xx - m->xy * szx) / det;
-    double b = (m->xy * sz - szx * szy) / det;
-    double rest = fmax(0.0, sy - b * m->xy - c * szy) / (m->n - 3.0);
-    return c / sqrt(rest * m->xx / det);
+    const double mean = line->x0 + line->x;
+    lac_line square = {0};
+    lac_line bend = {0};
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < n; i++) {
+            if (is_fitted(load[i], xi[i], critical)) {
+                const double x = log(1.0 - load[i] / critical);
+                const double by = (x - mean) * (x - mean);
+                if (pass == 0) {
+                    lac_line_add(&square, x, by);
+                } else {
+                    lac_line_add(&bend, by - lac_line_at(&square, x),
+                                 log(xi[i]) - lac_line_at(line, x));
+                }
+            }
+        }
+    }
+    return lac_line_slope(&bend) / sqrt(bend.rest / (bend.n - 3.0) / bend.xx);
 }
 
 lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, double critical)
 {
     lac_rg_power law = {.exponent = NAN, .error = NAN, .curvature = NAN};
-    const moments m = collect(n, load, xi, critical);
-    law.points = (size_t)m.n;
-    if (m.n < 4.0 || !(m.xx > 0.0)) {
-        return law;
-    }
-    double slope = m.xy / m.xx;
-    double rest = fmax(0.0, m.yy - m.y * m.y / m.n - slope * m.xy);
-    law.exponent = -slope;
-    law.error = sqrt(rest / (m.n - 2.0) / m.xx);
-    law.curvature = curvature(&m);
+    lac_line line = {0};
     double least = INFINITY;
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
-        if (load[i] < critical && xi[i] > 0.0) {
+        if (is_fitted(load[i], xi[i], critical)) {
+            lac_line_add(&line, log(1.0 - load[i] / critical), log(xi[i]));
             least = fmin(least, xi[i]);
             most = fmax(most, xi[i]);
         }
     }
+    law.points = (size_t)line.n;
+    if (line.n < 4.0 || !(line.xx > 0.0)) {
+        return law;
+    }
+    law.exponent = -lac_line_slope(&line);
+    law.error = lac_line_error(&line);
+    law.curvature = curvature(n, load, xi, critical, &line);
     law.holds = most >= 4.0 * least && law.exponent > 2.0 * law.error && fabs(law.curvature) < 2.0;
     return law;
 }

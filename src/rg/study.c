@@ -2,6 +2,7 @@
 // Many joints, each with its blocks at many places: means, scatter, and one map of them all.
 #include "rg/study.h"
 
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -231,15 +232,8 @@ out:
 // Mean and standard deviation of n values
 static void spread(size_t n, const double *x, double *mean, double *sd)
 {
-    *mean = 0.0;
-    *sd = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        *mean += x[i] / (double)n;
-    }
-    for (size_t i = 0; i < n && n > 1; i++) {
-        *sd += (x[i] - *mean) * (x[i] - *mean) / (double)(n - 1);
-    }
-    *sd = sqrt(*sd);
+    *mean = gsl_stats_mean(x, 1, n);
+    *sd = n > 1 ? gsl_stats_sd_m(x, 1, n, *mean) : 0.0;
 }
 
 static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, lac_error *err)

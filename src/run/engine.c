@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,
                          const lac_run_def *def, lac_engine **out, lac_error *err)
 {
@@ -224,9 +226,5 @@ lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step,
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < engine->n; i++) {
-        sum += slip[i];
-    }
-    return sum / (double)engine->n;
+    return lac_sum(engine->n, slip) / (double)engine->n;
 }

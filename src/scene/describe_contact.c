@@ -4,8 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "data/describe.h"
-#include "scene/describe.h"
+#include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
 #define OUTCOME const lac_contact_outcome *o = of
@@ -21,25 +23,9 @@ LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_ce
 LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
 
 // Over the cells that touch.
-static double sum_pressure(const lac_domain *domain)
-{
-    double sum = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += domain->pressure[i];
-    }
-    return sum;
-}
-
-static double largest_pressure(const lac_domain *domain)
-{
-    double largest = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        largest = fmax(largest, domain->pressure[i]);
-    }
-    return largest;
-}
-LAC_GETTER(double, real_pressure, CONTACT, sum_pressure(c->domain) / (double)c->domain->n)
-LAC_GETTER(double, max_pressure, CONTACT, largest_pressure(c->domain))
+LAC_GETTER(double, real_pressure, CONTACT,
+           lac_sum(c->domain->n, c->domain->pressure) / (double)c->domain->n)
+LAC_GETTER(double, max_pressure, CONTACT, lac_vmost(c->domain->n, c->domain->pressure))
 
 LAC_GETTER(bool, solved, CONTACT, c->solved)
 #define SOLVED(name, expression) \
@@ -160,6 +146,51 @@ static const lac_variable of_files[] = {
 
 static const lac_variable of_outcome[] = {{.name = "status", T(status)}};
 
+#define RESULT const lac_history_result *r = ((const lac_contact_outcome *)of)->result
+#define AREA lac_grid_area(&((const lac_contact_outcome *)of)->contact->grid)
+LAC_GETTER(bool, loaded, RESULT, r->loaded)
+LAC_GETTER(double, slip_factor, RESULT, r->first_slip.factor)
+LAC_GETTER(double, slip_load, RESULT, r->first_slip.load *AREA)
+LAC_GETTER(double, slip_x, RESULT, r->first_place[0])
+LAC_GETTER(double, slip_y, RESULT, r->first_place[1])
+LAC_GETTER(double, slip_shift_x, RESULT, r->first_slip.shift[0])
+LAC_GETTER(double, slip_shift_y, RESULT, r->first_slip.shift[1])
+LAC_GETTER(double, planned, RESULT, (double)r->planned)
+LAC_TEXT_GETTER(method, (void)of, "direct")
+
+#define FIRST(name_, getter)                                                                \
+    {                                                                                       \
+        .name = "first_slip_" name_, .json = "first_slip/" name_, G(getter), .has = loaded, \
+        .flags = LAC_LATE                                                                   \
+    }
+static const lac_variable of_history[] = {
+    {.json = "status", T(status)},
+    {.name = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
+    {.name = "history_method", .json = "history_method", T(method)},
+    {.json = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
+    {.json = "planned_steps", G(planned)},
+    FIRST("q_over_fp", slip_factor),
+    {.json = "first_slip/q_N", G(slip_load)},
+    FIRST("x_m", slip_x),
+    FIRST("y_m", slip_y),
+    {.json = "first_slip/shift_m", G(slip_shift_x)},
+    {.json = "first_slip/shift_y_m", G(slip_shift_y)},
+};
+
+// In a file the steps are added as they come.
+static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_error *err)
+{
+    const lac_extent step = {"step", o->result->steps};
+    const lac_laid laid[] = {{LAC_VARIABLES(of_history, "", 0), o},
+                             {lac_history_steps(sizeof *o->record), o->record}};
+    lac_status status = lac_dataset_add(d, laid, 1, err);
+    if (status == LAC_OK && o->record != NULL) {
+        status = lac_dataset_dims(d, &step, 1, err);
+        status = status == LAC_OK ? lac_dataset_add(d, laid + 1, 1, err) : status;
+    }
+    return status;
+}
+
 static lac_status add_axis(lac_dataset *d, const lac_scene_contact *c, bool along_x, lac_error *err)
 {
     static const lac_variable x = {.dims = "x", G(place_x)}, y = {.dims = "y", G(place_y)};
@@ -239,6 +270,7 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
     LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(s != NULL ? add_faces(d, s, err) : LAC_OK);
     LAC_TRY(lac_describe_fractal(c, d, err));
+    LAC_TRY(o->result != NULL ? add_history(d, o, err) : LAC_OK);
 done:
     *out = d;
     d = NULL;

@@ -8,6 +8,16 @@
 
 #include "scene/internal.h"
 
+double lac_damping_of(const lac_material_def *material)
+{
+    double g = material->shear_modulus;
+    double cs = material->shear_speed;
+    if (isnan(cs) && !isnan(material->density)) {
+        cs = sqrt(g / material->density);
+    }
+    return isnan(g) || isnan(cs) ? 0.0 : 0.5 * g / cs;
+}
+
 // Gives the cells their own values of one parameter of the law.
 static lac_status spread_friction(const lac_case *c, const lac_spread_place *place,
                                   const lac_param *param, lac_friction *friction, double *values,
@@ -120,17 +130,17 @@ out:
     return status;
 }
 
-static lac_status make_loads(lac_scene *scene, lac_load_files *files, lac_error *err)
+lac_load_slots lac_case_loads(const lac_case *c)
 {
-    const lac_case *c = scene->source;
-    return lac_load_set_create(
-        &(lac_load_slots){.shear = c->shear.item,
-                          .shear_count = c->shear.count,
-                          .pore = c->pore.item,
-                          .pore_count = c->pore.count},
-        &(lac_load_clock){
-            .dated = c->dated, .start = c->start_date, .end = c->run.end, .files = files},
-        &scene->loads, err);
+    return (lac_load_slots){c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+}
+
+lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
+                                  lac_error *err)
+{
+    const lac_load_slots slots = lac_case_loads(c);
+    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
+    return lac_load_set_create(&slots, &clock, out, err);
 }
 
 // What follows from friction and initial values.
@@ -167,7 +177,7 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
         double *shape = scene->loads.shape; // of the contact, which stays
         scene->loads.shape = NULL;
         lac_load_set_clear(&scene->loads);
-        status = make_loads(scene, files, err);
+        status = lac_scene_loads_create(scene->source, files, &scene->loads, err);
         scene->loads.shape = shape;
         LAC_TRY(status);
     }
@@ -195,7 +205,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
     }
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
-    LAC_TRY(make_loads(scene, files, err));
+    LAC_TRY(lac_scene_loads_create(c, files, &scene->loads, err));
     LAC_TRY(lac_scene_contact_solve(c, false, &scene->contact, err));
     LAC_TRY(lac_hierarchy_create(scene->contact.domain, &scene->hierarchy, err));
     lac_transfer_scene from = {.domain = scene->contact.domain,

@@ -46,19 +46,6 @@ typedef struct lac_scene_contact {
     lac_domain *domain;
 } lac_scene_contact;
 
-/// A contact as it is told.
-typedef struct lac_contact_outcome {
-    const lac_scene_contact *contact;
-    const char *status; ///< complete; NULL: not yet said
-    bool brief;         ///< grid, pressures and dimension alone, for JSON
-} lac_contact_outcome;
-
-/// Its variables, for a file or JSON; docs/format.md.
-/// @param outcome  with all that it points to must outlive the dataset
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset **out,
-                                lac_error *err);
-
 /// What a case's load.history came to.
 typedef struct lac_history_result {
     size_t steps, planned;     ///< solved, of the whole history
@@ -66,6 +53,22 @@ typedef struct lac_history_result {
     lac_first_slip first_slip; ///< of the joint without any slip, under the first shear load
     double first_place[2];     ///< centre of its cell [m]
 } lac_history_result;
+
+/// A contact as it is told.
+typedef struct lac_contact_outcome {
+    const lac_scene_contact *contact;
+    const char *status;               ///< complete; NULL: not yet said
+    bool brief;                       ///< grid, pressures and dimension alone, for JSON
+    double friction;                  ///< of the history; NaN
+    const lac_history_result *result; ///< same; NULL: there is none
+    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
+} lac_contact_outcome;
+
+/// Its variables, for a file or JSON; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_contact_describe(const lac_contact_outcome *outcome, lac_dataset **out,
+                                lac_error *err);
 
 /// Where the steps of a history go, as they are solved. Members may be NULL.
 typedef struct lac_history_sink {
@@ -101,6 +104,15 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
 /// the caller's.
 /// @param case_text  the resolved case; borrowed
 lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
+
+/// The same of a dataset that outlives its maker: with the case's text, freed by free().
+typedef struct lac_made_from {
+    lac_provenance provenance;
+    char *case_text;
+} lac_made_from;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err);
 
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {

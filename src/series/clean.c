@@ -2,8 +2,8 @@
 // What monitoring series suffer from, found with the past alone: whoever passes readings up to the
 // present gets what could be known then.
 #include <math.h>
-#include <stdlib.h>
 
+#include "base/statistics.h"
 #include "series/clean.h"
 
 // In noises, unless said.
@@ -15,22 +15,6 @@ static const double normal = 1.4826; // standard deviation over the median dista
 static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
 
 enum { BELIEVED = 20 }; // of so many readings one may be a reset
-
-static int compare(const void *left, const void *right)
-{
-    const double a = *(const double *)left;
-    const double b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-double lac_median(size_t n, double *values)
-{
-    if (n == 0) {
-        return NAN;
-    }
-    qsort(values, n, sizeof *values, compare);
-    return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
 
 // Distance of reading i from the line between readings a and b; the noise of it is `scale` times
 // that of a reading.

@@ -4,9 +4,6 @@
 
 #include "series/motion.h"
 
-/// Median of n values, which are reordered; NaN where n = 0.
-double lac_median(size_t n, double *values);
-
 /// Noise, intervals and gaps of the motion's readings, into it.
 /// @pre   resolution is set
 /// @param work  [n]

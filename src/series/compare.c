@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far a modelled motion is from readings, by its slip and rate at their times.
+#include <gsl/gsl_interp.h>
 #include <math.h>
 
+#include "base/statistics.h"
 #include "series/series.h"
-
-// The last point at or before t; t lies within the history.
-static size_t find_point(const lac_history *h, double t)
-{
-    size_t low = 0;
-    size_t high = h->n;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (h->time[middle] <= t) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
 
 // v = v0^(1-w) v1^w, or linear where a rate is not positive.
 static double between_rates(double v0, double v1, double w)
@@ -34,7 +20,7 @@ bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
     if (h->n == 0 || !(t >= h->time[0] && t <= h->time[h->n - 1])) {
         return false;
     }
-    size_t i = find_point(h, t);
+    size_t i = gsl_interp_bsearch(h->time, t, 0, h->n);
     *slip = h->slip[i];
     *rate = h->rate[i];
     if (t > h->time[i]) {
@@ -45,23 +31,9 @@ bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
     return true;
 }
 
-// Mean and sum of squared deviations, one value at a time (Welford).
-typedef struct spread {
-    size_t count;
-    double mean, squares;
-} spread;
-
-static void add(spread *s, double value)
-{
-    double step = value - s->mean;
-    s->count++;
-    s->mean += step / (double)s->count;
-    s->squares += step * (value - s->mean);
-}
-
 void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit)
 {
-    spread offset = {0};
+    lac_line offset = {0}; // level
     size_t rates = 0;
     double squares = 0.0;
     *misfit = (lac_misfit){0};
@@ -78,7 +50,7 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
             continue;
         }
         if (!isnan(d)) {
-            add(&offset, d - slip);
+            lac_line_add(&offset, 0.0, d - slip);
         }
         if (v > 0 && rate > 0) {
             double decades = log10(v / rate);
@@ -86,9 +58,9 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
             rates++;
         }
     }
-    misfit->displacement_count = offset.count;
+    misfit->displacement_count = (size_t)offset.n;
     misfit->velocity_count = rates;
-    misfit->displacement_offset = offset.count > 0 ? offset.mean : NAN;
-    misfit->displacement_rms = offset.count > 0 ? sqrt(offset.squares / (double)offset.count) : NAN;
+    misfit->displacement_offset = offset.n > 0 ? lac_line_at(&offset, 0.0) : NAN;
+    misfit->displacement_rms = sqrt(offset.rest / offset.n);
     misfit->log_rate_rms = rates > 0 ? sqrt(squares / (double)rates) : NAN;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A sensor counts in steps of its own, which may be coarser than the last digit written.
 #include <float.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,13 +15,6 @@ static const double bits = 4.0;  // errors of a value, in last bits
 static const double clear = 8.0; // a step over the error of what is divided by it
 static const double coarser = 1.5;
 
-static int compare(const void *left, const void *right)
-{
-    const double a = *(const double *)left;
-    const double b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 // The gaps between the distinct values, in their order, and how many values come again.
 static size_t find_gaps(size_t n, const double *x, double error, double *gap, size_t *again)
 {
@@ -32,7 +26,7 @@ static size_t find_gaps(size_t n, const double *x, double error, double *gap, si
             gap[count++] = x[i];
         }
     }
-    qsort(gap, count, sizeof *gap, compare);
+    gsl_sort(gap, 1, count);
     for (size_t i = 1; i < count; i++) { // a gap is written where its values are no longer needed
         const double step = gap[i] - gap[i - 1];
         *again += step > error ? 0 : 1;
@@ -40,7 +34,7 @@ static size_t find_gaps(size_t n, const double *x, double error, double *gap, si
             gap[gaps++] = step;
         }
     }
-    qsort(gap, gaps, sizeof *gap, compare);
+    gsl_sort(gap, 1, gaps);
     return gaps;
 }
 

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
-#include "store/columns.h"
 #include "store/input.h"
 #include "store/store_cells.h"
 
@@ -182,12 +181,6 @@ static lac_status read_variable(const lac_input *in, const char *name, double *v
     return LAC_OK;
 }
 
-static bool may_be_missing(size_t column)
-{
-    return strcmp(lac_columns[column].var.name, "step_size") == 0 ||
-           strcmp(lac_columns[column].var.name, "order") == 0;
-}
-
 bool lac_input_has_status(const lac_input *in, const char *status)
 {
     char text[16] = "";
@@ -212,11 +205,12 @@ static lac_status drop_torn(lac_input *in, lac_error *err)
         return lac_fail_memory(err);
     }
     size_t whole = in->records;
-    for (size_t c = 0; c < LAC_COLUMNS; c++) {
-        if (may_be_missing(c)) {
+    const lac_variable *column;
+    for (size_t c = 0; (column = lac_run_column(c)) != NULL; c++) {
+        if ((column->flags & LAC_MISSING) != 0) {
             continue;
         }
-        LAC_TRY(read_variable(in, lac_columns[c].var.name, values, err));
+        LAC_TRY(read_variable(in, column->name, values, err));
         while (whole > 0 && isnan(values[whole - 1])) {
             whole--;
         }

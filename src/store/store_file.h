@@ -62,17 +62,13 @@ lac_status lac_stored_file_values(const lac_stored_file *file, const char *varia
 lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
                                lac_stored_values *out, lac_error *err);
 
-/// The comment of a variable, which says how it is defined; "" where there is none, or where it is
-/// longer than the room for it.
-void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
-                             size_t size);
-
 /// Any attribute of a variable as text; "" where there is none, or where it is longer than the
 /// room.
 void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size);
 
-/// An attribute of one number of a variable; NaN where there is none, as in a run in memory.
+/// An attribute of one number of a variable, or with NULL of the file; NaN where there is none, as
+/// of the variables of a run in memory.
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute);
 

@@ -5,13 +5,11 @@
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/netcdf.h"
 #include "store/input.h"
-#include "store/recording_internal.h"
 
 struct lac_stored_file {
     lac_input in;
@@ -65,7 +63,7 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
         return LAC_OK;
     }
-    const size_t n = lac_recorded_places(recording, &seen);
+    const size_t n = seen.places;
     const size_t width = n > 0 ? seen.count / n : 0;
     if (row >= 0 && (size_t)row >= n) {
         return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
@@ -108,25 +106,17 @@ lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable
                : lac_fail(err, LAC_EINPUT, "%s: %s has no row %zu", file->path, variable, row);
 }
 
-void lac_stored_file_comment(const lac_stored_file *file, const char *variable, char *text,
-                             size_t size)
-{
-    lac_stored_file_text(file, variable, "comment", text, size);
-}
-
 // An attribute of a recording's variable; NULL where there is none.
 static const char *text_of(const lac_recording *recording, const char *variable,
                            const char *attribute)
 {
     lac_recorded seen;
-    char name[LAC_RECORDING_NAME];
     if (!lac_recording_find(recording, variable, &seen)) {
         return NULL;
     }
-    (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, variable);
     return strcmp(attribute, "units") == 0       ? seen.unit
            : strcmp(attribute, "long_name") == 0 ? seen.long_name
-           : strcmp(attribute, "comment") == 0   ? lac_recording_text_of(recording, name)
+           : strcmp(attribute, "comment") == 0   ? seen.comment
                                                  : NULL;
 }
 
@@ -150,8 +140,14 @@ void lac_stored_file_text(const lac_stored_file *file, const char *variable, con
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute)
 {
-    int id = 0;
+    char text[64];
+    int id = NC_GLOBAL;
     double value = NAN;
+    if (variable == NULL) {
+        return lac_stored_file_attribute(file, attribute, text, sizeof text, NULL) == LAC_OK
+                   ? strtod(text, NULL)
+                   : NAN;
+    }
     const bool found = file->recording == NULL &&
                        nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
                        lac_input_number(&file->in, id, attribute, &value);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gridded points `x y z`, one a line, in any order; nodes without a point are masked.
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -147,13 +148,6 @@ static lac_status read_points(const lac_bytes *bytes, points *p, lac_error *err)
                                bytes->path, scan.line);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // The node of a coordinate; false where it is none.
 static bool node_of(const axis *a, double x, size_t *node)
 {
@@ -208,7 +202,7 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
     for (size_t i = 0; i < p->n; i++) {
         x[i] = p->at[i].x[k];
     }
-    qsort(x, p->n, sizeof *x, by_value);
+    gsl_sort(x, 1, p->n);
     a->name = k == 0 ? 'x' : 'y';
     if (!isfinite(x[p->n - 1] - x[0])) {
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %c goes from %g to %g; no grid is that large",

@@ -24,7 +24,4 @@ enum { LAC_KRYLOV_WORK = 3 }; ///< vectors of scratch
 int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, double tolerance,
                      int most, double *work);
 
-/// Sum of the products, in a fixed order.
-double lac_krylov_dot(size_t n, const double *x, const double *y);
-
 #endif

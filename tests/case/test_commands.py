@@ -61,7 +61,7 @@ def parse(self, *words, **named):
     sys.exit(0)
 argparse.ArgumentParser.parse_args = parse
 sys.argv = sys.argv[1:]
-sys.path.insert(0, "tools/plot")
+sys.path[:0] = ["tools/plot", "tools/studies"]
 runpy.run_path(sys.argv[0], run_name="__main__")
 """
 

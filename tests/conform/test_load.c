@@ -133,8 +133,15 @@ static sample sample_of(const lac_load_state *s)
 
 static sample sample_at(const lac_load *load, double t)
 {
-    lac_load_state sum = {0};
-    load->kind->add(load, t, &sum);
+    lac_load one = *load;
+    lac_load_state sum;
+    bool is_pore = false;
+    for (size_t i = 0; lac_pore_load_at(i) != NULL; i++) {
+        is_pore = is_pore || lac_pore_load_at(i) == load->kind;
+    }
+    const lac_load_set set = {
+        .shear = &one, .shear_count = !is_pore, .pore = &one, .pore_count = is_pore};
+    lac_load_evaluate(&set, t, &sum);
     return sample_of(&sum);
 }
 

@@ -19,7 +19,7 @@ import completed
 Command = namedtuple("Command", "page line kind text")
 
 # What begins a command. A line that looks like one and begins otherwise is told by `strangers`.
-FIRST = (r"lacuna|ncdump|/usr/bin/python3|source|tools/[\w-]+(?:\.py)?|tests/support/\w+\.py|build/[^\s`]+|"
+FIRST = (r"lacuna|ncdump|/usr/bin/python3|source|tools/(?:\w+/)?[\w-]+(?:\.py)?|tests/support/\w+\.py|build/[^\s`]+|"
          r"cmake|ctest|cpack|sudo|git|export|man|apt|for \w+ in")
 BLOCK = re.compile(rf"^(?: {{4}}|\t)((?:{FIRST})(?: .*)?)$")
 QUOTED = re.compile(rf"`((?:{FIRST}) [^`\n]+)`")

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/common/completion.h"
-#include "cli/common/templates.h"
+#include "cli/common/command.h"
+#include "cli/common/texts.h"
 #include "friction/friction.h"
 
 enum { LINE_SIZE = 256 };
@@ -60,10 +60,16 @@ static void offer_files_of(const offers *all, const char *name)
     }
 }
 
+static void offer_names(const offers *all, const cli_named_text *texts)
+{
+    for (; texts->name != NULL; texts++) {
+        offer(all, texts->name, "");
+    }
+}
+
 static void offer_commands(const offers *all)
 {
-    const cli_command *command;
-    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
+    for (const cli_command *command = cli_commands; command->name != NULL; command++) {
         offer(all, command->name, command->summary);
     }
 }
@@ -71,13 +77,11 @@ static void offer_commands(const offers *all)
 static void offer_options(const offers *all, const cli_command *command)
 {
     const unsigned taken = CLI_OPT_COMMON | (command != NULL ? command->options : 0);
-    const cli_option *o;
-    for (size_t i = 0; (o = cli_option_at(i)) != NULL; i++) {
-        char name[40], letter[] = {'-', o->letter, '\0'};
-        (void)snprintf(name, sizeof name, "--%s", o->name);
+    for (const cli_option *o = cli_options; o->name != NULL; o++) {
+        const char letter[] = {'-', o->letter, '\0'};
         if ((o->bit & taken) != 0) {
-            offer(all, name, o->doc);
-            offer(all, o->letter != '\0' ? letter : name, o->doc);
+            offer(all, o->name, o->doc);
+            offer(all, o->letter != '\0' ? letter : o->name, o->doc);
         }
     }
 }
@@ -190,32 +194,29 @@ static void offer_spreads(const offers *all, const lac_kind *spread)
 
 // Where the rows of a section or the models of a kind stand, if not where its name says. An item of
 // a list is its first one.
+enum { MOST_PLACES = 3 };
 static const struct {
-    const char *name, *folder;
+    const char *name, *folder[MOST_PLACES + 1];
 } places[] = {
-    {"case", ""},
-    {"output.every", "output.every"},
-    {"output.every", "output.fields_every"},
-    {"output.every", "output.checkpoint"},
-    {"compare", "compare.0"},
-    {"load.history.steps", "load.history.steps.0"},
-    {"load.shear", "load.shear.0"},
-    {"load.pore_pressure", "load.pore_pressure.0"},
-    {"friction.spread", "interface.spread.pressure"},
-    {"friction.spread", "initial.spread.slip_rate"},
-    {"friction.spread", "initial.spread.state"},
+    {"case", {""}},
+    {"output.every", {"output.every", "output.fields_every", "output.checkpoint"}},
+    {"compare", {"compare.0"}},
+    {"load.history.steps", {"load.history.steps.0"}},
+    {"load.shear", {"load.shear.0"}},
+    {"load.pore_pressure", {"load.pore_pressure.0"}},
+    {"friction.spread",
+     {"interface.spread.pressure", "initial.spread.slip_rate", "initial.spread.state"}},
 };
 
 // The index-th folder of a section or a kind, NULL past the end.
 static const char *folder_of(const char *name, size_t index)
 {
-    size_t found = 0;
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        if (strcmp(places[i].name, name) == 0 && found++ == index) {
-            return places[i].folder;
+        if (strcmp(places[i].name, name) == 0) {
+            return places[i].folder[index];
         }
     }
-    return found == 0 && index == 0 ? name : NULL;
+    return index == 0 ? name : NULL;
 }
 
 static void offer_every_key(const offers *all)
@@ -257,9 +258,7 @@ static void offer_values(offers *all, const cli_option *o)
     if (o->bit == CLI_OPT_SET) {
         offer_keys(all);
     } else if (o->bit == CLI_OPT_KIND) {
-        for (size_t i = 0; cli_templates[i].kind != NULL; i++) {
-            offer(all, cli_templates[i].kind, "");
-        }
+        offer_names(all, cli_templates);
     } else {
         offer_files_of(all, o->value);
     }
@@ -275,9 +274,7 @@ static void offer_arguments(const offers *all, const cli_request *request)
     if (command->run == cli_describe) {
         offer_kinds(all, request->argument[0]);
     } else if (command->run == cli_completion) {
-        for (size_t i = 0; cli_shells[i] != NULL; i++) {
-            offer(all, cli_shells[i], "");
-        }
+        offer_names(all, cli_shells);
     } else {
         offer_files_of(all, names + (request->count > 0 ? strcspn(names, " ") : 0));
     }
@@ -288,13 +285,11 @@ static const cli_option *option_in_word(offers *all)
 {
     const char *word = all->word;
     const size_t length = strcspn(word, "=");
+    const bool is_long = word[1] == '-';
     const cli_option *o = NULL;
-    if (word[1] == '-' && word[length] == '=') {
-        o = cli_option_named(word + 2, length - 2);
-        all->lead = length + 1;
-    } else if (word[1] != '-' && word[1] != '\0' && word[2] != '\0') {
-        o = cli_option_of_letter(word[1]);
-        all->lead = 2;
+    if (is_long ? word[length] == '=' : word[1] != '\0' && word[2] != '\0') {
+        o = cli_option_find(word, length);
+        all->lead = is_long ? length + 1 : 2;
     }
     if (o == NULL || o->value == NULL) {
         all->lead = 0;

@@ -5,34 +5,16 @@
 
 #include "base/part.h"
 #include "cli/common/command.h"
-#include "cli/common/templates.h"
+#include "cli/common/texts.h"
 #include "cli/common/words.h"
 #include "data/json.h"
-
-static const cli_template *find_template(const char *kind, lac_error *err)
-{
-    const char *names[8];
-    size_t n = 0;
-    for (; n < 8 && cli_templates[n].kind != NULL; n++) {
-        names[n] = cli_templates[n].kind;
-        if (strcmp(names[n], kind) == 0) {
-            return &cli_templates[n];
-        }
-    }
-    (void)cli_unknown("--kind: ", kind, "kind of case", names, n, err);
-    return NULL;
-}
-
-static bool ends_with(const char *text, const char *ending)
-{
-    size_t n = strlen(text), m = strlen(ending);
-    return n > m && strcmp(text + n - m, ending) == 0;
-}
 
 // NAME, with .yaml where it has no such ending; the caller frees.
 static char *file_name(const char *name)
 {
-    bool whole = ends_with(name, ".yaml") || ends_with(name, ".yml");
+    const char *ending = strrchr(name, '.');
+    bool whole = ending != NULL && ending > name &&
+                 (strcmp(ending, ".yaml") == 0 || strcmp(ending, ".yml") == 0);
     size_t size = strlen(name) + sizeof ".yaml";
     char *path = malloc(size);
     if (path != NULL) {
@@ -51,8 +33,9 @@ static bool names_file(const char *given)
 
 lac_status cli_new(const cli_request *request, lac_error *err)
 {
-    const cli_template *chosen =
-        find_template(request->kind != NULL ? request->kind : "joint", err);
+    const cli_named_text *chosen =
+        cli_find("--kind: ", request->kind != NULL ? request->kind : "joint", "kind of case",
+                 cli_templates, sizeof *cli_templates, err);
     if (chosen == NULL) {
         return LAC_EINPUT;
     }
@@ -67,10 +50,7 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         lac_json json = {.out = stdout};
-        lac_json_open(&json, NULL, '{');
-        lac_json_text(&json, "output", path);
-        lac_json_text(&json, "kind", chosen->kind);
-        lac_json_close(&json, '}');
+        LAC_JSON_TEXTS(&json, "output", path, "kind", chosen->name);
     } else if (status == LAC_OK) {
         printf("%s written; next: lacuna run %s\n", path, path);
     }

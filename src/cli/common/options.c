@@ -6,23 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/common/command.h"
 #include "cli/common/words.h"
-
-typedef cli_option option;
 
 // An option whose word has a place of its own in the request, and one that is told by its bit or
 // that apply() has a line for.
-#define KEPT(bit, letter, name, value, place, doc)                            \
-    {                                                                         \
-        CLI_OPT_##bit, letter, name, value, doc, offsetof(cli_request, place) \
+#define KEPT(bit, letter, name, value, place, doc)                                 \
+    {                                                                              \
+        "--" name, CLI_OPT_##bit, letter, value, doc, offsetof(cli_request, place) \
     }
-#define PLAIN(bit, letter, name, value, doc)       \
-    {                                              \
-        CLI_OPT_##bit, letter, name, value, doc, 0 \
+#define PLAIN(bit, letter, name, value, doc)            \
+    {                                                   \
+        "--" name, CLI_OPT_##bit, letter, value, doc, 0 \
     }
 
-static const option table[] = {
+const cli_option cli_options[] = {
     KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
     PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
     PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
@@ -73,25 +70,18 @@ static const option table[] = {
     PLAIN(NO_PROGRESS, 0, "no-progress", NULL, "no progress bar"),
     PLAIN(VERSION, 0, "version", NULL, "version, and those of the libraries"),
     PLAIN(HELP, 'h', "help", NULL, "this text"),
+    {0},
 };
-
-enum { OPTIONS = sizeof table / sizeof *table };
-
-const cli_option *cli_option_at(size_t index) { return index < OPTIONS ? &table[index] : NULL; }
 
 void cli_options_help(unsigned mask)
 {
-    for (size_t i = 0; i < OPTIONS; i++) {
-        if ((table[i].bit & mask) == 0) {
-            continue;
+    for (const cli_option *o = cli_options; o->name != NULL; o++) {
+        char left[40], letter[] = {'-', o->letter, ',', ' ', '\0'};
+        (void)snprintf(left, sizeof left, "%s%s %s", o->letter != '\0' ? letter : "    ", o->name,
+                       o->value == NULL ? "" : o->value);
+        if ((o->bit & mask) != 0) {
+            printf("  %-23s %s\n", left, o->doc);
         }
-        char left[40], letter[5] = "    ";
-        if (table[i].letter != '\0') {
-            (void)snprintf(letter, sizeof letter, "-%c, ", table[i].letter);
-        }
-        (void)snprintf(left, sizeof left, "%s--%s %s", letter, table[i].name,
-                       table[i].value == NULL ? "" : table[i].value);
-        printf("  %-23s %s\n", left, table[i].doc);
     }
 }
 
@@ -101,36 +91,16 @@ typedef struct cursor {
     char **argv;
 } cursor;
 
-const cli_option *cli_option_named(const char *name, size_t length)
+const cli_option *cli_option_find(const char *word, size_t length)
 {
-    for (size_t i = 0; i < OPTIONS; i++) {
-        if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) {
-            return &table[i];
+    const cli_option *o = cli_options;
+    for (; o->name != NULL; o++) {
+        if (word[1] == '-' ? strncmp(o->name, word, length) == 0 && o->name[length] == '\0'
+                           : o->letter != '\0' && o->letter == word[1]) {
+            return o;
         }
     }
     return NULL;
-}
-
-const cli_option *cli_option_of_letter(char letter)
-{
-    for (size_t i = 0; i < OPTIONS; i++) {
-        if (letter != '\0' && table[i].letter == letter) {
-            return &table[i];
-        }
-    }
-    return NULL;
-}
-
-static lac_status unknown_name(const char *name, size_t length, lac_error *err)
-{
-    const char *names[OPTIONS];
-    char dashed[OPTIONS][24], given[64];
-    (void)snprintf(given, sizeof given, "--%.*s", (int)(length < 60 ? length : 60), name);
-    for (size_t i = 0; i < OPTIONS; i++) {
-        (void)snprintf(dashed[i], sizeof dashed[i], "--%s", table[i].name);
-        names[i] = dashed[i];
-    }
-    return cli_unknown("", given, "option", names, OPTIONS, err);
 }
 
 static lac_status keep_override(cli_request *request, const char *key, size_t length,
@@ -151,15 +121,6 @@ static lac_status keep_override(cli_request *request, const char *key, size_t le
     return LAC_OK;
 }
 
-static lac_status add_override(cli_request *request, const char *text, lac_error *err)
-{
-    const char *equals = strchr(text, '=');
-    if (equals == NULL || equals == text) {
-        return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", text);
-    }
-    return keep_override(request, text, (size_t)(equals - text), equals + 1, err);
-}
-
 static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
 {
     char *end;
@@ -171,33 +132,36 @@ static lac_status set_threads(cli_request *request, const char *text, lac_error 
     return LAC_OK;
 }
 
-static lac_status apply(cli_request *request, const option *o, const char *value, lac_error *err)
+static lac_status apply(cli_request *request, const cli_option *o, const char *value,
+                        lac_error *err)
 {
+    static const char accuracy[] = "solver.accuracy";
+    const char *word = o->value != NULL ? value : o->name, *equals = strchr(value, '=');
     request->given |= o->bit;
     if (o->value != NULL && value[0] == '\0') {
-        return lac_fail(err, LAC_EINPUT, "--%s: needs a value: --%s %s", o->name, o->name,
-                        o->value);
+        return lac_fail(err, LAC_EINPUT, "%s: needs a value: %s %s", o->name, o->name, o->value);
     }
     if (o->at != 0) {
-        const char *word = o->value != NULL ? value : o->name;
         memcpy((char *)request + o->at, &word, sizeof word);
     }
     switch (o->bit) {
     case CLI_OPT_SET:
-        return add_override(request, value, err);
+        if (equals == NULL || equals == value) {
+            return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", value);
+        }
+        return keep_override(request, value, (size_t)(equals - value), equals + 1, err);
     case CLI_OPT_ACCURACY:
-        return keep_override(request, "solver.accuracy", strlen("solver.accuracy"), value, err);
+        return keep_override(request, accuracy, strlen(accuracy), value, err);
     case CLI_OPT_THREADS:
         return set_threads(request, value, err);
     default:
-        break;
+        return LAC_OK;
     }
-    return LAC_OK;
 }
 
 // The next word as an option's value; "" where there is none. A value that may be left out is a
 // number: other words are not taken for it, and "0" stands where there is none.
-static const char *next_word(cursor *c, const option *o, cli_request *request)
+static const char *next_word(cursor *c, const cli_option *o, cli_request *request)
 {
     const char *word = c->at < c->argc ? c->argv[c->at] : "";
     if (o->value[0] == '[' && (word[0] == '\0' || word[strspn(word, "0123456789")] != '\0')) {
@@ -208,18 +172,20 @@ static const char *next_word(cursor *c, const option *o, cli_request *request)
     return word;
 }
 
-static lac_status read_long(cursor *c, const char *name, cli_request *request, lac_error *err)
+static lac_status read_long(cursor *c, const char *word, cli_request *request, lac_error *err)
 {
-    size_t length = strcspn(name, "=");
-    const option *o = cli_option_named(name, length);
-    if (o == NULL) {
-        return unknown_name(name, length, err);
-    }
+    char name[64]; // that of no option is as long
+    const size_t length = strcspn(word, "=");
     const char *value = "";
-    if (name[length] == '=') {
-        value = name + length + 1;
+    (void)snprintf(name, sizeof name, "%.*s", (int)(length < 62 ? length : 62), word);
+    const cli_option *o = cli_find("", name, "option", cli_options, sizeof *cli_options, err);
+    if (o == NULL) {
+        return LAC_EINPUT;
+    }
+    if (word[length] == '=') {
+        value = word + length + 1;
         if (o->value == NULL) {
-            return lac_fail(err, LAC_EINPUT, "--%s: takes no value, not \"%s\"", o->name, value);
+            return lac_fail(err, LAC_EINPUT, "%s: takes no value, not \"%s\"", o->name, value);
         }
     } else if (o->value != NULL) {
         value = next_word(c, o, request);
@@ -230,32 +196,20 @@ static lac_status read_long(cursor *c, const char *name, cli_request *request, l
 // -q, -qv, -o FILE, -oFILE
 static lac_status read_letters(cursor *c, const char *letters, cli_request *request, lac_error *err)
 {
-    for (; *letters != '\0'; letters++) {
-        const option *o = cli_option_of_letter(*letters);
+    lac_status status = LAC_OK;
+    while (status == LAC_OK && *letters != '\0') {
+        const cli_option *o = cli_option_find(letters - 1, 2);
+        const char *rest = ++letters;
         if (o == NULL) {
-            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", *letters);
+            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", rest[-1]);
         }
-        if (o->value == NULL) {
-            lac_status status = apply(request, o, "", err);
-            if (status != LAC_OK) {
-                return status;
-            }
-            continue;
+        if (o->value != NULL) {
+            letters = "";
+            rest = *rest != '\0' ? rest : next_word(c, o, request);
         }
-        return apply(request, o, letters[1] != '\0' ? letters + 1 : next_word(c, o, request), err);
+        status = apply(request, o, o->value != NULL ? rest : "", err);
     }
-    return LAC_OK;
-}
-
-static lac_status unknown_command(const char *name, lac_error *err)
-{
-    const char *names[16];
-    size_t n = 0;
-    while (n < 16 && cli_command_at(n) != NULL) {
-        names[n] = cli_command_at(n)->name;
-        n++;
-    }
-    return cli_unknown("", name, "command", names, n, err);
+    return status;
 }
 
 static lac_status read_argument(const char *word, cli_request *request, lac_error *err)
@@ -265,8 +219,8 @@ static lac_status read_argument(const char *word, cli_request *request, lac_erro
             request->given |= CLI_OPT_HELP;
             return LAC_OK;
         }
-        request->command = cli_command_find(word);
-        return request->command != NULL ? LAC_OK : unknown_command(word, err);
+        request->command = cli_find("", word, "command", cli_commands, sizeof *cli_commands, err);
+        return request->command != NULL ? LAC_OK : LAC_EINPUT;
     }
     if (request->count >= request->command->most) {
         return lac_fail(err, LAC_EINPUT, "%s: \"%.60s\" is one argument too many",
@@ -286,11 +240,11 @@ static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
         request->only_arguments = true;
         return LAC_OK;
     }
-    return word[1] == '-' ? read_long(c, word + 2, request, err)
+    return word[1] == '-' ? read_long(c, word, request, err)
                           : read_letters(c, word + 1, request, err);
 }
 
-static bool was_given(const cli_request *request, const option *o)
+static bool was_given(const cli_request *request, const cli_option *o)
 {
     const char *word = NULL;
     memcpy(&word, (const char *)request + o->at, sizeof word);
@@ -307,11 +261,11 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     if (command == NULL) {
         return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
     }
-    for (size_t i = 0; i < OPTIONS; i++) {
-        const bool taken = (table[i].bit & (command->options | CLI_OPT_COMMON)) != 0;
-        if (!taken && was_given(request, &table[i])) {
-            return lac_fail(err, LAC_EINPUT, "--%s: not an option of %s; see lacuna %s --help",
-                            table[i].name, command->name, command->name);
+    for (const cli_option *o = cli_options; o->name != NULL; o++) {
+        const bool taken = (o->bit & (command->options | CLI_OPT_COMMON)) != 0;
+        if (!taken && was_given(request, o)) {
+            return lac_fail(err, LAC_EINPUT, "%s: not an option of %s; see lacuna %s --help",
+                            o->name, command->name, command->name);
         }
     }
     if (request->count < command->least) {

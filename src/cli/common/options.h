@@ -6,8 +6,6 @@
 
 #include "case/case.h"
 
-typedef struct cli_command cli_command;
-
 /// Options, as bits: which were given, and which a command takes.
 enum {
     CLI_OPT_OUTPUT = 1 << 0,
@@ -39,21 +37,39 @@ enum { CLI_MAX_ARGUMENTS = 2 };
 
 /// One option.
 typedef struct cli_option {
+    const char *name; ///< with its dashes
     unsigned bit;
     char letter;       ///< '\0': none
-    const char *name;  ///< without the dashes
     const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
     const char *doc;
     size_t at; ///< of the text in the request that is set to its value, or to its name where it
                ///< takes none; 0: no such text
 } cli_option;
 
-/// The index-th option, NULL past the end.
-const cli_option *cli_option_at(size_t index);
+/// All of them; the name of the last one is NULL.
+extern const cli_option cli_options[];
 
-/// The option of a name, which need not end there, or of a letter; NULL where there is none.
-const cli_option *cli_option_named(const char *name, size_t length);
-const cli_option *cli_option_of_letter(char letter);
+/// The option of "--NAME" of that length, or of "-LETTER" and more; NULL where there is none.
+const cli_option *cli_option_find(const char *word, size_t length);
+
+typedef struct cli_request cli_request;
+
+/// One command of the program.
+typedef struct cli_command {
+    const char *name;
+    const char *arguments; ///< "CASE", "[NAME]"
+    const char *summary;   ///< one line
+    const char *notes;     ///< a paragraph of the help text, wrapped, ending in a newline
+    const char *example;
+    size_t least, most; ///< number of arguments
+    unsigned options;   ///< CLI_OPT_* it takes besides the common ones
+    /// Does the command; prints results on stdout. An error it has already printed leaves the
+    /// message in `err` empty.
+    lac_status (*run)(const cli_request *request, lac_error *err);
+} cli_command;
+
+/// All of them; the name of the last one is NULL.
+extern const cli_command cli_commands[];
 
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {
@@ -69,7 +85,7 @@ typedef struct cli_trade_words {
 } cli_trade_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
-typedef struct cli_request {
+struct cli_request {
     const cli_command *command; ///< NULL: only --help or --version
     unsigned given;             ///< CLI_OPT_*
     bool only_arguments;        ///< there was a "--"
@@ -89,7 +105,7 @@ typedef struct cli_request {
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     char *command_line;      ///< owned
-} cli_request;
+};
 
 /// Reads the command line; options may stand before or after the command and its arguments.
 /// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM

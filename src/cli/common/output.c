@@ -11,7 +11,9 @@
 
 #include "cli/common/inputs.h"
 #include "cli/common/libraries.h"
+#include "cli/common/progress.h"
 #include "cli/common/signals.h"
+#include "data/dataset.h"
 #include "scene/scene.h"
 
 // Folder/name.ext -> name + ending
@@ -124,4 +126,14 @@ lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int6
         lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);
     free(text);
     return status;
+}
+
+void cli_print_json(const lac_dataset *dataset, const char *path)
+{
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(dataset, &json);
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_text(&json, "output", path);
+    lac_json_close(&json, '}');
 }

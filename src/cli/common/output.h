@@ -36,4 +36,7 @@ lac_provenance cli_provenance(const cli_request *request, const lac_case *c, con
 lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
                              const char *path, const lac_dataset *dataset, lac_error *err);
 
+/// Prints a result as one JSON object on stdout, behind it CPU time and the file.
+void cli_print_json(const lac_dataset *dataset, const char *path);
+
 #endif

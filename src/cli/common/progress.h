@@ -13,14 +13,14 @@ typedef struct cli_progress {
 /// Seconds on a clock that never goes back.
 double cli_clock(void);
 
+/// CPU time of the program so far [s].
+double cli_cpu_time(void);
+
 /// A bar only on a terminal that can redraw a line, and where the request wants one.
 void cli_progress_start(cli_progress *progress, const cli_request *request);
 
 /// Draws the bar at most ten times a second; prints a line where SIGUSR1 asked for one.
 void cli_progress_show(cli_progress *progress, const lac_progress *now);
-
-/// The same for a history of which `done` steps are solved.
-void cli_progress_steps(cli_progress *progress, size_t done, size_t total);
 
 /// The same for any other work. @param what  "steps of the sampler"
 void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total);

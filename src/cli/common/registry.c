@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The table of commands: arguments, help and options of each, and the function that does it.
-#include <string.h>
-
 #include "cli/common/command.h"
 
 enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
 
-static const cli_command commands[] = {
+const cli_command cli_commands[] = {
     {"run", "CASE", "integrate a case in time, write a netCDF series",
      "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
      "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
@@ -68,20 +66,5 @@ static const cli_command commands[] = {
     {"completion", "SHELL", "completion of commands and options for a shell",
      "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
      "source <(lacuna completion bash)", 1, 1, 0, cli_completion},
+    {0},
 };
-
-const cli_command *cli_command_at(size_t index)
-{
-    return index < sizeof commands / sizeof *commands ? &commands[index] : NULL;
-}
-
-const cli_command *cli_command_find(const char *name)
-{
-    const cli_command *command;
-    for (size_t i = 0; (command = cli_command_at(i)) != NULL; i++) {
-        if (strcmp(command->name, name) == 0) {
-            return command;
-        }
-    }
-    return NULL;
-}

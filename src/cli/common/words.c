@@ -11,6 +11,8 @@
 #include "base/units.h"
 #include "cli/common/clean.h"
 
+enum { MOST_ROWS = 64 }; // of a table that words are looked up in
+
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
 {
@@ -25,6 +27,21 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
             (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
     }
     return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
+}
+
+const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
+                     size_t stride, lac_error *err)
+{
+    const char *names[MOST_ROWS], *row = rows;
+    size_t n = 0;
+    for (; n < MOST_ROWS && *(const char *const *)(const void *)row != NULL; row += stride) {
+        names[n] = *(const char *const *)(const void *)row;
+        if (strcmp(names[n++], word) == 0) {
+            return row;
+        }
+    }
+    (void)cli_unknown(where, word, what, names, n, err);
+    return NULL;
 }
 
 void cli_note_list(const char *format, va_list args)
@@ -56,18 +73,34 @@ void cli_row(const char *label, const char *format, ...)
     va_end(args);
 }
 
-const char *cli_quantity(double value, const char *unit, char *text, size_t size)
+cli_text cli_format(const char *format, ...)
 {
-    char exact[64], *rest;
-    double number = strtod(lac_units_format(value, unit, exact, sizeof exact), &rest);
-    (void)snprintf(text, size, "%.4g%s", number, rest);
+    cli_text text;
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text.s, sizeof text.s, format, args);
+    va_end(args);
+    return text;
+}
+
+cli_text cli_amount(double value, const char *unit)
+{
+    char *rest;
+    const cli_text exact = cli_exact(value, unit);
+    const double number = strtod(exact.s, &rest);
+    return cli_format("%.4g%s", number, rest);
+}
+
+cli_text cli_exact(double value, const char *unit)
+{
+    cli_text text;
+    (void)lac_units_format(value, unit, text.s, sizeof text.s);
     return text;
 }
 
 void cli_row_quantity(const char *label, double value, const char *unit)
 {
-    char text[64];
-    cli_row(label, "%s", cli_quantity(value, unit, text, sizeof text));
+    cli_row(label, "%s", cli_amount(value, unit).s);
 }
 
 // @param lead  what the first line begins with, as wide as the others' indent

@@ -14,6 +14,11 @@
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err);
 
+/// The row of a table that a word names; rows begin with their name, that of the last one is NULL.
+/// @return NULL: none, which `err` says as cli_unknown does
+const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
+                     size_t stride, lac_error *err);
+
 /// Prints one line on stderr, after the program's name.
 void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));
@@ -21,9 +26,15 @@ void cli_note_list(const char *format, va_list args) __attribute__((format(print
 /// Prints `  label    text` on stdout.
 void cli_row(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/// Writes a value to four digits with the unit that reads best.
-/// @return text, which also stands in `text`
-const char *cli_quantity(double value, const char *unit, char *text, size_t size);
+/// A short text by value: it lives as long as the statement that it stands in.
+typedef struct cli_text {
+    char s[560]; ///< longer than LAC_TEXT_ROOM
+} cli_text;
+cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/// A value with the unit that reads best, to four digits and in full.
+cli_text cli_amount(double value, const char *unit);
+cli_text cli_exact(double value, const char *unit);
 
 /// As cli_row, a text wrapped to 79 columns.
 void cli_row_wrap(const char *label, const char *text);

@@ -1,39 +1,190 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna contact CASE: presses the surface, measures the contact and follows its history of loads.
-#include <inttypes.h>
+#include "cli/contact/contact.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
-#include "cli/contact/fractal.h"
-#include "cli/contact/measures.h"
-#include "cli/contact/steps.h"
-#include "cli/contact/surface.h"
 #include "cli/report/report.h"
-#include "cli/run/run_outcome.h"
-#include "data/dataset.h"
 
 // Everything that the command holds.
 typedef struct contact_job {
     const cli_request *request;
     lac_case *source;
     lac_scene_contact contact;
-    cli_steps steps; // of the history, where the case has one
+    lac_contact_outcome outcome;
+    lac_history_result result; // of the history, where the case has one
+    lac_history_record *record;
+    lac_history_store *store;
+    size_t done;
+    cli_progress progress;
     char *path, *case_text;
 } contact_job;
 
 static void job_clear(contact_job *job)
 {
-    cli_steps_clear(&job->steps);
+    free(job->record);
     lac_scene_contact_clear(&job->contact);
     lac_case_free(job->source);
     free(job->case_text);
     free(job->path);
+}
+
+static const char *const coarsenings[] = {[LAC_SAMPLE] = "sample", [LAC_BLOCK_MEAN] = "block-mean"};
+
+static lac_status read_coarsening(const char *text, lac_coarsening *coarsening, lac_error *err)
+{
+    for (int i = LAC_SAMPLE; i <= LAC_BLOCK_MEAN; i++) {
+        if (strcmp(text, coarsenings[i]) == 0) {
+            *coarsening = (lac_coarsening)i;
+            return LAC_OK;
+        }
+    }
+    return lac_fail(err, LAC_EINPUT, "--coarsening: \"%.60s\" must be sample or block-mean", text);
+}
+
+static bool is_power_of_two(unsigned long n) { return n != 0 && (n & (n - 1)) == 0; }
+
+// "2:32"
+static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *err)
+{
+    char *colon;
+    char *end = "";
+    unsigned long smallest = strtoul(text, &colon, 10);
+    unsigned long largest = *colon == ':' ? strtoul(colon + 1, &end, 10) : 0;
+    if (strspn(text, "0123456789:") != strlen(text) || *end != '\0' || !is_power_of_two(smallest) ||
+        !is_power_of_two(largest) || largest <= smallest) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32", text);
+    }
+    boxes->smallest = smallest;
+    boxes->largest = largest;
+    return LAC_OK;
+}
+
+static lac_status read_coarsest(const char *text, size_t *coarsest, lac_error *err)
+{
+    unsigned long n = strtoul(text, NULL, 10);
+    if (strspn(text, "0123456789") != strlen(text) || n < 2 || n > 1ul << 20) {
+        return lac_fail(err, LAC_EINPUT, "--coarsest: \"%.60s\" must be a number of cells from 2",
+                        text);
+    }
+    *coarsest = n;
+    return LAC_OK;
+}
+
+// "50 mm, 1 m"
+static lac_status read_sizes(const char *text, lac_scene_measure_def *def, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_units *units = NULL;
+    char *copy = strdup(text);
+    char *rest = copy;
+    if (copy == NULL) {
+        return lac_fail_memory(err);
+    }
+    LAC_TRY(lac_units_create(&units, err));
+    def->sizes = 0;
+    while (rest != NULL) {
+        const char *word = strsep(&rest, ",");
+        double size = 0;
+        status = lac_units_parse(units, word + strspn(word, " "), "m", &size, err);
+        if (status == LAC_OK && !(size > 0)) {
+            status = lac_fail(err, LAC_EINPUT, "must be > 0");
+        }
+        if (status == LAC_OK && def->sizes == LAC_SCENE_SIZES) {
+            status = lac_fail(err, LAC_EINPUT, "is one more than %d", LAC_SCENE_SIZES);
+        }
+        if (status != LAC_OK) {
+            status = lac_fail_within(err, status, "--sizes: \"%.60s\"", word);
+            goto out;
+        }
+        def->size[def->sizes++] = size;
+    }
+out:
+    lac_units_free(units);
+    free(copy);
+    return status;
+}
+
+static lac_status read_measures(const cli_request *request, lac_scene_measure_def *def,
+                                lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *def = lac_scene_measure_default();
+    if (request->boxes != NULL) {
+        LAC_TRY(read_boxes(request->boxes, &def->boxes, err));
+    }
+    if (request->coarsest != NULL) {
+        LAC_TRY(read_coarsest(request->coarsest, &def->scaling.coarsest, err));
+    }
+    if (request->coarsening != NULL) {
+        LAC_TRY(read_coarsening(request->coarsening, &def->scaling.coarsening, err));
+    }
+    if (request->sizes != NULL) {
+        LAC_TRY(read_sizes(request->sizes, def, err));
+    }
+out:
+    return status;
+}
+
+static lac_status on_step(void *context, const lac_history_record *record, lac_error *err)
+{
+    contact_job *job = context;
+    job->record[job->done++] = *record;
+    return lac_history_store_step(job->store, record, err);
+}
+
+static lac_status on_maps(void *context, const lac_history_maps *maps, lac_error *err)
+{
+    return lac_history_store_maps(((const contact_job *)context)->store, maps, err);
+}
+
+static bool on_interrupted(void *context)
+{
+    contact_job *job = context;
+    cli_progress_stage(&job->progress, "steps of the history", job->done,
+                       lac_scene_history_steps(job->source));
+    return cli_signals_stop();
+}
+
+// Goes through the history, a step written as it is solved.
+static lac_status follow(contact_job *job, const lac_history_store_def *def, lac_error *err)
+{
+    const lac_history_sink sink = {
+        .context = job, .step = on_step, .maps = on_maps, .interrupted = on_interrupted};
+    lac_error late = {""};
+    cli_signals_hold();
+    lac_status status = lac_history_store_create(def, &job->store, err);
+    if (status != LAC_OK) {
+        job->outcome.status = "failed";
+        return status;
+    }
+    cli_progress_start(&job->progress, job->request);
+    status = lac_scene_history_run(job->source, &job->contact, &sink, &job->result, err);
+    cli_progress_clear(&job->progress);
+    job->outcome.status = status == LAC_OK           ? "complete"
+                          : status == LAC_EINTERRUPT ? "interrupted"
+                                                     : "failed";
+    const lac_status finished = lac_history_store_finish(job->store, job->outcome.status, &late);
+    lac_history_store_free(job->store);
+    if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
+        job->outcome.status = "failed"; // the file is not whole
+        *err = late;
+        return finished;
+    }
+    return status == LAC_EINTERRUPT
+               ? lac_fail(err, status, "interrupted after step %zu of %zu; %s holds those",
+                          job->result.steps, job->result.planned, job->path)
+               : status;
 }
 
 static bool changes_pressure(const lac_history_def *history)
@@ -46,28 +197,29 @@ static bool changes_pressure(const lac_history_def *history)
     return false;
 }
 
-// Follows the history, whose file is that of the contact too.
+// The history's file is that of the contact too.
 static lac_status follow_history(contact_job *job, const lac_provenance *provenance,
-                                 const lac_dataset *dataset, lac_error *err)
+                                 lac_dataset *dataset, lac_error *err)
 {
     static const lac_history_keep keeps[] = {[LAC_HISTORY_ALL] = LAC_KEEP_ALL,
                                              [LAC_HISTORY_LAST] = LAC_KEEP_LAST,
                                              [LAC_HISTORY_NONE] = LAC_KEEP_NONE};
     const lac_history_def *history = &job->source->history;
+    const size_t steps = lac_scene_history_steps(job->source);
     const lac_history_store_def def = {
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
         .provenance = *provenance,
         .contact = dataset,
-        .grid = &job->contact.grid,
-        .friction = history->friction,
         .keep = keeps[history->fields],
         .pressed = changes_pressure(history),
     };
-    cli_say(job->request, "following %zu steps", lac_scene_history_steps(job->source));
-    lac_status status =
-        cli_steps_run(job->request, job->source, &job->contact, &def, &job->steps, err);
-    bool said = status == LAC_EINTERRUPT || status == LAC_EIO; // names its file already
+    cli_say(job->request, "following %zu steps", steps);
+    job->record = calloc(steps, sizeof *job->record);
+    job->outcome.result = job->record != NULL ? &job->result : NULL;
+    job->outcome.record = job->record;
+    const lac_status status = job->record != NULL ? follow(job, &def, err) : lac_fail_memory(err);
+    const bool said = status == LAC_EINTERRUPT || status == LAC_EIO; // names its file already
     return said ? status : cli_blame(job->source, status, err);
 }
 
@@ -81,10 +233,12 @@ static lac_status write_file(contact_job *job, lac_error *err)
     const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
                                                      cli_libraries(libraries, sizeof libraries));
     const bool history = job->source->history.count > 0;
-    const lac_contact_outcome outcome = {.contact = &job->contact,
-                                         .status = history ? NULL : "complete"};
     lac_dataset *dataset = NULL;
-    lac_status status = lac_contact_describe(&outcome, &dataset, err);
+    job->outcome = (lac_contact_outcome){.contact = &job->contact,
+                                         .status = history ? NULL : "complete",
+                                         .friction = job->source->history.friction,
+                                         .result = history ? &job->result : NULL};
+    lac_status status = lac_contact_describe(&job->outcome, &dataset, err);
     if (status == LAC_OK && history) {
         status = follow_history(job, &provenance, dataset, err);
     } else if (status == LAC_OK) {
@@ -96,69 +250,23 @@ static lac_status write_file(contact_job *job, lac_error *err)
     return status;
 }
 
-static void print_result(const contact_job *job)
-{
-    const lac_case *c = job->source;
-    const lac_scene_contact *contact = &job->contact;
-    const lac_contact_report *report = &contact->report;
-    char cpu[32];
-    if (c->title != NULL) {
-        puts(c->title);
-    }
-    if (contact->solved) {
-        cli_surface_print(&contact->surface);
-    }
-    cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
-    cli_measures_print(contact);
-    cli_fractal_print(contact);
-    if (contact->solved) {
-        cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
-                report->products);
-        cli_row("complementarity", "%.2g", report->complementarity_error);
-        cli_row_quantity("penetration", fabs(report->penetration), "m");
-        cli_row_quantity("approach", report->approach, "m");
-    }
-    if (job->steps.record != NULL) {
-        cli_steps_print(&job->steps);
-    }
-    cli_row("time taken", "CPU %s", cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
-    cli_row("file", "%s", job->path);
-}
-
-static lac_status write_result(const contact_job *job, lac_error *err)
-{
-    const lac_contact_outcome outcome = {.contact = &job->contact};
-    lac_json json = {.out = stdout};
-    lac_dataset *dataset = NULL;
-    lac_status status = lac_contact_describe(&outcome, &dataset, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(dataset, &json);
-    if (job->steps.record != NULL) {
-        cli_steps_json(&json, &job->steps);
-    }
-    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
-    lac_json_text(&json, "output", job->path);
-    lac_json_close(&json, '}');
-    lac_dataset_free(dataset);
-    return LAC_OK;
-}
-
 static lac_status show_result(const contact_job *job, lac_status status, lac_error *err)
 {
-    bool whole = status == LAC_OK || status == LAC_EINTERRUPT;
-    if (cli_given(job->request, CLI_OPT_JSON)) {
-        if (whole || job->steps.record != NULL) {
-            const lac_status shown = write_result(job, status == LAC_OK ? err : NULL);
-            status = status == LAC_OK ? shown : status;
+    const bool whole = status == LAC_OK || status == LAC_EINTERRUPT;
+    if (!cli_given(job->request, CLI_OPT_JSON)) {
+        if (whole) {
+            cli_contact_print(job->source, &job->outcome, job->path,
+                              cli_given(job->request, CLI_OPT_VERBOSE));
         }
-    } else if (whole) {
-        print_result(job);
-        if (cli_given(job->request, CLI_OPT_VERBOSE)) {
-            cli_fractal_tables(&job->contact);
+    } else if (whole || job->outcome.result != NULL) {
+        lac_error *const to = status == LAC_OK ? err : NULL;
+        lac_dataset *dataset = NULL;
+        const lac_status shown = lac_contact_describe(&job->outcome, &dataset, to);
+        if (shown == LAC_OK) {
+            cli_print_json(dataset, job->path);
         }
+        lac_dataset_free(dataset);
+        status = status == LAC_OK ? shown : status;
     }
     return status;
 }
@@ -168,7 +276,7 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     contact_job job = {.request = request};
     lac_scene_measure_def measure;
     lac_status status;
-    LAC_TRY(cli_fractal_read(request, &measure, err));
+    LAC_TRY(read_measures(request, &measure, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);

@@ -6,18 +6,17 @@
 #include <string.h>
 
 #include "base/date.h"
-#include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/fit/fit.h"
 
-static const char *when(const lac_case *c, double t, char *text, size_t size)
+static cli_text when(const lac_case *c, double t)
 {
-    if (isnan(t) || isinf(t)) {
-        (void)snprintf(text, size, "%s", isnan(t) ? "-" : "not by time.end");
+    cli_text text = {"-"};
+    if (c->dated && isfinite(t)) {
+        (void)lac_date_format(c->start_date + t, text.s, sizeof text.s);
         return text;
     }
-    return c->dated ? lac_date_format(c->start_date + t, text, size)
-                    : cli_quantity(t, "s", text, size);
+    return isnan(t) ? text : isinf(t) ? cli_format("not by time.end") : cli_amount(t, "s");
 }
 
 static void print_data(const lac_fit_result *r)
@@ -33,15 +32,13 @@ static void print_data(const lac_fit_result *r)
 
 static void print_best(const lac_case *c, const lac_fit_result *r)
 {
-    char text[64], offset[64], error[64];
     if (r->displacements > 0) {
-        cli_row("misfit", "rms %s after an offset of %s",
-                cli_quantity(r->displacement_rms, "m", text, sizeof text),
-                cli_quantity(r->offset, "m", offset, sizeof offset));
+        cli_row("misfit", "rms %s after an offset of %s", cli_amount(r->displacement_rms, "m").s,
+                cli_amount(r->offset, "m").s);
         cli_row("residuals",
                 "%s: correlation of successive ones %.2f; the readings' own scatter %s",
                 r->poor ? "the model fits badly, they are not noise" : "like noise",
-                r->autocorrelation, cli_quantity(r->scatter, "m", text, sizeof text));
+                r->autocorrelation, cli_amount(r->scatter, "m").s);
     }
     if (r->velocities > 0) {
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
@@ -51,8 +48,8 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
         cli_row("failure, best fit", "not by time.end");
         return;
     }
-    cli_row("failure, best fit", "%s +- %s", when(c, r->failure, text, sizeof text),
-            cli_quantity(r->failure_error, "s", error, sizeof error));
+    cli_row("failure, best fit", "%s +- %s", when(c, r->failure).s,
+            cli_amount(r->failure_error, "s").s);
 }
 
 // The standard error of the least squares and how the derivatives were had.
@@ -76,30 +73,25 @@ static void print_unknowns(const lac_fit_result *r)
            "90 % of the posterior; R-hat, ESS");
     for (size_t k = 0; k < r->unknowns; k++) {
         const lac_fit_unknown *x = &r->unknown[k];
-        char best[32], middle[32], low[32], high[32];
-        printf("  %-36s %-12s ", x->key, cli_quantity(x->best, x->unit, best, sizeof best));
+        printf("  %-36s %-12s ", x->key, cli_amount(x->best, x->unit).s);
         if (!r->sampled) {
             print_error(x);
             continue;
         }
-        printf("%-12s %s to %s; %.3f, %.0f\n",
-               cli_quantity(x->quantile[2], x->unit, middle, sizeof middle),
-               cli_quantity(x->quantile[0], x->unit, low, sizeof low),
-               cli_quantity(x->quantile[4], x->unit, high, sizeof high), x->converged.rhat,
-               x->converged.ess);
+        printf("%-12s %s to %s; %.3f, %.0f\n", cli_amount(x->quantile[2], x->unit).s,
+               cli_amount(x->quantile[0], x->unit).s, cli_amount(x->quantile[4], x->unit).s,
+               x->converged.rhat, x->converged.ess);
     }
 }
 
 // What stands at the end of what was allowed is no estimate: the data want more of it.
 static void print_ends(const lac_fit_result *r)
 {
-    char limit[32];
     for (size_t k = 0; k < r->unknowns; k++) {
         const lac_fit_unknown *x = &r->unknown[k];
         if (x->end != 0) {
             cli_row("at its end", "the best fit of %s stands at the %s end of its range, %s",
-                    x->key, x->end < 0 ? "lower" : "upper",
-                    cli_quantity(x->limit, x->unit, limit, sizeof limit));
+                    x->key, x->end < 0 ? "lower" : "upper", cli_amount(x->limit, x->unit).s);
         }
     }
 }
@@ -136,7 +128,6 @@ static void print_pairs(const lac_fit_result *r, bool all)
 
 static void print_identifiability(const lac_fit_result *r, bool verbose)
 {
-    char text[3][32];
     puts("\n  what the data tell, and what not");
     print_pairs(r, verbose);
     if (r->parameters > 1) {
@@ -145,63 +136,25 @@ static void print_identifiability(const lac_fit_result *r, bool verbose)
     }
     if (r->one_block && r->sampled) {
         cli_row("(m/dc)(1-x^(m-1))", "%s, 90 %%: %s to %s, to a factor of %.3g",
-                cli_quantity(r->shape.quantile[2], "m-1", text[0], sizeof text[0]),
-                cli_quantity(r->shape.quantile[0], "m-1", text[1], sizeof text[1]),
-                cli_quantity(r->shape.quantile[4], "m-1", text[2], sizeof text[2]),
-                exp(r->shape_sigma));
+                cli_amount(r->shape.quantile[2], "m-1").s,
+                cli_amount(r->shape.quantile[0], "m-1").s,
+                cli_amount(r->shape.quantile[4], "m-1").s, exp(r->shape_sigma));
     }
-}
-
-// The unknown with the largest R-hat, and the parameter most correlated with it; itself if none is.
-static void find_worst(const lac_fit_result *r, size_t *worst, size_t *partner)
-{
-    *worst = 0;
-    for (size_t k = 1; k < r->unknowns; k++) {
-        *worst = r->unknown[k].converged.rhat > r->unknown[*worst].converged.rhat ? k : *worst;
-    }
-    *partner = *worst;
-    double most = 0.0;
-    for (size_t k = 0; *worst < r->parameters && k < r->parameters; k++) {
-        double c = fabs(r->correlation[*worst][k]);
-        if (k != *worst && c > most) {
-            most = c;
-            *partner = k;
-        }
-    }
-}
-
-lac_status cli_fit_judge(const lac_fit_result *r, lac_error *err)
-{
-    size_t worst, partner;
-    char with[200] = "";
-    if (!r->sampled || r->converged) {
-        return LAC_OK;
-    }
-    find_worst(r, &worst, &partner);
-    if (partner != worst) {
-        (void)snprintf(with, sizeof with, ", whose correlation with %s is %.3f",
-                       r->unknown[partner].key, r->correlation[worst][partner]);
-    }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its "
-                    "intervals are not to be relied on: take more fit.rounds, or hold what trades "
-                    "off",
-                    r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
 }
 
 // From one time of failure to a later one; where the first is beyond the end, so is the second.
-static void print_range(const char *share, double from, const char *low, const char *high)
+static void print_range(const char *share, const lac_case *c, double from, double to)
 {
     if (isinf(from)) {
         cli_row("", "%s: not by time.end", share);
     } else {
-        cli_row("", "%s: %s to %s", share, low, high);
+        cli_row("", "%s: %s to %s", share, when(c, from).s, when(c, to).s);
     }
 }
 
 static void print_posterior(const lac_case *c, const lac_fit_result *r)
 {
-    char text[LAC_FIT_QUANTILES][64];
+    const double *failure = r->failures.quantile;
     if (!r->sampled) {
         return;
     }
@@ -211,30 +164,27 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
         cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
                 LAC_FIT_RHAT);
     }
-    for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
-        (void)when(c, r->failures.quantile[q], text[q], sizeof text[q]);
-    }
-    cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", text[2],
+    cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", when(c, failure[2]).s,
             100.0 * r->failing, r->draws);
-    print_range("50 %", r->failures.quantile[1], text[1], text[3]);
-    print_range("90 %", r->failures.quantile[0], text[0], text[4]);
+    print_range("50 %", c, failure[1], failure[3]);
+    print_range("90 %", c, failure[0], failure[4]);
 }
 
-void cli_fit_print(const cli_fit_view *view, bool verbose)
+void cli_fit_print(const lac_fit_outcome *outcome, const char *series, double wall_time,
+                   bool verbose)
 {
-    const lac_fit_result *r = view->outcome.result;
-    if (view->outcome.source->title != NULL) {
-        puts(view->outcome.source->title);
+    const lac_fit_result *r = outcome->result;
+    const lac_case *source = outcome->source;
+    if (source->title != NULL) {
+        puts(source->title);
     }
-    cli_row("series", "%s", view->series);
+    cli_row("series", "%s", series);
     print_data(r);
-    print_best(view->outcome.source, r);
+    print_best(source, r);
     print_unknowns(r);
     print_ends(r);
     print_identifiability(r, verbose);
     puts("");
-    print_posterior(view->outcome.source, r);
-    cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, view->wall_time);
-    cli_row("file", "%s", view->output);
-    cli_row("fitted case", "%s", view->case_output);
+    print_posterior(source, r);
+    cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }

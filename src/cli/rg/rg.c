@@ -1,31 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells.
-#include "cli/rg/rg.h"
-
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/rg_rows.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "cli/run/run_outcome.h"
-#include "data/dataset.h"
-
-typedef struct watching {
-    const cli_request *request;
-} watching;
-
-static bool go_on(void *context, size_t done, size_t seeds)
-{
-    const watching *w = context;
-    if (seeds > 1) {
-        cli_say(w->request, "interface %zu of %zu", done + 1, seeds);
-    }
-    return !cli_signals_stop();
-}
+#include "scene/scene_rg.h"
+#include "store/store_cells.h"
 
 // Everything that the command holds.
 typedef struct rg_job {
@@ -37,42 +25,115 @@ typedef struct rg_job {
     char *path;
 } rg_job;
 
-static lac_rg_outcome outcome_of(const rg_job *job)
+static bool is_file(const char *path)
 {
-    return (lac_rg_outcome){.source = job->source,
-                            .rg = &job->rg,
-                            .file = job->request->argument[0],
-                            .cells = job->stored ? &job->cells : NULL};
+    const size_t length = strlen(path);
+    return (length > 3 && strcmp(path + length - 3, ".nc") == 0) || lac_stored_is_netcdf(path);
 }
 
-static void print_result(const rg_job *job)
+// A file holds one interface with its tractions: only rg's own keys can differ, and not all.
+static lac_status check_override(const lac_override *set, lac_error *err)
 {
-    if (job->source->title != NULL) {
-        puts(job->source->title);
+    if (strncmp(set->key, "rg.", 3) != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: %s: cannot be changed in a file that holds its results; only keys "
+                        "of rg can, such as rg.beta",
+                        set->key);
     }
-    if (job->stored) {
-        cli_rg_file_print(&job->cells, &job->rg);
+    if (strcmp(set->key, "rg.field") == 0 && strcmp(set->value, "equal") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: rg.field: \"%s\" must be equal: a further load on the tractions "
+                        "of a file",
+                        set->value);
     }
-    cli_rg_print(job->source, &job->rg, cli_given(job->request, CLI_OPT_VERBOSE));
-    cli_row("file", "%s", job->path);
+    if (strcmp(set->key, "rg.seeds") == 0 && strcmp(set->value, "1") != 0) {
+        return lac_fail(err, LAC_EINPUT,
+                        "--set: rg.seeds: \"%s\" must be 1: a file holds one "
+                        "interface",
+                        set->value);
+    }
+    if (strcmp(set->key, "rg.path") == 0 || strcmp(set->key, "rg.contacts") == 0) {
+        return lac_fail(
+            err, LAC_EINPUT,
+            "--set: %s: \"%s\" has no meaning for a file, whose cells are loaded further "
+            "without new contacts",
+            set->key, set->value);
+    }
+    return LAC_OK;
 }
 
-static void print_json(const rg_job *job, const lac_dataset *dataset)
+static lac_status read_case(const cli_request *request, const char *text, lac_case **c,
+                            lac_error *err)
 {
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(dataset, &json);
-    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
-    lac_json_text(&json, "output", job->path);
-    lac_json_close(&json, '}');
+    lac_case_report report = {0};
+    const lac_case_request how = {LAC_FOR_CELLS, request->overrides, request->set_count};
+    for (size_t i = 0; i < request->set_count; i++) {
+        lac_status status = check_override(&request->overrides[i], err);
+        if (status != LAC_OK) {
+            return status;
+        }
+    }
+    lac_status status =
+        lac_case_read_text(request->argument[0], text, strlen(text), &how, c, &report, err);
+    cli_report_print_of(&report, request, "rg"); // other warnings were given when it was made
+    if (report.errors > 0) {
+        err->message[0] = '\0'; // said already, line by line
+    }
+    lac_case_report_clear(&report);
+    return status;
+}
+
+static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
+{
+    lac_status status = cli_parse_time(text, c, time, err);
+    return status == LAC_EINPUT
+               ? lac_fail(err, status,
+                          "--snapshot: \"%s\" must be last, a number from 0, or a time such as "
+                          "\"10 day\"%s",
+                          text, c->dated ? " or a date" : "")
+               : status;
+}
+
+// The last, or a number; a time only when the case is known, which says from when it counts.
+static lac_snapshot_choice choose(const char *text)
+{
+    lac_snapshot_choice choice = {.by = LAC_SNAPSHOT_LAST};
+    if (text == NULL || strcmp(text, "last") == 0) {
+        return choice;
+    }
+    bool number = text[strspn(text, "0123456789")] == '\0';
+    choice.by = number ? LAC_SNAPSHOT_INDEX : LAC_SNAPSHOT_TIME;
+    choice.index = number ? (size_t)strtoull(text, NULL, 10) : 0; // the largest where too large
+    return choice;
+}
+
+// The case that a file holds, and its cells at the snapshot asked for.
+static lac_status read_file(rg_job *job, lac_error *err)
+{
+    const char *path = job->request->argument[0];
+    lac_snapshot_choice choice = choose(job->request->snapshot);
+    const lac_snapshot_choice any = {.by = LAC_SNAPSHOT_LAST};
+    const bool by_time = choice.by == LAC_SNAPSHOT_TIME;
+    lac_status status;
+    LAC_TRY(lac_stored_cells_read(path, by_time ? &any : &choice, &job->cells, err));
+    LAC_TRY(read_case(job->request, job->cells.case_text, &job->source, err));
+    if (by_time) {
+        LAC_TRY(parse_time(job->request->snapshot, job->source, &choice.time, err));
+        lac_stored_cells_clear(&job->cells);
+        LAC_TRY(lac_stored_cells_read(path, &choice, &job->cells, err));
+    }
+    job->source->rg.field = LAC_RG_EQUAL; // of the further load, whatever the case says
+    job->source->rg.seeds = 1;
+out:
+    return status;
 }
 
 static lac_status read_source(rg_job *job, lac_error *err)
 {
     const char *name = job->request->argument[0];
-    job->stored = cli_rg_is_file(name);
+    job->stored = is_file(name);
     if (job->stored) {
-        return cli_rg_file_read(job->request, &job->source, &job->cells, err);
+        return read_file(job, err);
     }
     if (job->request->snapshot != NULL) {
         return lac_fail(err, LAC_EINPUT, "--snapshot: %s is a case; only files have snapshots",
@@ -81,10 +142,17 @@ static lac_status read_source(rg_job *job, lac_error *err)
     return cli_case_read(job->request, LAC_FOR_RG, &job->source, NULL, err);
 }
 
+static bool go_on(void *context, size_t done, size_t seeds)
+{
+    if (seeds > 1) {
+        cli_say(((const rg_job *)context)->request, "interface %zu of %zu", done + 1, seeds);
+    }
+    return !cli_signals_stop();
+}
+
 static lac_status follow(rg_job *job, lac_error *err)
 {
-    watching w = {job->request};
-    const lac_rg_watch watch = {&w, go_on};
+    const lac_rg_watch watch = {job, go_on};
     const lac_rg_cells cells = {job->cells.domain, job->cells.shear, job->cells.time};
     cli_say(job->request, "following the cascade of %s", job->request->argument[0]);
     cli_signals_hold();
@@ -92,20 +160,183 @@ static lac_status follow(rg_job *job, lac_error *err)
                        : lac_scene_rg_run(job->source, &watch, &job->rg, err);
 }
 
+static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)
+{
+    if (cells->kind == LAC_STORED_RUN) {
+        cli_row("snapshot", "%zu (0 to %zu), at %s; the run is %s", cells->index,
+                cells->snapshots - 1, cli_amount(cells->time, "s").s, cells->status);
+    } else if (cells->kind == LAC_STORED_HISTORY) {
+        cli_row("step", "%zu (0 to %zu) of a history", cells->index, cells->snapshots - 1);
+    } else {
+        cli_row("contact", "without shear");
+    }
+    if (rg->now.share != 1.0) {
+        cli_row("effective pressure", "%.4g %% of the total", 100.0 * rg->now.share);
+    }
+    cli_row("Q/Q_nom now", "%.4f", rg->now.load);
+    cli_row("weakest cell", "at (%.4g, %.4g) m, lacks %s", rg->now.weakest[0], rg->now.weakest[1],
+            cli_amount(rg->now.weakest_gap, "Pa").s);
+}
+
+static cli_text with_error(double value, double error)
+{
+    return isnan(value)   ? cli_format("none")
+           : isnan(error) ? cli_format("%.4f", value)
+                          : cli_format("%.4f +/- %.4f", value, error);
+}
+
+// An estimate with its 95 % interval.
+static cli_text with_interval(const lac_rg_estimate *e)
+{
+    const bool all = isfinite(e->value) && isfinite(e->low) && isfinite(e->high);
+    return all ? cli_format("%.4f +/- %.4f (%.4f to %.4f)", e->value, e->error, e->low, e->high)
+               : with_error(e->value, e->error);
+}
+
+static void print_law(const char *label, const lac_rg_power *law)
+{
+    if (law->holds) {
+        cli_row(label, "~ (1 - Q/Q_crit)^-%.2f +/- %.2f", law->exponent, law->error);
+    } else if (isnan(law->exponent)) {
+        cli_row(label, "none: too few loads below Q_crit");
+    } else {
+        cli_row(label, "no power law over this range (slope %.2f, bent by %.1f errors)",
+                law->exponent, fabs(law->curvature));
+    }
+}
+
+static void print_levels(const lac_rg_result *r, const lac_scene_rg *rg)
+{
+    const double cell = fmax(rg->grid.dx, rg->grid.dy);
+    printf("\n  %12s %10s %16s %16s%s\n", "block", "N_tot", "N_slip at Q_crit", "strength (Pa)",
+           rg->now.loaded ? "       N_slip now" : "");
+    for (size_t level = 0; level <= r->levels; level++) {
+        printf("  %12s %10.1f %16.1f %16.4g", cli_amount(ldexp(cell, (int)level), "m").s,
+               r->blocks[level], r->slipping[level], r->size[level].strength);
+        if (rg->now.loaded) {
+            printf(" %16.1f", r->begin[level]);
+        }
+        printf("\n");
+    }
+}
+
+static void print_curve(const lac_rg_result *r)
+{
+    printf("\n  %8s", "Q/Q_nom");
+    for (size_t level = 0; level <= r->levels; level++) {
+        printf("  level %zu", level);
+    }
+    printf("\n");
+    for (size_t i = 0; i < r->loads; i++) {
+        printf("  %8.4f", r->load[i]);
+        for (size_t level = 0; level <= r->levels; level++) {
+            printf(" %8.4f", r->fraction[i * (r->levels + 1) + level]);
+        }
+        printf("\n");
+    }
+}
+
+// How far the joint is from sliding, and what slips already.
+static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
+{
+    if (r->begin[r->levels] > 0.0) {
+        cli_row("slides now", "at %.3g %% of the places", 100.0 * r->begin[r->levels]);
+    }
+    cli_row("to Q_crit", "%.4f of Q_nom", r->critical - now->load);
+    cli_row("slipping cells", "%.0f of %.0f by themselves", r->begin[0], r->blocks[0]);
+    cli_row("xi now", "%s (clusters), %.4g m (blocks)", cli_amount(r->cluster[0], "m").s,
+            r->block[0]);
+}
+
+static void print_first(const lac_scene_rg *rg, const lac_rg_result *r)
+{
+    double place[2];
+    const size_t first = lac_scene_rg_first(rg, r, place);
+    if (first != SIZE_MAX) {
+        cli_row("slips first", "the cell at (%.4g, %.4g) m%s, by Q/Q_nom = %.4g", place[0],
+                place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
+    }
+}
+
+static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
+{
+    const lac_rg_result *r = rg->result[k];
+    const cli_text critical = with_error(r->critical, r->critical_error);
+    printf("\n");
+    cli_row("beta", from_law ? "%.4f (from the friction law, mean)" : "%.4g", rg->beta[k]);
+    if (r->joints > 1 && r->places > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces, %.4f among places)", critical.s,
+                r->critical_sd, r->place_sd);
+    } else if (r->joints > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among interfaces)", critical.s, r->critical_sd);
+    } else if (r->places > 1) {
+        cli_row("Q_crit/Q_nom", "%s (sd %.4f among places)", critical.s, r->place_sd);
+    } else {
+        cli_row("Q_crit/Q_nom", "%s", critical.s);
+    }
+    if (rg->now.loaded) {
+        print_now(r, &rg->now);
+    } else {
+        print_first(rg, r);
+    }
+    cli_row("fixed point C", "%s", with_interval(&r->fixed_point).s);
+    cli_row("lambda", "%s", with_interval(&r->lambda).s);
+    cli_row("nu", "%s", with_interval(&r->nu).s);
+    print_law("xi of clusters", &r->cluster_law);
+    print_law("xi of blocks", &r->block_law);
+    if (verbose) {
+        print_levels(r, rg);
+        print_curve(r);
+    }
+}
+
+static void print_rg(const lac_case *c, const lac_scene_rg *rg, bool verbose)
+{
+    cli_row("rule, field", "%s, %s", lac_scene_rg_rule(c), lac_scene_rg_field(c));
+    cli_row("interfaces", "%zu of %zu x %zu cells, the blocks at %zu places of each", rg->seeds,
+            rg->grid.nx, rg->grid.ny, rg->result[0]->places);
+    cli_row_quantity("nominal pressure", rg->mean.pressure, "Pa");
+    cli_row("contact", "%.3g %% of the area", 100 * rg->mean.contact_fraction);
+    if (isfinite(rg->mean.dimension)) {
+        cli_row("D_box", "%.3f", rg->mean.dimension);
+    }
+    if (isfinite(rg->mean.dyadic)) {
+        cli_row("D of all blocks", "%.4f", rg->mean.dyadic);
+    }
+    cli_row_quantity("f p", rg->strength, "Pa");
+    for (size_t k = 0; k < rg->betas; k++) {
+        print_beta(rg, k, c->rg.betas == 0, verbose);
+    }
+}
+
+static void print_result(const rg_job *job)
+{
+    if (job->source->title != NULL) {
+        puts(job->source->title);
+    }
+    if (job->stored) {
+        print_file(&job->cells, &job->rg);
+    }
+    print_rg(job->source, &job->rg, cli_given(job->request, CLI_OPT_VERBOSE));
+    cli_row("file", "%s", job->path);
+}
+
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
     rg_job job = {.request = request};
-    lac_rg_outcome outcome;
     lac_dataset *dataset = NULL;
     lac_status status;
     LAC_TRY(read_source(&job, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-rg.nc", &job.path, err));
     LAC_TRY(cli_blame(job.source, follow(&job, err), err));
-    outcome = outcome_of(&job);
+    const lac_rg_outcome outcome = {.source = job.source,
+                                    .rg = &job.rg,
+                                    .file = request->argument[0],
+                                    .cells = job.stored ? &job.cells : NULL};
     LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
     LAC_TRY(cli_store_dataset(request, job.source, INT64_MIN, job.path, dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
-        print_json(&job, dataset);
+        cli_print_json(dataset, job.path);
     } else {
         print_result(&job);
     }

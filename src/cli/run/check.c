@@ -4,27 +4,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/common/command.h"
 #include "cli/common/failure.h"
-#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/compare.h"
 #include "cli/report/report.h"
-#include "cli/run/estimate.h"
-#include "scene/scene.h"
-#include "transfer/transfer.h"
-
-// A scene of up to this many grid cells is built whole: quick, and the surest check.
-static const double small_grid = 4096;
-
-static lac_status try_contact(const lac_case *c, lac_error *err)
-{
-    lac_scene_contact contact = {0};
-    lac_status status = lac_scene_contact_solve(c, false, &contact, err);
-    lac_scene_contact_clear(&contact);
-    return status;
-}
+#include "scene/estimate.h"
 
 // What `check` has found beyond the text of the case.
 typedef struct findings {
@@ -77,17 +64,14 @@ static lac_status try_maps(findings *f, const char *section, const lac_spread_li
 {
     lac_status status = LAC_OK;
     for (size_t i = 0; i < list->count && status == LAC_OK; i++) {
-        const bool is_map = list->item[i].slot.about == &lac_spread_map_kind.about;
-        const lac_spread_map *map = list->item[i].slot.params;
-        FILE *file = is_map ? fopen(map->path, "rb") : NULL;
-        if (is_map && file == NULL) {
-            lac_error why = {""};
+        const lac_slot *slot = &list->item[i].slot;
+        const lac_spread_map *map = slot->params;
+        if (slot->about == &lac_spread_map_kind.about && access(map->path, R_OK) != 0) {
+            lac_error why;
             char key[200];
             (void)lac_fail(&why, LAC_EIO, "%s: %s", map->path, strerror(errno));
             (void)snprintf(key, sizeof key, "%s.spread.%s", section, list->item[i].key);
             status = add_finding(f, key, &why, LAC_EIO, err);
-        } else if (file != NULL) {
-            (void)fclose(file);
         }
     }
     return status;
@@ -97,8 +81,7 @@ static lac_status try_maps(findings *f, const char *section, const lac_spread_li
 static lac_status try_files(findings *f, lac_load_files *files, lac_error *err)
 {
     const lac_case *c = f->source;
-    const lac_load_clock clock = {
-        .dated = c->dated, .start = c->start_date, .end = c->run.end, .files = files};
+    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
     lac_status status;
     LAC_TRY(try_loads(f, "shear", &c->shear, &clock, err));
     LAC_TRY(try_loads(f, "pore_pressure", &c->pore, &clock, err));
@@ -110,83 +93,119 @@ out:
     return status;
 }
 
-// Whether a spring or the rock around holds the mean slip.
-static bool is_held(const lac_case *c, const lac_load_state *start)
+static double rounded(double x, int digits)
 {
-    lac_transfer_outline outline;
-    return start->spring_stiffness > 0.0 ||
-           (lac_transfer_outline_of(&c->transfer, &outline) && outline.anchored);
+    double unit = pow(10, floor(log10(x)) - digits + 1);
+    return x > 0 ? round(x / unit) * unit : x;
 }
 
-// What counts as failure of a joint whose cells are not known: of one that slips evenly, by the
-// case's own values.
-static lac_failure failure_about(const lac_case *c, const lac_load_state *start, double pressure)
+static const char *steps_class(const lac_estimate *e)
 {
-    const lac_friction_params *law = c->friction.params;
-    const lac_grid grid = lac_interface_grid(&c->interface);
-    double force = pressure - start->pore;
-    const lac_failure_start at = {
-        .rate = c->initial.slip_rate,
-        .direct = law->a * force,
-        .excess = (law->b - law->a) * force,
-        .eta = lac_inertia_mass(c) > 0.0 ? 0.0 : lac_damping_of(&c->material),
-        .held = is_held(c, start),
-        .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy)};
-    return lac_failure_from(&at, c->run.failure_rate, c->run.failure_slip);
+    return e->own_steps  ? "own"
+           : e->changing ? "not estimated"
+           : e->stable   ? "hundreds"
+                         : "per cell";
 }
 
-// What the loads come to at the start of a run whose scene is too large to be built.
-static lac_status try_start(const lac_case *c, lac_load_files *files, lac_failure *failure,
-                            lac_error *err)
+// One figure where the two are near each other.
+static void print_time(const lac_estimate *e)
 {
-    const lac_normal_load *normal = (const void *)c->normal.about;
-    const double pressure = normal->pressure(c->normal.params, c->material.density);
-    const lac_load_slots slots = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
-    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
-    const bool by_load = isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
-    lac_load_set loads;
-    lac_load_state sum;
-    lac_status status = lac_load_set_create(&slots, &clock, &loads, err);
-    if (status != LAC_OK) {
-        return status;
+    double least = rounded(e->cpu_time_least, 1), most = rounded(e->cpu_time_most, 1);
+    if (isnan(most)) {
+        printf("#   time            at least %.10g s on one core\n", least);
+    } else if (most < 2.5 * least) {
+        printf("#   time            about %.10g s on one core\n", most);
+    } else {
+        printf("#   time            %.10g to %.10g s on one core\n", least, most);
     }
-    lac_load_evaluate(&loads, 0.0, &sum);
-    lac_load_set_clear(&loads);
-    if (!(sum.pore < pressure)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "initial: pore pressure %g Pa is not below the normal pressure %g Pa at "
-                        "the start",
-                        sum.pore, pressure);
+    if (!isnan(e->cascade_time)) {
+        printf("#   cascade         about %.10g s%s\n", rounded(e->cascade_time, 1),
+               e->integrated ? " of it" : " (lacuna rg)");
     }
-    if (by_load && !(lac_load_shear(&sum, pressure) > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "load.shear: comes to %g Pa at the start; must be > 0",
-                        lac_load_shear(&sum, pressure));
-    }
-    if (!isnan(c->initial.slip_rate)) {
-        *failure = failure_about(c, &sum, pressure);
-    }
-    return LAC_OK;
 }
 
-static lac_status try_scene(const lac_case *c, cli_estimate *estimate, lac_load_files *files,
-                            lac_error *err)
+static void print_size(const lac_estimate *e)
 {
-    lac_scene *scene = NULL;
-    const bool runs = c->friction.about != NULL && !isnan(c->run.end);
-    if (estimate->grid_cells > small_grid) {
-        return runs ? try_start(c, files, &estimate->failure, err) : LAC_OK;
+    printf("#   grid            %.0f cells\n", e->grid_cells);
+    if (!isnan(e->contact_cells)) {
+        printf("#   contact         %s%.3g cells", e->exact ? "" : "about ", e->contact_cells);
+        if (e->integrated) {
+            printf(", %.3g unknowns", e->unknowns * e->contact_cells);
+        }
+        puts("");
     }
-    if (!runs) {
-        return try_contact(c, err);
+    printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
+}
+
+// How many steps, and why.
+static void print_steps(const lac_estimate *e)
+{
+    if (e->own_steps) {
+        printf("#   steps           of each cell its own, %d to %d\n", LAC_OWN_FEWEST,
+               LAC_OWN_STEPS);
+        cli_wrap("#     ", e->faster != NULL
+                               ? "no cell slips by itself: fidelity ode is the faster one"
+                               : "a slip costs some hundred, whatever the number of cells");
+        return;
     }
-    lac_status status = lac_scene_create_with(c, files, &scene, err);
-    if (status == LAC_OK) {
-        status = lac_run_check(scene->problem, &c->run, err);
-        estimate->failure =
-            lac_problem_failure(scene->problem, c->run.failure_rate, c->run.failure_slip);
+    printf("#   steps           %s\n", steps_class(e));
+    cli_wrap("#     ", e->changing ? "a load changes in time: how often cells slip under it is not "
+                                     "known before"
+                       : e->stable
+                           ? "the cells move together, or there is one"
+                           : cli_format("%d to %.2g: cells may fail one by one, %d steps each",
+                                        LAC_FEWEST_STEPS, e->steps_most, LAC_STEPS_PER_FAILURE)
+                                 .s);
+    if (e->faster != NULL) {
+        cli_wrap("#     ", "k_0 < k_crit: fidelity events is the faster one (docs/choosing.md)");
     }
-    lac_scene_free(scene);
-    return status;
+}
+
+// As comment lines of YAML.
+static void print_estimate(const lac_estimate *e)
+{
+    printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
+                                                 : e->integrated ? " with bdf"
+                                                                 : "");
+    print_size(e);
+    print_time(e);
+    if (e->file_bytes > 1e8) { // else nothing beside the rest
+        printf("#   file            up to %.10g MB: %.3g records at stated times\n",
+               rounded(e->file_bytes / 1e6, 2), e->records);
+    }
+    if (!isnan(e->stiffness_ratio)) {
+        printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
+    }
+    if (e->failure.lowered) {
+        printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
+        cli_wrap("#     ", cli_failure_lowered);
+    }
+    if (e->integrated) {
+        print_steps(e);
+    }
+}
+
+static void write_estimate(lac_json *json, const lac_estimate *e)
+{
+    lac_json_open(json, "estimate", '{');
+    lac_json_number(json, "grid_cells", e->grid_cells);
+    lac_json_number(json, "contact_cells", round(e->contact_cells));
+    lac_json_boolean(json, "contact_cells_exact", e->exact);
+    lac_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
+    lac_json_number(json, "memory_bytes", round(e->memory));
+    lac_json_number(json, "cpu_time_least_s", e->cpu_time_least);
+    lac_json_number(json, "cpu_time_most_s", e->cpu_time_most);
+    lac_json_number(json, "cascade_time_s", e->cascade_time);
+    lac_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
+    lac_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
+    lac_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
+    lac_json_text(json, "faster_fidelity", e->faster);
+    lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
+    lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
+    lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
+    lac_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
+    lac_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
+    lac_json_close(json, '}');
 }
 
 // What is wrong with the scene as a whole stands at no line of the case.
@@ -201,7 +220,7 @@ static void write_errors(lac_json *json, const lac_case_report *report, const ch
 }
 
 static void write_json(const lac_case_report *report, const char *path, const char *scene,
-                       const cli_estimate *estimate, lac_error *err)
+                       const lac_estimate *estimate, lac_error *err)
 {
     lac_json json = {.out = stdout};
     lac_json_open(&json, NULL, '{');
@@ -209,12 +228,16 @@ static void write_json(const lac_case_report *report, const char *path, const ch
     write_errors(&json, report, path, err);
     cli_report_json(&json, "warnings", report, true);
     lac_json_text(&json, "scene", scene);
-    cli_estimate_json(&json, estimate);
+    if (estimate != NULL) {
+        write_estimate(&json, estimate);
+    } else {
+        lac_json_null(&json, "estimate");
+    }
     lac_json_close(&json, '}');
 }
 
 static lac_status examine(const cli_request *request, const lac_case *c, lac_case_report *report,
-                          char **scene, cli_estimate *estimate, lac_error *err)
+                          char **scene, lac_estimate *estimate, lac_error *err)
 {
     findings f = {.source = c, .report = report};
     lac_load_files *files = NULL;
@@ -227,8 +250,7 @@ static lac_status examine(const cli_request *request, const lac_case *c, lac_cas
     LAC_TRY(lac_load_files_create(&files, err));
     LAC_TRY(try_files(&f, files, err));
     LAC_TRY(cli_compare_read(request, c, &compare, err));
-    LAC_TRY(cli_estimate_make(c, estimate, err));
-    LAC_TRY(try_scene(c, estimate, files, err));
+    LAC_TRY(lac_estimate_make(c, files, estimate, err));
 out:
     cli_compare_clear(&compare);
     lac_load_files_free(files);
@@ -239,7 +261,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
 {
     lac_case *c = NULL;
     lac_case_report report = {0};
-    cli_estimate estimate;
+    lac_estimate estimate;
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
@@ -250,7 +272,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
         write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
-        cli_estimate_print(&estimate);
+        print_estimate(&estimate);
     }
     if (status == LAC_OK) {
         cli_failure_warn(&estimate.failure);

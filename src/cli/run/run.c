@@ -46,38 +46,11 @@ static void job_clear(run_job *job)
     lac_case_free(job->source);
 }
 
-// --until as seconds since the start of the run.
-static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
-{
-    lac_status status = cli_parse_time(text, c, until, err);
-    return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
-}
-
-static lac_status shorten(const char *text, lac_case *c, lac_error *err)
-{
-    double until = NAN;
-    if (text == NULL) {
-        return LAC_OK;
-    }
-    lac_status status = parse_until(text, c, &until, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (!(until > 0) || until > c->run.end) {
-        char end[64];
-        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
-                        lac_units_format(c->run.end, "s", end, sizeof end));
-    }
-    c->run.end = until;
-    return LAC_OK;
-}
-
 static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
 
 // Reads what --resume goes on from, of the case as it is run.
 static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
 {
-    char time[64];
     char *text = lac_case_text(c);
     lac_status status = text == NULL ? lac_fail_memory(err)
                                      : cli_resume_read(job->path, text, job->inputs, job->libraries,
@@ -86,7 +59,7 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
     if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
         return lac_fail(err, LAC_EINPUT,
                         "--resume: the checkpoint of %s is at %s, not before the end of the run",
-                        job->path, lac_units_format(job->resume.from.time, "s", time, sizeof time));
+                        job->path, cli_exact(job->resume.from.time, "s").s);
     }
     return status;
 }
@@ -103,7 +76,7 @@ static lac_status prepare(run_job *job, lac_error *err)
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
                  job->source->path);
     }
-    LAC_TRY(shorten(job->request->until, job->source, err));
+    LAC_TRY(cli_until(job->request, job->source, &job->source->run.end, err));
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
     LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
@@ -133,8 +106,9 @@ static void on_progress(void *context, const lac_progress *now)
     }
 }
 
-static void on_prepared(void *context, lac_stage stage, const lac_outcome *so_far)
+static void on_prepared(void *context, lac_stage stage, const lac_simulation *simulation)
 {
+    const lac_outcome *so_far = lac_simulation_outcome(simulation);
     run_job *job = context;
     const cli_request *request = job->request;
     if (stage == LAC_STAGE_SCENE) {
@@ -213,10 +187,9 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
         return finished;
     }
     if (status == LAC_EINTERRUPT) {
-        char time[64];
         bool saved = job->history.saved || goes_on(job);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
-                        lac_units_format(run->time, "s", time, sizeof time), job->path,
+                        cli_exact(run->time, "s").s, job->path,
                         saved ? ", and --resume goes on" : "");
     }
     return status;
@@ -276,7 +249,7 @@ static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, 
 static lac_status compute(run_job *job, lac_error *err)
 {
     cli_outcome outcome = {
-        .of = lac_simulation_result(job->simulation),
+        .of = lac_simulation_outcome(job->simulation),
         .history = &job->history,
         .compare = &job->compare,
         .path = job->path,
@@ -310,7 +283,7 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     cli_say(request, "building the scene of %s", request->argument[0]);
     LAC_TRY(create(&job, err));
     if (goes_on(&job) && !isnan(job.source->accuracy)) {
-        LAC_TRY(read_checkpoint(&job, lac_simulation_result(job.simulation)->source, err));
+        LAC_TRY(read_checkpoint(&job, lac_simulation_outcome(job.simulation)->source, err));
     }
     LAC_TRY(compute(&job, err));
 out:

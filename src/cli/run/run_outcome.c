@@ -10,17 +10,10 @@
 #include "base/date.h"
 #include "base/units.h"
 #include "cli/common/failure.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "cli/contact/measures.h"
-
-static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
-
-double cli_cpu_time(void)
-{
-    struct rusage usage;
-    (void)getrusage(RUSAGE_SELF, &usage);
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
+#include "cli/contact/contact.h"
+#include "data/dataset.h"
 
 // Linux counts in KiB.
 static int64_t peak_memory(void)
@@ -50,11 +43,12 @@ static double failure_time(const cli_outcome *outcome)
 }
 
 // "" where the run has no date or no failure.
-static const char *failure_date(const cli_outcome *outcome, char *text, size_t size)
+static cli_text failure_date(const cli_outcome *outcome)
 {
-    text[0] = '\0';
+    cli_text text = {""};
     if (!isnan(failure_time(outcome)) && outcome->of->source->dated) {
-        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text, size);
+        (void)lac_date_format(outcome->of->source->start_date + failure_time(outcome), text.s,
+                              sizeof text.s);
     }
     return text;
 }
@@ -77,27 +71,22 @@ static const char *end_reason(const cli_outcome *outcome)
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
-    char time[64], date[32], rate[64];
+    const cli_text time = cli_exact(result->time, "s"), date = failure_date(outcome);
     if (result->failed) {
-        bool by_slip = result->end == LAC_END_SLIP;
-        (void)lac_units_format(failure_time(outcome), "s", time, sizeof time);
-        (void)failure_date(outcome, date, sizeof date);
-        cli_row("failure", "after %s%s%s%s", time, date[0] != '\0' ? ", on " : "", date,
-                by_slip ? ", by slip (time.failure.mean_slip)" : "");
+        cli_row("failure", "after %s%s%s%s", cli_exact(failure_time(outcome), "s").s,
+                date.s[0] != '\0' ? ", on " : "", date.s,
+                result->end == LAC_END_SLIP ? ", by slip (time.failure.mean_slip)" : "");
+    } else if (strcmp(outcome->status, "complete") != 0) {
+        cli_row("failure", "none by %s, where the run was %s", time.s,
+                broke(outcome) ? "broken off" : "interrupted");
+    } else if (result->end == LAC_END_STOP) {
+        cli_row("failure", "none; a limit of time.stop_when was reached after %s", time.s);
     } else {
-        (void)lac_units_format(result->time, "s", time, sizeof time);
-        if (strcmp(outcome->status, "complete") != 0) {
-            cli_row("failure", "none by %s, where the run was %s", time,
-                    broke(outcome) ? "broken off" : "interrupted");
-        } else if (result->end == LAC_END_STOP) {
-            cli_row("failure", "none; a limit of time.stop_when was reached after %s", time);
-        } else {
-            cli_row("failure", "none by the end, after %s", time);
-        }
+        cli_row("failure", "none by the end, after %s", time.s);
     }
     if (result->failure.lowered) {
-        (void)lac_units_format(result->failure.rate, "m/s", rate, sizeof rate);
-        cli_row("failure rate", "%s, %s", rate, cli_failure_lowered);
+        cli_row("failure rate", "%s, %s", cli_exact(result->failure.rate, "m/s").s,
+                cli_failure_lowered);
     }
 }
 
@@ -112,7 +101,6 @@ static void print_friction(const cli_history *history)
 static void print_cost(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
-    char wall[32], cpu[32];
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
     if (outcome->of->accuracy != NULL) {
@@ -121,13 +109,11 @@ static void print_cost(const cli_outcome *outcome)
     cli_row("fidelity", "%s", fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
-    cli_row("time taken", "%s, CPU %s", cli_quantity(outcome->wall_time, "s", wall, sizeof wall),
-            cli_quantity(cli_cpu_time(), "s", cpu, sizeof cpu));
+    cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
+            cli_amount(cli_cpu_time(), "s").s);
     cli_row("peak memory", "%.3g MB", (double)peak_memory() / 1e6);
     if (outcome->resumed != NULL) {
-        char time[64];
-        (void)lac_units_format(outcome->resumed->time, "s", time, sizeof time);
-        cli_row("resumed", "at %s, %s", time,
+        cli_row("resumed", "at %s, %s", cli_exact(outcome->resumed->time, "s").s,
                 outcome->resumed->planned ? "a planned checkpoint: the same to the last bit"
                                           : "a forced checkpoint: the same within solver.rtol");
     }
@@ -163,15 +149,14 @@ void cli_outcome_print(const cli_outcome *outcome)
 
 static void write_failure(lac_json *json, const cli_outcome *outcome)
 {
-    char date[32];
-    (void)failure_date(outcome, date, sizeof date);
+    const cli_text date = failure_date(outcome);
     if (broke(outcome)) {
         lac_json_null(json, "failed");
     } else {
         lac_json_boolean(json, "failed", outcome->of->run.failed);
     }
     lac_json_number(json, "failure_time_s", failure_time(outcome));
-    lac_json_text(json, "failure_date", date[0] != '\0' ? date : NULL);
+    lac_json_text(json, "failure_date", date.s[0] != '\0' ? date.s : NULL);
     lac_json_text(json, "ended_by", end_reason(outcome));
     lac_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
     lac_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
@@ -254,7 +239,13 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
     lac_json_text(&json, "title", outcome->of->source->title);
     lac_json_text(&json, "status", outcome->status);
     write_failure(&json, outcome);
-    lac_status status = cli_measures_json(&json, &outcome->of->scene->contact, err);
+    const lac_contact_outcome contact = {.contact = &outcome->of->scene->contact, .brief = true};
+    lac_dataset *measures = NULL;
+    const lac_status status = lac_contact_describe(&contact, &measures, err);
+    if (status == LAC_OK) {
+        lac_dataset_json(measures, &json);
+    }
+    lac_dataset_free(measures);
     write_results(&json, outcome);
     write_accuracy(&json, outcome->of->accuracy);
     write_analysis(&json, outcome->of->analysis);

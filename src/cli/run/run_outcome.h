@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_RUN_RUN_OUTCOME_H
 #define LACUNA_CLI_RUN_RUN_OUTCOME_H
 
-#include "cli/contact/history.h"
 #include "cli/report/compare.h"
+#include "cli/run/history.h"
 #include "simulation/simulation.h"
 
 /// Everything that is said about a run when it is over.
@@ -16,9 +16,6 @@ typedef struct cli_outcome {
     const char *path;              ///< of the file
     double wall_time;              ///< [s]
 } cli_outcome;
-
-/// CPU time of the program so far [s].
-double cli_cpu_time(void);
 
 /// Whether the slope failed, of a run that did not break: what was computed then counts for
 /// nothing.

@@ -253,18 +253,11 @@ out:
     return status;
 }
 
-static const char *digits(double value, char text[TEXT])
-{
-    (void)snprintf(text, TEXT, "%.17g", value);
-    return text;
-}
-
-// What the run's file says of itself.
+// What the run's file says of itself, beside its variables.
 static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *err)
 {
     const lac_provenance *from = &def->provenance;
-    const lac_grid *grid = &def->domain->grid;
-    char netcdf[32], libraries[320], text[7][TEXT];
+    char netcdf[32], libraries[320], date[TEXT], seed[TEXT] = "";
     const struct {
         const char *name, *text;
     } texts[] = {
@@ -277,17 +270,11 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
         {"fidelity", from->fidelity},
         {"case", from->case_text},
         {"status", "running"},
-        {"date_created", lac_date_format(from->now, text[0], TEXT)},
-        {"grid_nx", digits((double)grid->nx, text[1])},
-        {"grid_ny", digits((double)grid->ny, text[2])},
-        {"grid_dx_m", digits(grid->dx, text[3])},
-        {"grid_dy_m", digits(grid->dy, text[4])},
-        {"boundary", grid->periodic ? "periodic" : "free"},
-        {"seed", from->seed != INT64_MIN ? digits((double)from->seed, text[5]) : NULL},
-        {"time_coverage_start",
-         def->dated ? lac_date_format(def->start_date, text[6], TEXT) : NULL},
+        {"date_created", lac_date_format(from->now, date, sizeof date)},
+        {"seed", from->seed != INT64_MIN ? seed : NULL},
     };
     lac_status status = LAC_OK;
+    (void)snprintf(seed, sizeof seed, "%.17g", (double)from->seed);
     (void)cli_netcdf_version(netcdf, sizeof netcdf); // as the file has it
     (void)snprintf(libraries, sizeof libraries, "%s, netCDF %s", from->libraries, netcdf);
     for (size_t i = 0; i < sizeof texts / sizeof *texts && status == LAC_OK; i++) {
@@ -301,13 +288,7 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,
                          lac_error *err)
 {
-    lac_recording_def as = {.domain = def->domain,
-                            .hierarchy = def->hierarchy,
-                            .transfer = def->transfer,
-                            .fields = def->fields,
-                            .extras = def->extras,
-                            .extra = def->extra,
-                            .events = def->events};
+    lac_recording_def as = def->of;
     lac_status status;
     LAC_TRY(lac_recording_create(&as, &view->whole, err));
     as.passing = true;
@@ -411,7 +392,8 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
         return *next;
     }
     view->next = *next;
-    return (lac_sink){.context = view,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = view,
                       .once = next->once != NULL ? on_once : NULL,
                       .record = on_record,
                       .snapshot = next->snapshot != NULL ? on_snapshot : NULL,

@@ -52,18 +52,23 @@ SHARED = {
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
     "rg": {"rg_map.h", "rg_study.h"},
-    "run": {"sensitivity.h"},
-    "scene": {"scene_rg.h"},
+    "run": {"describe.h", "sensitivity.h"},
+    "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
     "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_events.h", "store_file.h", "store_map.h"},
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
 PUBLIC = {
+    "case": "base",
+    "contact": "scene",
     "dataset": "data",
     "error": "base",
+    "forecast": "fit",
     "linkage": "base",
     "param": "base",
+    "rg": "scene",
+    "simulation": "base",
     "version": "base",
     "lacuna": "cli",
 }

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_STATISTICS_H
+#define LACUNA_BASE_STATISTICS_H
+
+#include <stddef.h>
+
+/// Sum of x, of x_i/n and of x_i y_i, in order.
+double lac_sum(size_t n, const double *x);
+double lac_mean(size_t n, const double *x);
+double lac_dot(size_t n, const double *x, const double *y);
+
+/// Median of n values, which are put in order; NaN where n = 0.
+double lac_median(size_t n, double *values);
+
+/// The value that `share` of n sorted ones are below, between two of them, but none between a
+/// finite one and INFINITY, which counts as never.
+/// @pre   n > 0, 0 <= share <= 1
+double lac_quantile(size_t n, const double *sorted, double share);
+
+/// For qsort: elements that begin with a double, smallest first.
+int lac_by_first(const void *left, const void *right);
+
+/// Points and their least-squares line; where all x are the same it is level.
+typedef struct lac_line {
+    double n, x0, y0;  ///< what means count from
+    double x, y;       ///< means
+    double xx, xy, yy; ///< sums of squares and products about them
+    double rest;       ///< squares of the residuals, none of them a difference of large sums
+} lac_line;
+
+/// The line of n points, means first.
+lac_line lac_line_fit(size_t n, const double *x, const double *y);
+/// One point more, for points that are not held together; {0} has none. Counts from the first one:
+/// squares of seconds since 1970 have no digits left.
+void lac_line_add(lac_line *line, double x, double y);
+/// NaN where all x are the same.
+double lac_line_slope(const lac_line *line);
+/// y of the line at x.
+double lac_line_at(const lac_line *line, double x);
+/// Standard error of the slope, from the sums; NaN of less than three points.
+double lac_line_error(const lac_line *line);
+/// rms departure from the line's slope of the slopes over all runs of at least half of its points
+/// (and two).
+double lac_line_range_spread(const lac_line *line, const double *x, const double *y);
+
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CLI_COMMON_TEXTS_H
+#define LACUNA_CLI_COMMON_TEXTS_H
+
+/// A text that the program writes as it is, made from the files in `texts/` when Lacuna is built.
+typedef struct cli_named_text {
+    const char *name;
+    const char *text;
+} cli_named_text;
+
+/// Cases to start from by their kind, and what shells read by the shell; the last name is NULL.
+extern const cli_named_text cli_templates[], cli_shells[];
+
+#endif

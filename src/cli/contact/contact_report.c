@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A contact in words: its surface, its measures, and with -v the tables of what was fitted.
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "base/statistics.h"
+#include "base/vsum.h"
+#include "cli/common/progress.h"
+#include "cli/common/words.h"
+#include "cli/contact/contact.h"
+
+// Words for lac_measured, and for the fit of a file.
+static const char *const measured_words[] = {"the interface", "the file as read",
+                                             "the file, as far as it lies on the interface",
+                                             "both faces on the interface"};
+static const char *const fit_words[] = {"cropped", "padded", "resampled"};
+
+// A misfit that scatter does not explain: one in a thousand at eight shells.
+static const double bad_misfit = 3.7;
+
+static void print_file(const lac_file_report *file, const char *label)
+{
+    cli_row(label, "%s (%s)", file->path, file->format);
+    cli_row("", "%zu x %zu samples%s, heights in %s%s; %s", file->nx, file->ny,
+            isnan(file->dx) ? "" : cli_format(" %s apart", cli_amount(file->dx, "m").s).s,
+            file->height_unit,
+            file->masked > 0 ? cli_format(", %zu without height", file->masked).s : "",
+            fit_words[file->fit]);
+}
+
+static void print_hurst(const lac_surface_measures *m)
+{
+    if (isnan(m->hurst)) {
+        cli_row("Hurst exponent", "none: too few waves");
+        return;
+    }
+    cli_row("Hurst exponent", "%.3f +/- %.3f (waves of %s to %s%s)", m->hurst, m->hurst_error,
+            cli_amount(m->fit_shortest, "m").s, cli_amount(m->fit_longest, "m").s,
+            m->hurst_misfit > bad_misfit || m->hurst < 0.0 || m->hurst > 1.0
+                ? "; no self-affine range"
+                : "");
+}
+
+static const char *range_words(double jrc)
+{
+    if (isnan(jrc)) {
+        return "none: flat";
+    }
+    return jrc < 0.0 ? " (below 0: smoother than it was found for)"
+                     : (jrc > 20.0 ? " (above 20: rougher than it was found for)" : "");
+}
+
+static void print_jrc(double z2, double step, double jrc)
+{
+    cli_row("Z2, JRC", "%.4g at %s: %s%s", z2, cli_amount(step, "m").s,
+            isnan(jrc) ? "" : cli_format("%.1f", jrc).s, range_words(jrc));
+}
+
+static void print_surface(const lac_surface_report *surface)
+{
+    const lac_surface_measures *m = &surface->measures;
+    for (size_t i = 0; i < surface->files; i++) {
+        print_file(&surface->file[i],
+                   surface->files < 2 ? "heights" : (i == 0 ? "upper face" : "lower face"));
+    }
+    cli_row("measured", "%s", measured_words[surface->measured]);
+    cli_row_quantity("rms height", m->rms_height, "m");
+    cli_row("rms slopes x, y", "%.4g, %.4g", m->rms_slope_x, m->rms_slope_y);
+    print_hurst(m);
+    print_jrc(m->z2, m->z2_step, m->jrc);
+    for (size_t k = 0; k < m->profiles; k++) {
+        if (m->profile[k].step != m->z2_step) {
+            print_jrc(m->profile[k].z2, m->profile[k].step, m->profile[k].jrc);
+        }
+    }
+}
+
+static const char *weakness(const lac_box_count *boxes)
+{
+    if (boxes->few_cells) {
+        return " (weak: fewer than 500 cells)";
+    }
+    return boxes->dense ? " (more than 30 % of the area: not a fractal set)" : "";
+}
+
+static void print_grid(const lac_grid *grid)
+{
+    const bool oblong = grid->ny > 1 && fabs(grid->dy / grid->dx - 1) > 1e-9;
+    cli_row("grid", "%zu x %zu cells of %s%s%s%s", grid->nx, grid->ny, cli_amount(grid->dx, "m").s,
+            oblong ? " x " : "", oblong ? cli_amount(grid->dy, "m").s : "",
+            grid->periodic ? "" : ", free at its border");
+}
+
+void cli_measures_print(const lac_scene_contact *contact)
+{
+    const lac_grid *grid = &contact->grid;
+    const size_t cells = contact->domain->n;
+    const double *pressure = contact->domain->pressure;
+    print_grid(grid);
+    cli_row("contact cells", "%zu (%.3g %% of the area)", cells,
+            100 * ((double)cells / (double)lac_grid_cells(grid)));
+    cli_row_quantity("mean real pressure", lac_sum(cells, pressure) / (double)cells, "Pa");
+    cli_row_quantity("largest pressure", lac_vmost(cells, pressure), "Pa");
+    if (contact->counted) {
+        cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
+                weakness(&contact->boxes));
+    } else if (lac_grid_cells(grid) > 1) {
+        cli_row("D_box", "none: the grid or the contact is too small to count boxes");
+    }
+    if (isfinite(contact->blocks.dimension)) {
+        cli_row("D of all blocks", "%.4f", contact->blocks.dimension);
+    }
+}
+
+// A dimension, or a dash where there is none.
+static cli_text local(double value) { return cli_format(isfinite(value) ? "%.3f" : "-", value); }
+
+static void print_fit(const lac_scaling *s)
+{
+    cli_row("Delta_S", "%.3f +/- %.3f (cells of %s to %s, %s)%s", s->dimension, s->error,
+            cli_amount(s->at[s->n - s->left_out - 1].cell, "m").s, cli_amount(s->at[0].cell, "m").s,
+            lac_coarsening_text(s->coarsening),
+            s->few_cells ? " (weak: fewer than 100 cells at the coarsest)" : "");
+    cli_row("", "%s less boundary cells; %s from the rms slopes alone", local(s->smooth).s,
+            local(s->from_slopes).s);
+    cli_row("fractal area", "%.4g m^%.3f", s->fractal_area, s->dimension);
+    cli_row("fractal pressure", "%.4g N m^-%.3f", s->fractal_pressure, s->dimension);
+}
+
+static void print_size_effect(const lac_scene_fractal *f)
+{
+    const lac_size_strength *last = &f->size[f->sizes - 1];
+    cli_row("size effect", "strength ~ b^-%.3f: at %s %.3g (%.3g to %.3g) of what it is here",
+            2 - f->scaling.dimension, cli_amount(last->size, "m").s, last->relative, last->low,
+            last->high);
+}
+
+static void print_fractal(const lac_scene_contact *contact)
+{
+    const lac_scene_fractal *f = &contact->fractal;
+    const lac_cluster_summary *c = &f->clusters;
+    if (f->clustered && lac_grid_cells(&contact->grid) > 1) {
+        cli_row("clusters", "%zu, mean %.3g cells, largest %zu cells (%s across)", c->n, c->mean,
+                c->largest, cli_amount(c->largest_extent, "m").s);
+    }
+    if (f->scaled) {
+        print_fit(&f->scaling);
+    } else if (contact->solved) {
+        cli_row("Delta_S", "none: %s", f->why.message);
+    }
+    if (f->sizes > 0) {
+        print_size_effect(f);
+    }
+}
+
+static void print_resolutions(const lac_scene_contact *contact)
+{
+    const lac_scaling *s = &contact->fractal.scaling;
+    double nominal = lac_grid_area(&contact->grid);
+    printf("\nResolutions (%s; * fitted)\n", lac_coarsening_text(s->coarsening));
+    printf("  %12s %10s %12s %9s %9s %7s %9s %8s\n", "cell", "A_r / A_0", "p_r", "cells",
+           "rms slope", "kappa", "p_r A_r/P", "Delta_S");
+    for (size_t i = 0; i < s->n; i++) {
+        const lac_resolution *at = &s->at[i];
+        printf("%c %12s %10.6f %12s %9zu %9.4f %7.3f %9.6f %8s\n",
+               i + s->left_out < s->n ? '*' : ' ', cli_amount(at->cell, "m").s, at->area / nominal,
+               cli_amount(at->pressure, "Pa").s, at->cells, at->slope,
+               at->area * at->slope * contact->e_star / s->load, at->pressure * at->area / s->load,
+               local(at->local).s);
+    }
+}
+
+static void print_boxes(const lac_scene_contact *contact)
+{
+    const lac_box_count *b = &contact->boxes;
+    printf("\nBoxes (* fitted)\n  %8s %12s %12s %12s %8s\n", "cells", "side", "boxes", "least",
+           "D_box");
+    for (size_t i = 0; i < b->sizes; i++) {
+        printf("%c %8.0f %12s %12.1f %12.0f %8s\n",
+               i >= b->fit_first && i <= b->fit_last ? '*' : ' ', b->side[i],
+               cli_amount(b->side[i] * contact->grid.dx, "m").s, b->count[i], b->minimum[i],
+               local(-b->slope[i]).s);
+    }
+}
+
+static void print_clusters(const lac_cluster_summary *c)
+{
+    printf("\nClusters\n  %18s %10s %10s\n", "cells in one", "clusters", "cells");
+    for (size_t i = 0; i < c->octaves; i++) {
+        printf("  %18s %10zu %10zu\n",
+               i == 0 ? "1" : cli_format("%llu to %llu", 1ull << i, (2ull << i) - 1).s, c->count[i],
+               c->cells_of[i]);
+    }
+}
+
+static void print_published(void)
+{
+    const lac_size_exponent *x;
+    puts("\nPublished exponents of strength ~ b^-x");
+    for (size_t i = 0; (x = lac_size_exponent_at(i)) != NULL; i++) {
+        printf("  %-10s %-20s %-18s %s\n",
+               cli_format(x->high > x->low ? "%.2f-%.2f" : "%.2f", x->low, x->high).s, x->quantity,
+               isfinite(x->shortest_m) ? cli_format("%s to %s", cli_amount(x->shortest_m, "m").s,
+                                                    cli_amount(x->longest_m, "m").s)
+                                             .s
+                                       : "lengths not stated",
+               x->source);
+    }
+}
+
+static void print_sizes(const lac_scene_fractal *f)
+{
+    printf("\nSize effect, strength ~ b^-x, x = %.3f +/- %.3f\n", 2 - f->scaling.dimension,
+           f->scaling.error);
+    printf("  %12s %10s %18s %14s\n", "specimen", "strength", "within an error", "p_0 at p*");
+    for (size_t i = 0; i < f->sizes; i++) {
+        const lac_size_strength *at = &f->size[i];
+        printf("  %12s %10.4g %18s %14s\n", cli_amount(at->size, "m").s, at->relative,
+               cli_format("%.3g to %.3g", at->low, at->high).s, cli_amount(at->pressure, "Pa").s);
+    }
+    print_published();
+}
+
+static void print_tables(const lac_scene_contact *contact)
+{
+    const lac_scene_fractal *f = &contact->fractal;
+    if (f->scaled) {
+        print_resolutions(contact);
+    }
+    if (contact->counted) {
+        print_boxes(contact);
+    }
+    if (f->clustered) {
+        print_clusters(&f->clusters);
+    }
+    if (f->sizes > 0) {
+        print_sizes(f);
+    }
+}
+
+void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, const char *path,
+                       bool tables)
+{
+    const lac_scene_contact *contact = outcome->contact;
+    const lac_contact_report *report = &contact->report;
+    if (c->title != NULL) {
+        puts(c->title);
+    }
+    if (contact->solved) {
+        print_surface(&contact->surface);
+    }
+    cli_row_quantity("nominal pressure", contact->mean_pressure, "Pa");
+    cli_measures_print(contact);
+    print_fractal(contact);
+    if (contact->solved) {
+        cli_row("iterations", "%" PRId64 " (%" PRId64 " elastic products)", report->iterations,
+                report->products);
+        cli_row("complementarity", "%.2g", report->complementarity_error);
+        cli_row_quantity("penetration", fabs(report->penetration), "m");
+        cli_row_quantity("approach", report->approach, "m");
+    }
+    if (outcome->result != NULL) {
+        cli_steps_print(outcome);
+    }
+    cli_row("time taken", "CPU %s", cli_amount(cli_cpu_time(), "s").s);
+    cli_row("file", "%s", path);
+    if (tables) {
+        print_tables(contact);
+    }
+}

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a case will cost in time, memory and disk, from constants that were measured on one core.
+#include "scene/estimate.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/internal.h"
+#include "surface/surface.h"
+#include "transfer/transfer.h"
+
+// Of the program with its libraries: memory and time. Of a contact cell: memory while it is
+// integrated, time of a step.
+static const double base_bytes = 24e6, base_seconds = 0.02, contact_cell_bytes = 550,
+                    cell_step_seconds = 0.2e-6;
+static const double massive_factor = 3; // on the last where a block has mass
+
+// Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
+// that, and of the calibration of one level's elastic stiffness; of a static history what it adds
+// to the memory, and the time of a step.
+static const struct {
+    double bytes, kept_bytes, seconds, level_seconds, history_bytes, history_seconds;
+} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 190, 2.5e-6},
+             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 460, 11e-6}};
+
+// Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
+// make it an iteration; four times that where transforms are of twice the sides.
+static const double filter_seconds = 0.1e-6, iteration_seconds = 0.6e-6;
+
+// Of the cascade: a contact along its path, for each cell of the grid; the blocks of one place and
+// one beta, for each contact cell. Contact cells where they are not known, as a part of the grid.
+static const double path_seconds = 0.4e-6, place_seconds = 3.5e-6, some_contact = 0.2;
+
+// Contacts that a search for a dimension solves, as multiples of one solved afresh.
+static const double search_least = 1.5, search_most = 6;
+
+// Steps of a run at rtol = 1e-6 in which the cells move together, under loads that do not change:
+// runs in cases/ took 11 to 490, and up to 23 a cell that fails alone. Time of an update of a cell
+// with steps of its own.
+enum { SMOOTH_STEPS = 500 };
+static const double own_step_seconds = 2e-6;
+
+// Of what is put out at stated times: bytes and time of a record, time of it and of a value of a
+// field for each contact cell.
+static const double record_bytes = 110, record_seconds = 2e-6, record_cell_seconds = 12e-9,
+                    value_seconds = 20e-9;
+
+// Grids beyond the cache take longer a cell: twice as long at 4096 x 4096, found so.
+static double slowdown(const lac_estimate *e) { return fmax(1, pow(e->grid_cells / 1e6, 0.25)); }
+
+// Of what takes so long for a cell of the grid.
+static double over_grid(const lac_estimate *e, double seconds)
+{
+    return seconds * e->grid_cells * slowdown(e);
+}
+
+// Mean square slope to the next cell along one direction, round the edges where periodic.
+static double mean_square_slope(const lac_grid *grid, const double *h, bool along_x)
+{
+    size_t n = along_x ? grid->nx : grid->ny, rows = lac_grid_cells(grid) / n;
+    size_t step = along_x ? 1 : grid->nx, next_row = along_x ? grid->nx : 1;
+    size_t pairs = grid->periodic ? n : n - 1;
+    double sum = 0, side = along_x ? grid->dx : grid->dy;
+    for (size_t j = 0; j < rows; j++) {
+        for (size_t i = 0; i < pairs; i++) {
+            const double *row = h + j * next_row;
+            double slope = (row[(i + 1) % n * step] - row[i * step]) / side;
+            sum += slope * slope;
+        }
+    }
+    return pairs > 0 ? sum / ((double)pairs * (double)rows) : 0;
+}
+
+// A/A_nom = kappa p/(E* h') at light load, kappa = 2.2 by simulation: Hyun et al. (2004), doi
+// 10.1103/PhysRevE.70.026117; taken to full contact by the error function, as Persson (2001).
+// @param slope  h', rms
+static double contact_fraction(const lac_case *c, double pressure, double slope)
+{
+    const double kappa = 2.2, pi = 3.141592653589793;
+    double e_star = c->material.shear_modulus / (1 - c->material.poisson);
+    return slope > 0 ? erf(0.5 * sqrt(pi) * kappa * pressure / (e_star * slope)) : 1;
+}
+
+static lac_status estimate_surface(const lac_case *c, lac_estimate *e, lac_error *err)
+{
+    double *heights = malloc(lac_grid_cells(&e->grid) * sizeof *heights);
+    if (heights == NULL) {
+        return lac_fail_memory(err);
+    }
+    lac_status status = lac_surface_generate(&c->surface, &e->grid, heights, err);
+    if (status == LAC_OK) {
+        double slope = sqrt(mean_square_slope(&e->grid, heights, true) +
+                            mean_square_slope(&e->grid, heights, false));
+        double fraction = contact_fraction(c, e->pressure, slope);
+        e->contact_cells = isfinite(fraction) ? fmax(1, e->grid_cells * fraction) : (double)NAN;
+    }
+    free(heights);
+    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.surface");
+}
+
+static lac_status count_cells(const lac_case *c, lac_estimate *e, lac_error *err)
+{
+    if (c->surface.about != NULL) {
+        return estimate_surface(c, e, err);
+    }
+    lac_domain *domain = NULL;
+    lac_status status = c->domain.about != NULL ? lac_scene_domain_create(c, &domain, err) : LAC_OK;
+    e->contact_cells = domain != NULL ? (double)domain->n : e->grid_cells;
+    e->exact = true;
+    lac_domain_free(domain);
+    return status;
+}
+
+// `contact` follows the history of a static case.
+static bool follows_history(const lac_case *c, const lac_estimate *e)
+{
+    return !e->integrated && c->history.count > 0;
+}
+
+static void count_memory(const lac_case *c, lac_estimate *e)
+{
+    int boundary = c->interface.boundary;
+    double grid = costs[boundary].bytes + (e->integrated ? 0 : costs[boundary].kept_bytes);
+    grid += follows_history(c, e) ? costs[boundary].history_bytes : 0;
+    double integration = e->integrated ? 0.5 * e->unknowns * contact_cell_bytes * e->cells : 0;
+    e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
+}
+
+static void count_steps(const lac_case *c, lac_estimate *e)
+{
+    const lac_load_slots loads = lac_case_loads(c);
+    if (!e->integrated) {
+        return;
+    }
+    e->own_steps = c->run.fidelity == LAC_FIDELITY_EVENTS;
+    e->changing = !lac_load_slots_constant(&loads);
+    e->steps_least = e->own_steps ? LAC_OWN_FEWEST * e->cells : LAC_FEWEST_STEPS;
+    e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
+    e->steps_most += e->stable ? 0 : LAC_STEPS_PER_FAILURE * e->cells;
+    e->steps_most = e->changing    ? (double)NAN
+                    : e->own_steps ? LAC_OWN_STEPS * e->cells
+                                   : e->steps_most;
+}
+
+static double contact_seconds(const lac_case *c, const lac_estimate *e)
+{
+    double scaling = e->integrated ? 1 : 4.0 / 3; // `contact` solves coarser grids too
+    double finest = c->surface.about != NULL ? costs[c->interface.boundary].seconds : 0;
+    return finest * e->grid_cells * scaling * slowdown(e);
+}
+
+// Where the joint would slip first takes about as long as a step.
+static double history_seconds(const lac_case *c, const lac_estimate *e)
+{
+    double steps = follows_history(c, e) ? 1 + (double)lac_scene_history_steps(c) : 0;
+    return over_grid(e, costs[c->interface.boundary].history_seconds * steps);
+}
+
+static double calibration_seconds(const lac_case *c, const lac_transfer_outline *held,
+                                  const lac_estimate *e)
+{
+    size_t side = e->grid.nx > e->grid.ny ? e->grid.nx : e->grid.ny;
+    double levels = e->integrated && held->rock != NULL ? ceil(log2((double)side)) : 0;
+    return over_grid(e, costs[c->interface.boundary].level_seconds * levels);
+}
+
+// What a transfer by transforms adds to a step.
+static double elastic_seconds(const lac_case *c, const lac_transfer_outline *held,
+                              const lac_estimate *e)
+{
+    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    if (kind == NULL || !kind->transforms) {
+        return 0;
+    }
+    bool alone = c->interface.boundary == LAC_FREE;
+    bool filter = e->contact_cells == e->grid_cells && (!alone || held->anchored);
+    return over_grid(e, (filter ? filter_seconds : iteration_seconds) * (alone ? 4 : 1));
+}
+
+// Of `seeds` interfaces with their blocks at `places` places, for `betas` residual strengths.
+static double cascade_of(const lac_case *c, bool elastic, double seeds, double places, double betas,
+                         const lac_estimate *e)
+{
+    double cells = isnan(e->contact_cells) ? some_contact * e->grid_cells : e->contact_cells;
+    double path = elastic ? path_seconds * (double)c->rg.contacts * e->grid_cells : 0;
+    return seeds * (path + place_seconds * places * betas * cells) * slowdown(e);
+}
+
+// The cascade that a run follows is that of its own interface, once.
+static const lac_analysis_rg *followed_cascade(const lac_case *c)
+{
+    for (size_t i = 0; i < c->analysis.count; i++) {
+        const lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
+        if (rg != NULL && isnan(rg->critical_fraction)) {
+            return rg;
+        }
+    }
+    return NULL;
+}
+
+static double cascade_seconds(const lac_case *c, const lac_estimate *e)
+{
+    const lac_analysis_rg *rg = followed_cascade(c);
+    if (e->integrated && rg != NULL) {
+        return cascade_of(c, rg->field == LAC_RG_ELASTIC, 1, (double)rg->shifts, 1, e);
+    }
+    if (e->integrated || !c->rg.named) {
+        return NAN;
+    }
+    double betas = c->rg.betas > 0 ? (double)c->rg.betas : 1, seeds = (double)c->rg.seeds;
+    return contact_seconds(c, e) * seeds +
+           cascade_of(c, c->rg.field == LAC_RG_ELASTIC, seeds, (double)c->rg.shifts, betas, e);
+}
+
+static void count_time(const lac_case *c, lac_estimate *e)
+{
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    const bool search = normal->dimension != NULL;
+    const double contact = contact_seconds(c, e), massive = e->unknowns > 2 ? massive_factor : 1;
+    lac_transfer_outline held;
+    (void)lac_transfer_outline_of(&c->transfer, &held);
+    double once = base_seconds + history_seconds(c, e) + calibration_seconds(c, &held, e);
+    double step = e->own_steps
+                      ? own_step_seconds
+                      : cell_step_seconds * massive * e->cells + elastic_seconds(c, &held, e);
+    e->cascade_time = cascade_seconds(c, e);
+    once += e->integrated && !isnan(e->cascade_time) ? e->cascade_time : 0;
+    e->cpu_time_least = contact * (search ? search_least : 1) + once + step * e->steps_least;
+    e->cpu_time_most = contact * (search ? search_most : 1) + once + step * e->steps_most;
+}
+
+static double count_times(double end, double every) { return every > 0 ? floor(end / every) : 0; }
+
+// What is put out at stated times, as if the run went on to its end.
+static void count_output(const lac_case *c, lac_estimate *e)
+{
+    if (!e->integrated) {
+        return;
+    }
+    double fields = 0, snapshots = count_times(c->run.end, c->run.snapshot.time);
+    for (unsigned f = c->fields; f != 0; f >>= 1) {
+        fields += f & 1;
+    }
+    e->records = count_times(c->run.end, c->run.record.time);
+    e->file_bytes = record_bytes * e->records + 8 * fields * e->cells * snapshots;
+    e->cpu_time_most += e->records * (record_seconds + record_cell_seconds * e->cells) +
+                        value_seconds * fields * e->cells * snapshots;
+}
+
+lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estimate *e,
+                             lac_error *err)
+{
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    *e = (lac_estimate){.grid = grid,
+                        .pressure = lac_case_pressure(c),
+                        .grid_cells = (double)lac_grid_cells(&grid),
+                        .contact_cells = NAN,
+                        .critical = NAN,
+                        .stiffness_ratio = NAN,
+                        .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
+    const lac_status status = count_cells(c, e, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    e->cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
+    lac_judge_stability(c, e);
+    count_memory(c, e);
+    count_steps(c, e);
+    e->faster = e->integrated ? lac_faster_fidelity(c, e) : NULL;
+    count_time(c, e);
+    count_output(c, e);
+    return lac_scene_try(c, files, e, err);
+}

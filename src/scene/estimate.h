@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SCENE_ESTIMATE_H
+#define LACUNA_SCENE_ESTIMATE_H
+
+#include "case/case.h"
+
+/// Steps of a run whose cells move together, and of each cell that fails alone
+/// (docs/theory/creep.md); updates of a cell with steps of its own, as long as none slips and on
+/// the way to failure (docs/theory/fidelity-events.md).
+enum {
+    LAC_FEWEST_STEPS = 10,
+    LAC_STEPS_PER_FAILURE = 80,
+    LAC_OWN_FEWEST = 30,
+    LAC_OWN_STEPS = 1000
+};
+
+/// What a case will cost, and what holds of it before it is run.
+typedef struct lac_estimate {
+    lac_grid grid;
+    double pressure; ///< mean normal stress [Pa]; NaN: it follows from the contact
+    double grid_cells;
+    double contact_cells;   ///< NaN: not estimated
+    double cells;           ///< these, or those of the grid
+    bool exact;             ///< contact_cells is a count, not an estimate
+    double critical;        ///< k_crit = p (b - a)/dc [Pa/m]; NaN: nothing is integrated
+    double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
+    bool stable;        ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
+                        ///< on its own
+    bool integrated;    ///< else statics: no steps
+    double unknowns;    ///< of a contact cell
+    bool own_steps;     ///< cells take steps of their own (solver.fidelity: events), each counts
+    const char *faster; ///< the other fidelity, where it is known to be the faster one and takes
+                        ///< the case as it stands; NULL
+    bool changing;      ///< a load changes in time: how often cells slip is not known
+    double steps_least, steps_most;       ///< most NaN: not estimated
+    double memory;                        ///< peak [bytes]
+    double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated
+    double records, file_bytes; ///< at stated times up to the end: records; they and the fields
+    double cascade_time;        ///< of `lacuna rg`, or of the cascade that a run follows, in
+                                ///< the times above then [s]; NaN: none
+    lac_failure failure;        ///< what counts as it; rate 0: not known before the run
+} lac_estimate;
+
+/// Estimates them, and is a check too: the surface is generated, not its contact; a small scene is
+/// built whole, of a large one the loads at the start are looked at.
+/// @param files  as in lac_scene_create_with
+/// @return LAC_OK; what the surface, the domain or the scene returns; LAC_ENOMEM
+lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estimate *out,
+                             lac_error *err);
+
+#endif

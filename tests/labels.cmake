@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What a test is about: one label more for each, so that `ctest -L page` runs what a change of the page can break.
+# The other label says how it looks: unit, conform, verify, extreme, case, lint, fuzz, speed.
+set(about_physics
+  "(conform|verify|extreme)\\..*"
+  "unit\\.test_(analysis|benchmark_surface|bootstrap|catalogue_keep|contact|contact_control|domain|dyadic|events)"
+  "unit\\.test_(fractal_.*|friction|friction_rates|history|joint_surface|load|micro|motion|posterior|series|series_doubts)"
+  "unit\\.test_(simulation|skill|spread|surface_.*|tangential|tangential_space|trade)"
+  "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer)\\..*"
+  "case\\.test_(analysis|breaks|catalogue|elastic|elastic_limits|events|extremes|fit|fractal|friction|history|loads)"
+  "case\\.test_(precursors|rg|small_cases|trade)|speed\\..*|case\\.costs")
+set(about_cli
+  "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases)")
+set(about_data
+  "unit\\.test_(dataset|load_files|netcdf|recording|store|store_.*)"
+  "case\\.test_(domain_file|every_call|resume|rg_file)")
+set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
+set(about_docs
+  "case\\.(README|format|install|rg-results|tables|howto-.*|tutorial-.*)"
+  "case\\.test_(commands|howto_law|names|site)")
+set(about_base
+  "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")
+set(about_build "case\\.test_(build|install|python|vector_width)" "lint\\..*")
+
+get_property(tests DIRECTORY PROPERTY TESTS)
+foreach(test ${tests})
+  set(subjects)
+  foreach(subject physics cli data page docs base build)
+    list(JOIN about_${subject} "|" any)
+    if(test MATCHES "^(${any})$")
+      list(APPEND subjects ${subject})
+    endif()
+  endforeach()
+  list(LENGTH subjects count)
+  if(NOT count EQUAL 1)
+    message(FATAL_ERROR "${test} is about \"${subjects}\": say one thing that it is about in tests/labels.cmake")
+  endif()
+  set_property(TEST ${test} APPEND PROPERTY LABELS ${subjects})
+endforeach()
