@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// A regular grid of cells: cell (ix, iy) has index iy * nx + ix and its centre at
 /// ((ix + 1/2) dx, (iy + 1/2) dy). Slip is along x. A line is a grid with ny = 1.
@@ -23,6 +24,18 @@ static inline double lac_grid_cell_area(const lac_grid *grid) { return grid->dx 
 static inline double lac_grid_area(const lac_grid *grid)
 {
     return (double)grid->nx * grid->dx * (double)grid->ny * grid->dy;
+}
+
+/// The cell at most one step away along x and y, through the edges where periodic; SIZE_MAX: none.
+static inline size_t lac_grid_beside(const lac_grid *grid, size_t cell, int dx, int dy)
+{
+    size_t x = cell % grid->nx + (size_t)(ptrdiff_t)dx;
+    size_t y = cell / grid->nx + (size_t)(ptrdiff_t)dy;
+    if (grid->periodic) {
+        x = x == grid->nx ? 0 : x == SIZE_MAX ? grid->nx - 1 : x;
+        y = y == grid->ny ? 0 : y == SIZE_MAX ? grid->ny - 1 : y;
+    }
+    return x < grid->nx && y < grid->ny ? y * grid->nx + x : SIZE_MAX;
 }
 
 /// The longer side of what occupies so many columns and rows [m]; of a line its length, for the

@@ -27,11 +27,10 @@ double lac_random_uniform(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t 
 
 void lac_random_normal(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, double out[2])
 {
-    const double tau = 6.283185307179586476925286766559;
     uint64_t bits[4];
     lac_random(seed, stream, c0, c1, bits);
     double radius = sqrt(-2.0 * log(uniform(bits[0])));
-    double angle = tau * uniform(bits[1]);
+    double angle = 2.0 * M_PI * uniform(bits[1]);
     out[0] = radius * cos(angle);
     out[1] = radius * sin(angle);
 }

@@ -8,7 +8,7 @@
 #include "lacuna/error.h"
 
 /// Units by the UDUNITS-2 database, which is read when first a unit is met that is not among the
-/// usual ones (base/units_usual.h). Not for several threads at a time: parse at the start.
+/// usual ones (base/units_usual.c). Not for several threads at a time: parse at the start.
 typedef struct lac_units lac_units;
 
 /// Finds the database.

@@ -11,8 +11,6 @@
 #include "contact/contact.h"
 #include "contact/solve.h"
 
-#define TWO_PI 6.283185307179586476925286766559
-
 // The problem in the solver's own units, and what brings it back to SI.
 typedef struct problem {
     lac_extent at;
@@ -121,7 +119,7 @@ static lac_status scale_heights(const lac_contact_def *def, double least, proble
 static double dent(const lac_contact_def *def, double longest)
 {
     if (def->control == LAC_CONTROL_LOAD) {
-        return def->mean_pressure / (0.5 * TWO_PI * def->e_star) * longest;
+        return def->mean_pressure / (0.5 * (2.0 * M_PI) * def->e_star) * longest;
     }
     return depth(def);
 }
@@ -135,7 +133,7 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     p->at = (lac_extent){grid->nx, grid->ny, longest / lx, longest / ly, grid->periodic};
     lac_status status;
     LAC_TRY(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
-    p->unit = 0.5 * TWO_PI * def->e_star * (p->h_rms / longest);
+    p->unit = 0.5 * (2.0 * M_PI) * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
     bool too_little = def->control == LAC_CONTROL_LOAD && p->h_rms > 0.0 && load == 0.0;
     if (!isfinite(p->unit) || too_little) {

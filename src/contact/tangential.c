@@ -10,8 +10,6 @@
 
 #include "contact/tangential_solve.h"
 
-#define PI 3.1415926535897932384626433832795
-
 typedef lac_shear_step step;
 
 lac_tangential_def lac_tangential_default(void)
@@ -58,7 +56,7 @@ double lac_tangential_softness(const lac_tangential_def *def)
 {
     const lac_grid *grid = &def->grid;
     double length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);
-    return length / (PI * (1.0 - def->poisson) * def->e_star);
+    return length / (M_PI * (1.0 - def->poisson) * def->e_star);
 }
 
 lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential **out,
@@ -76,13 +74,11 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     t->def = *def;
     t->softness = lac_tangential_softness(def);
     t->used[0] = t->used[1] = def->poisson > 0.0;
-    t->tau = calloc(2 * cells, sizeof *t->tau);
-    t->u = calloc(2 * cells, sizeof *t->u);
-    t->slip = calloc(2 * cells, sizeof *t->slip);
+    t->tau = calloc(6 * cells, sizeof *t->tau);
     t->state = calloc(cells, sizeof *t->state);
-    LAC_TRY(t->tau != NULL && t->u != NULL && t->slip != NULL && t->state != NULL
-                ? LAC_OK
-                : lac_fail_memory(err));
+    LAC_TRY(t->tau != NULL && t->state != NULL ? LAC_OK : lac_fail_memory(err));
+    t->u = t->tau + 2 * cells;
+    t->slip = t->u + 2 * cells;
     LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
     *out = t;
     return LAC_OK;
@@ -98,8 +94,6 @@ void lac_tangential_free(lac_tangential *t)
     }
     lac_shear_space_free(t->space);
     free(t->tau);
-    free(t->u);
-    free(t->slip);
     free(t->state);
     free(t);
 }

@@ -41,7 +41,7 @@ struct lac_tangential {
     lac_tangential_def def;
     lac_shear_space *space;
     double softness; ///< displacements in the unit of space to metres [m/Pa]
-    double *tau;     ///< [2 * cells] tractions [Pa]
+    double *tau;     ///< [2 * cells] tractions [Pa]; owns the two below
     double *u;       ///< [2 * cells] displacements, in the unit of space
     double *slip;    ///< [2 * cells] [m]
     uint8_t *state;  ///< [cells]

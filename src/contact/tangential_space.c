@@ -183,14 +183,11 @@ lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shea
     LAC_TRY(plan(s, grid->periodic, err));
     size_t modes = s->fft[0]->nkx * s->fft[0]->ny;
     bool coupled = poisson > 0.0;
-    s->xx = malloc(modes * sizeof(double));
-    s->stiffness = malloc(modes * sizeof(double));
-    s->yy = coupled ? malloc(modes * sizeof(double)) : NULL;
-    s->xy = coupled ? malloc(modes * sizeof(double)) : NULL;
-    if (s->xx == NULL || s->stiffness == NULL || (coupled && (s->yy == NULL || s->xy == NULL))) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    s->xx = malloc((coupled ? 4 : 2) * modes * sizeof *s->xx);
+    LAC_TRY(s->xx != NULL ? LAC_OK : lac_fail_memory(err));
+    s->stiffness = s->xx + modes;
+    s->yy = coupled ? s->stiffness + modes : NULL;
+    s->xy = coupled ? s->yy + modes : NULL;
     fill_tables(s, grid, poisson);
     measure(s);
     *out = s;
@@ -206,9 +203,6 @@ void lac_shear_space_free(lac_shear_space *s)
         return;
     }
     free(s->xx);
-    free(s->yy);
-    free(s->xy);
-    free(s->stiffness);
     lac_fft_free(s->fft[0]);
     lac_fft_free(s->fft[1]);
     free(s);

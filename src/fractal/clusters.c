@@ -36,21 +36,11 @@ static void join(uint32_t *parent, uint32_t a, uint32_t b)
 static void join_neighbours(const lac_domain *domain, const uint32_t *at, uint32_t i,
                             uint32_t *parent)
 {
-    const lac_grid *grid = &domain->grid;
     static const int ahead[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
-    size_t x = domain->index[i] % grid->nx;
-    size_t y = domain->index[i] / grid->nx;
     for (size_t k = 0; k < 4; k++) {
-        // One cell before the first is nx - 1 where it wraps, and nx, outside, where it does not.
-        size_t nx = ahead[k][0] < 0 && x == 0 ? (grid->periodic ? grid->nx - 1 : grid->nx)
-                                              : x + (size_t)(ptrdiff_t)ahead[k][0];
-        size_t ny = y + (size_t)ahead[k][1];
-        if (grid->periodic) {
-            nx %= grid->nx;
-            ny %= grid->ny;
-        }
-        if (nx < grid->nx && ny < grid->ny && at[ny * grid->nx + nx] != UINT32_MAX) {
-            join(parent, i, at[ny * grid->nx + nx]);
+        size_t there = lac_grid_beside(&domain->grid, domain->index[i], ahead[k][0], ahead[k][1]);
+        if (there != SIZE_MAX && at[there] != UINT32_MAX) {
+            join(parent, i, at[there]);
         }
     }
 }

@@ -63,8 +63,7 @@ static void check_load(lac_scaling *s)
 
 double lac_smooth_area(const lac_resolution *at)
 {
-    const double pi = 3.141592653589793;
-    return at->area - (pi - 1 + log(2.0)) / 24 * at->cell * at->boundary;
+    return at->area - (M_PI - 1 + log(2.0)) / 24 * at->cell * at->boundary;
 }
 
 // Delta_S of other measures of the same resolutions; NaN where one is not > 0.

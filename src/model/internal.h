@@ -29,7 +29,7 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
-    double *traction0;              // [n] q_i at t = 0 [Pa]
+    double *traction0;              // [n] q_i at t = 0 [Pa]; owns the two last
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
 };

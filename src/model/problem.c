@@ -113,12 +113,12 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
-    problem->traction0 = malloc(bytes);
-    problem->log_rate0 = malloc(bytes);
-    problem->log_state0 = malloc(bytes);
-    if (problem->traction0 == NULL || problem->log_rate0 == NULL || problem->log_state0 == NULL) {
+    problem->traction0 = malloc(3 * bytes);
+    if (problem->traction0 == NULL) {
         return lac_fail_memory(err);
     }
+    problem->log_rate0 = problem->traction0 + problem->n;
+    problem->log_state0 = problem->log_rate0 + problem->n;
     memcpy(problem->log_rate0, def->log_rate, bytes);
     memcpy(problem->log_state0, def->log_state, bytes);
     return LAC_OK;
@@ -175,8 +175,6 @@ void lac_problem_free(lac_problem *problem)
     }
     free(problem->traction0);
     free(problem->anchor);
-    free(problem->log_rate0);
-    free(problem->log_state0);
     free(problem);
 }
 

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-#define TWO_PI 6.283185307179586476925286766559
-
 // A wavenumber this close to the edge of the band is inside: lengths carry rounding.
 static const double edge = 1.0 + 1e-9;
 // Modes summed one by one for the variance of the band; those beyond are integrated.
@@ -82,7 +80,7 @@ static double mean_integral(const lac_band *b, double a, int moment)
     }
     double sum = 0.0;
     for (int i = 0; i < ANGLES; i++) {
-        double angle = TWO_PI * (i + 0.5) / ANGLES;
+        double angle = (2.0 * M_PI) * (i + 0.5) / ANGLES;
         double g = drawn(b, cos(angle), sin(angle));
         sum += integral(b, a * g, 2, moment) / pow(g, 2 + moment);
     }
@@ -107,7 +105,7 @@ static double line_sum(const lac_band *b, int moment)
 // From the half plane ky >= 0. Stretched waves are never shorter than q_shortest says.
 static double plane_sum(const lac_band *b, int moment)
 {
-    double q_sum = sqrt(summed_modes * b->dqx * b->dqy * 2.0 / TWO_PI);
+    double q_sum = sqrt(summed_modes * b->dqx * b->dqy * 2.0 / (2.0 * M_PI));
     bool all = b->q_shortest * edge <= q_sum;
     double end = all ? b->q_shortest * edge : q_sum;
     double sum = 0.0;
@@ -118,7 +116,7 @@ static double plane_sum(const lac_band *b, int moment)
         }
         sum += (ky > 0.0 ? 2.0 : 1.0) * row;
     }
-    return all ? sum : sum + TWO_PI / (b->dqx * b->dqy) * mean_integral(b, end, moment);
+    return all ? sum : sum + (2.0 * M_PI) / (b->dqx * b->dqy) * mean_integral(b, end, moment);
 }
 
 double lac_band_sum(const lac_band *b, int moment)
@@ -134,7 +132,8 @@ static lac_status check_band(const lac_waves *waves, const lac_band *b, lac_erro
     return lac_fail(err, LAC_EINPUT,
                     "%s: no wave fits the interface: with anisotropy %g the shortest wavelength "
                     "along the direction is %g m",
-                    waves->source, waves->anisotropy, waves->anisotropy * TWO_PI / b->q_shortest);
+                    waves->source, waves->anisotropy,
+                    waves->anisotropy * (2.0 * M_PI) / b->q_shortest);
 }
 
 lac_status lac_band_of(const lac_waves *waves, const lac_grid *grid, lac_band *out, lac_error *err)
@@ -158,10 +157,10 @@ lac_status lac_band_of(const lac_waves *waves, const lac_grid *grid, lac_band *o
                         isnan(waves->shortest) ? " (two cells, as none is given)" : "");
     }
     *out = (lac_band){
-        .dqx = lx > 0.0 ? TWO_PI / lx : 0.0,
-        .dqy = ly > 0.0 ? TWO_PI / ly : 0.0,
-        .q_rolloff = TWO_PI / rolloff,
-        .q_shortest = TWO_PI / shortest,
+        .dqx = lx > 0.0 ? (2.0 * M_PI) / lx : 0.0,
+        .dqy = ly > 0.0 ? (2.0 * M_PI) / ly : 0.0,
+        .q_rolloff = (2.0 * M_PI) / rolloff,
+        .q_shortest = (2.0 * M_PI) / shortest,
         .hurst = waves->hurst,
         .power = 2.0 * waves->hurst + (lx > 0.0 && ly > 0.0 ? 2.0 : 1.0),
         .stretch = waves->anisotropy,

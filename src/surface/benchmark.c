@@ -7,8 +7,6 @@
 #include "base/rows.h"
 #include "surface/registry.h"
 
-#define TWO_PI 6.283185307179586476925286766559
-
 // A(|k|) = 1 within the plateau, (|k| / plateau)^-(H+1) beyond, for 1 <= |k| <= most.
 typedef struct recipe {
     double hurst, plateau;
@@ -34,7 +32,7 @@ static double phase(uint64_t seed, long kx, long ky)
 {
     const long shift = 1L << 20;
     uint64_t key = seed * UINT64_C(0x9E3779B97F4A7C15) + ((uint64_t)(kx + shift) << 32);
-    return TWO_PI * (double)(splitmix64(key + (uint64_t)(ky + shift)) >> 11) * 0x1p-53;
+    return (2.0 * M_PI) * (double)(splitmix64(key + (uint64_t)(ky + shift)) >> 11) * 0x1p-53;
 }
 
 // Adds a mode where its nodes' heights put it: a wave too short for the grid folds back, which is
@@ -64,7 +62,7 @@ static squares fill_spectrum(recipe r, lac_fft *fft)
             add(fft, kx, ky, 0.5 * a * (cos(phi) + sin(phi) * I));
             add(fft, -kx, -ky, 0.5 * a * (cos(phi) - sin(phi) * I));
             sum.height += 0.5 * a * a;
-            sum.slope += 0.5 * (a * TWO_PI * k) * (a * TWO_PI * k);
+            sum.slope += 0.5 * (a * (2.0 * M_PI) * k) * (a * (2.0 * M_PI) * k);
         }
     }
     return sum;

@@ -8,8 +8,6 @@
 
 #include "base/statistics.h"
 
-#define PI 3.14159265358979323846264338327950288
-
 // Spacings that agree to this part are one.
 static const double agreement = 1e-3;
 // How near to a sample a cell is on it [samples].
@@ -258,7 +256,7 @@ static double window(size_t cell, size_t cells, double part)
 {
     double from_edge = fmin((double)cell, (double)(cells - 1 - cell)) + 0.5;
     double u = from_edge / (part * (double)cells);
-    return cells == 1 || u >= 1.0 ? 1.0 : 0.5 * (1.0 - cos(PI * u));
+    return cells == 1 || u >= 1.0 ? 1.0 : 0.5 * (1.0 - cos(M_PI * u));
 }
 
 void lac_taper(double part, const lac_grid *grid, double *heights)

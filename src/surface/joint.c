@@ -6,8 +6,6 @@
 #include "surface/registry.h"
 #include "surface/synthesis.h"
 
-#define TWO_PI 6.283185307179586476925286766559
-
 // What the amplitude of a mode depends on.
 typedef struct faces {
     lac_band band;
@@ -52,15 +50,13 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
         heights[0] = 0.0; // one cell has no roughness
         return LAC_OK;
     }
-    lac_grid whole;
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
     lac_waves stated = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
     lac_status status;
     const lac_synthesis how = {"joint", p->sampling, p->margin, !isnan(p->shortest), false};
-    LAC_TRY(lac_synthesis_whole(&how, grid, &whole, err));
-    LAC_TRY(lac_band_of(&stated, &whole, &f.band, err));
+    LAC_TRY(lac_synthesis_band(&how, &stated, grid, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
-    f.q_mating = isnan(p->mating) ? 0.0 : TWO_PI / p->mating * (1.0 + 1e-9);
+    f.q_mating = isnan(p->mating) ? 0.0 : (2.0 * M_PI) / p->mating * (1.0 + 1e-9);
     LAC_TRY(check(p, &f, err));
     f.scale = p->rms_height / sqrt(lac_band_sum(&f.band, 0));
     LAC_TRY(lac_synthesise(&how, &f.band, grid, mode, &f, heights, err));

@@ -9,8 +9,6 @@
 #include "base/statistics.h"
 #include "surface/fit.h"
 
-#define TWO_PI 6.283185307179586476925286766559
-
 enum { SHELLS = 256, PER_OCTAVE = 4 };
 
 // Power averaged over the directions, in shells a quarter of an octave wide.
@@ -57,7 +55,7 @@ double lac_rms_slope(const lac_grid *grid, const double *h, bool along_x, size_t
 
 static double hann(size_t i, size_t n)
 {
-    return n == 1 ? 1.0 : 0.5 - 0.5 * cos(TWO_PI * ((double)i + 0.5) / (double)n);
+    return n == 1 ? 1.0 : 0.5 - 0.5 * cos((2.0 * M_PI) * ((double)i + 0.5) / (double)n);
 }
 
 static void window(const lac_grid *grid, double *h)
@@ -74,7 +72,7 @@ static void add_modes(const lac_grid *grid, const lac_fft *fft, radial *r)
     for (size_t j = 0; j < fft->ny; j++) {
         double ky = lac_fft_frequency(j, fft->ny);
         for (size_t i = ky > 0.0 ? 0U : 1U; i < fft->nkx; i++) { // each wave once
-            double q = TWO_PI * hypot((double)i / lx, ky / ly);
+            double q = (2.0 * M_PI) * hypot((double)i / lx, ky / ly);
             double s = floor(PER_OCTAVE * log2(q / r->q_low));
             if (q >= r->q_low && q <= r->q_high && s < SHELLS) {
                 double a = cabs(fft->spectrum[j * fft->nkx + i]);
@@ -140,14 +138,14 @@ static void measure_hurst(const lac_grid *grid, lac_fft *fft, lac_surface_measur
     if (!(m->fit_longest > m->fit_shortest && m->fit_shortest > 0.0)) {
         return; // too small a grid: hurst stays NaN
     }
-    radial r = {.q_low = TWO_PI / m->fit_longest * (1.0 - 1e-9),
-                .q_high = TWO_PI / m->fit_shortest * (1.0 + 1e-9),
+    radial r = {.q_low = (2.0 * M_PI) / m->fit_longest * (1.0 - 1e-9),
+                .q_high = (2.0 * M_PI) / m->fit_shortest * (1.0 + 1e-9),
                 .dimensions = grid->nx == 1 || grid->ny == 1 ? 1.0 : 2.0,
                 .tied = 1.0};
     if (!grid->periodic) {
         const double tie = 1.0 + 2.0 * (4.0 / 9.0) + 2.0 / 36.0; // sum of squared correlations
-        double dqx = grid->nx > 1 ? TWO_PI / ((double)grid->nx * grid->dx) : 0.0;
-        double dqy = grid->ny > 1 ? TWO_PI / ((double)grid->ny * grid->dy) : 0.0;
+        double dqx = grid->nx > 1 ? (2.0 * M_PI) / ((double)grid->nx * grid->dx) : 0.0;
+        double dqy = grid->ny > 1 ? (2.0 * M_PI) / ((double)grid->ny * grid->dy) : 0.0;
         r.tied = pow(tie, r.dimensions);
         r.smear = (dqx * dqx + dqy * dqy) / (6.0 * r.dimensions);
         window(grid, fft->real);

@@ -80,7 +80,6 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
 {
     const lac_self_affine *p = params;
     size_t n = lac_grid_cells(grid);
-    lac_grid whole;
     lac_status status;
     LAC_TRY(check(p, err));
     if (n == 1) {
@@ -92,8 +91,7 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
                         p->shortest,   p->anisotropy, p->direction};
     const lac_synthesis how = {"self-affine", p->sampling, p->margin, !isnan(p->shortest),
                                p->skewness != 0.0};
-    LAC_TRY(lac_synthesis_whole(&how, grid, &whole, err));
-    LAC_TRY(lac_band_of(&stated, &whole, &y.band, err));
+    LAC_TRY(lac_synthesis_band(&how, &stated, grid, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);

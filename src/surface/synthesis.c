@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846264338327950288
-
 const char *const lac_sampling_words[] = {"low-pass", "point", "block-mean", NULL};
 
 // Waves of a band that are summed one by one.
@@ -22,8 +20,9 @@ typedef struct folding {
     bool mean;               // over the cell; else at its node
 } folding;
 
-lac_status lac_synthesis_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
-                               lac_error *err)
+// The grid after which a surface repeats: that of the interface and its margin.
+static lac_status find_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
+                             lac_error *err)
 {
     size_t sides = (size_t)how->margin + 1;
     *whole = *grid;
@@ -36,6 +35,14 @@ lac_status lac_synthesis_whole(const lac_synthesis *how, const lac_grid *grid, l
     whole->nx = grid->nx > 1 ? grid->nx * sides : 1;
     whole->ny = grid->ny > 1 ? grid->ny * sides : 1;
     return LAC_OK;
+}
+
+lac_status lac_synthesis_band(const lac_synthesis *how, const lac_waves *waves,
+                              const lac_grid *grid, lac_band *band, lac_error *err)
+{
+    lac_grid whole;
+    lac_status status = find_whole(how, grid, &whole, err);
+    return status == LAC_OK ? lac_band_of(waves, &whole, band, err) : status;
 }
 
 static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *err)
@@ -63,7 +70,7 @@ static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *
 // Mean of exp(i q x) over a cell, over its value at the node the cell begins at.
 static double _Complex cell_mean(double turn)
 {
-    double half = PI * turn;
+    double half = M_PI * turn;
     double part = half == 0.0 ? 1.0 : sin(half) / half;
     return part * cos(half) + part * sin(half) * I;
 }
@@ -133,7 +140,7 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
     lac_fft *fft = NULL;
     lac_grid whole;
     lac_status status;
-    LAC_TRY(lac_synthesis_whole(how, grid, &whole, err));
+    LAC_TRY(find_whole(how, grid, &whole, err));
     LAC_TRY(check(how, band, err));
     LAC_TRY(lac_fft_create(whole.nx, whole.ny, &fft, err));
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {

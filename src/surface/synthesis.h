@@ -32,9 +32,9 @@ typedef struct lac_synthesis {
     bool with_mean;     ///< leave the heights the mean that they have on this grid
 } lac_synthesis;
 
-/// The grid after which a surface repeats: that of the interface and its margin.
-lac_status lac_synthesis_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
-                               lac_error *err);
+/// The band of the grid after which a surface repeats: the interface and its margin.
+lac_status lac_synthesis_band(const lac_synthesis *how, const lac_waves *waves,
+                              const lac_grid *grid, lac_band *band, lac_error *err);
 
 /// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
 /// @param band  of the whole grid

@@ -103,13 +103,6 @@ void lac_compliance_traction(lac_compliance *c, const double *slip, double *trac
     filter(c, c->stiffness, slip, traction);
 }
 
-// Q C: slip under a traction, its mean taken off.
-static void comply(lac_compliance *c, const double *traction, double *slip)
-{
-    filter(c, c->compliance, traction, slip);
-    remove_mean(c->n, slip);
-}
-
 // The inverse on full contact; elsewhere near enough to it to precondition.
 static void precondition(lac_compliance *c, const double *slip, double *traction)
 {
@@ -133,7 +126,8 @@ lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double t
         if (rho == 0) {
             return LAC_OK;
         }
-        comply(c, p, q);
+        lac_compliance_slip(c, p, q);
+        remove_mean(n, q);
         double step = rho / lac_dot(n, p, q);
         for (size_t j = 0; j < n; j++) {
             traction[j] += step * p[j];

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 // What a slab adds to the stiffness of a half-space under a wave with q = |k| H. Beyond q = 30 the
 // factors are 1 to the last bit, and cosh need not be computed.
 static const double deep = 30;
@@ -47,9 +45,9 @@ static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock 
 {
     double cells = (double)fft->nx * (double)fft->ny;
     for (size_t j = 0; j < fft->ny; j++) {
-        double ky = 2 * pi * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
+        double ky = 2 * M_PI * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
         for (size_t i = 0; i < fft->nkx; i++) {
-            double kx = 2 * pi * (double)i / ((double)fft->nx * grid->dx);
+            double kx = 2 * M_PI * (double)i / ((double)fft->nx * grid->dx);
             double s = wave_stiffness(rock, kx, ky);
             stiffness[i * fft->ny + j] = s / cells;
             compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
@@ -147,16 +145,16 @@ static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock 
     }
     if (rock->line) {
         // Lengths in cells: the logarithm of a unit would only add a constant.
-        fill_line(fft, 1, line_slip, nu, grid->dx / (pi * g));
+        fill_line(fft, 1, line_slip, nu, grid->dx / (M_PI * g));
     } else {
-        fill_plane(fft, grid, slip_to_corner, nu, 1 / (pi * g), low);
+        fill_plane(fft, grid, slip_to_corner, nu, 1 / (M_PI * g), low);
     }
     transform(fft, compliance);
     if (rock->creeping && rock->line) {
-        fill_line(fft, grid->dx, line_traction, nu, g / pi);
+        fill_line(fft, grid->dx, line_traction, nu, g / M_PI);
         transform(fft, stiffness);
     } else if (rock->creeping) {
-        fill_plane(fft, grid, traction_to_corner, nu, g / pi, low);
+        fill_plane(fft, grid, traction_to_corner, nu, g / M_PI, low);
         transform(fft, stiffness);
     }
     free(low);
