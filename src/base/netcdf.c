@@ -34,25 +34,29 @@ bool lac_netcdf_is_number(int type)
     return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
 }
 
-void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
+bool lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
 {
     size_t length = 0;
     nc_type type = NC_NAT;
     char *string = NULL;
+    bool whole = false;
     text[0] = '\0';
     if (nc_inq_att(id, var, name, &type, &length) != NC_NOERR) {
-        return;
+        return false;
     }
     if (type == NC_CHAR && length < size && nc_get_att_text(id, var, name, text) == NC_NOERR) {
         text[length] = '\0';
+        whole = true;
     }
     if (type == NC_STRING && length == 1 && nc_get_att_string(id, var, name, &string) == NC_NOERR &&
         string != NULL) {
-        if (strlen(string) < size) {
+        whole = strlen(string) < size;
+        if (whole) {
             memcpy(text, string, strlen(string) + 1);
         }
         (void)nc_free_string(1, &string);
     }
+    return whole;
 }
 
 double lac_netcdf_number(int id, int var, const char *name, double fallback)

@@ -22,7 +22,8 @@ bool lac_netcdf_is_number(int type);
 
 /// A text attribute, of characters or one string; "" where there is none or it is too long.
 /// @param text  [size] overwritten
-void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size);
+/// @return whether it is there
+bool lac_netcdf_text(int id, int var, const char *name, char *text, size_t size);
 
 /// A numeric attribute of one value; `fallback` where there is none.
 double lac_netcdf_number(int id, int var, const char *name, double fallback);

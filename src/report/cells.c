@@ -163,7 +163,8 @@ static lac_status read_field(const lac_page *page, const lac_page_raster *r, con
     for (size_t k = 0; k < s->count && *there; k++) {
         lac_stored_values row = {0};
         double *out = to->value + k * r->squares;
-        LAC_TRY(lac_stored_file_row(page->run->file, f->variable, s->index[k], &row, err));
+        LAC_TRY(
+            lac_stored_file_row(page->run->file, f->variable, (ptrdiff_t)s->index[k], &row, err));
         *there = row.value != NULL && row.width == r->cells;
         if (*there) {
             lac_page_raster_summarise(r, f->how, row.value, 0.0, out);

@@ -120,7 +120,7 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
                          file->n, MOST_READINGS));
     }
-    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     if (unit[0] == '\0') {
         LAC_TRY(ask(file, name, "s", units, s, err));
     } else {
@@ -163,7 +163,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     double offset = 0.0;
     lac_status status;
     LAC_TRY(find_column(file, c->name, &var, err));
-    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
     if (from == NULL) {
         LAC_TRY(ask(file, c->name, c->si, units, s, err));

@@ -174,7 +174,7 @@ static lac_status find_unit(const map_file *file, const field *at, double *scale
     char unit[100];
     lac_units *units = NULL;
     lac_error why = {""};
-    lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
     *scale = 1.0;
     *offset = 0.0;
     if (unit[0] == '\0') {

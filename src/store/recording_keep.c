@@ -116,7 +116,7 @@ static lac_status load_some(lac_recording *recording, size_t v, const char *name
     lac_status status = LAC_OK;
     for (size_t i = (n - 1) % stride; i < n; i += stride) {
         lac_stored_values_clear(&from);
-        LAC_TRY(lac_stored_file_row(file, name, i, &from, err));
+        LAC_TRY(lac_stored_file_row(file, name, (ptrdiff_t)i, &from, err));
         LAC_TRY(from.value != NULL ? LAC_OK : missing(name, err));
         LAC_TRY(lac_recording_append(recording, v, from.value, from.width, err));
     }

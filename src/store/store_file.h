@@ -3,7 +3,16 @@
 #define LACUNA_STORE_STORE_FILE_H
 
 #include "store/recording.h"
-#include "store/store_events.h"
+
+/// Numbers of a variable, missing ones NaN.
+typedef struct lac_stored_values {
+    double *value; ///< [n][width]; owned; NULL: the file has no such variable
+    size_t n;      ///< along its first dimension; 1 where it has none
+    size_t width;  ///< all others multiplied
+} lac_stored_values;
+
+/// Frees the values; nothing read is fine.
+void lac_stored_values_clear(lac_stored_values *values);
 
 /// A file of Lacuna that is read piece by piece: looked through and opened once.
 typedef struct lac_stored_file lac_stored_file;
@@ -49,7 +58,7 @@ lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
 /// Closes it; NULL is fine.
 void lac_stored_file_close(lac_stored_file *file);
 
-/// A whole variable, as lac_store_read_values; one that is not there is no error.
+/// A whole variable, of any dimensions; one that is not there is no error.
 /// @param out  cleared by the caller
 /// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
 lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
@@ -59,8 +68,13 @@ lac_status lac_stored_file_values(const lac_stored_file *file, const char *varia
 /// @param row  from 0
 /// @param out  n is 1; cleared by the caller
 /// @return as lac_stored_file_values; LAC_EINPUT (no such row)
-lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err);
+
+/// A variable over time of a run, of the records that are whole.
+/// @return LAC_OK; LAC_EIO (no such variable, damaged); LAC_ENOMEM
+lac_status lac_stored_file_series(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err);
 
 /// Any attribute of a variable as text; "" where there is none, or where it is longer than the
 /// room.

@@ -80,32 +80,53 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     return LAC_OK;
 }
 
-static lac_status read_values(const lac_stored_file *file, const char *variable, ptrdiff_t row,
-                              lac_stored_values *out, lac_error *err)
+// Clears what was read where that fails.
+static lac_status settle(lac_status status, lac_stored_values *out)
 {
-    *out = (lac_stored_values){0};
-    const lac_status status = file->recording != NULL
-                                  ? copy_values(file->recording, variable, row, out, err)
-                                  : lac_input_values(&file->in, variable, row, out, err);
     if (status != LAC_OK) {
         lac_stored_values_clear(out);
     }
     return status;
 }
 
-lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
-                                  lac_stored_values *out, lac_error *err)
-{
-    return read_values(file, variable, LAC_INPUT_ALL, out, err);
-}
-
-lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err)
 {
     *out = (lac_stored_values){0};
-    return row <= PTRDIFF_MAX
-               ? read_values(file, variable, (ptrdiff_t)row, out, err)
-               : lac_fail(err, LAC_EINPUT, "%s: %s has no row %zu", file->path, variable, row);
+    return settle(file->recording != NULL ? copy_values(file->recording, variable, row, out, err)
+                                          : lac_input_values(&file->in, variable, row, out, err),
+                  out);
+}
+
+lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err)
+{
+    return lac_stored_file_row(file, variable, LAC_INPUT_ALL, out, err);
+}
+
+lac_status lac_stored_file_series(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err)
+{
+    *out = (lac_stored_values){0};
+    return settle(file->recording != NULL
+                      ? copy_values(file->recording, variable, LAC_INPUT_ALL, out, err)
+                      : lac_input_series(&file->in, variable, out, err),
+                  out);
+}
+
+lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
+                          lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_stored_values read = {0};
+    lac_status status;
+    LAC_TRY(lac_stored_file_open(path, &file, err));
+    LAC_TRY(lac_stored_file_series(file, variable, &read, err));
+out:
+    lac_stored_file_close(file);
+    *values = read.value;
+    *n = read.n;
+    return status;
 }
 
 // An attribute of a recording's variable; NULL where there is none.
@@ -137,7 +158,7 @@ void lac_stored_file_text(const lac_stored_file *file, const char *variable, con
         return;
     }
     if (nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) {
-        lac_netcdf_text(file->in.id, id, attribute, text, size);
+        (void)lac_netcdf_text(file->in.id, id, attribute, text, size);
     }
 }
 
@@ -145,17 +166,15 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute)
 {
     char text[64];
-    int id = NC_GLOBAL;
-    double value = NAN;
+    int id = 0;
     if (variable == NULL) {
         return lac_stored_file_attribute(file, attribute, text, sizeof text, NULL) == LAC_OK
                    ? strtod(text, NULL)
                    : NAN;
     }
-    const bool found = file->recording == NULL &&
-                       nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
-                       lac_input_number(&file->in, id, attribute, &value);
-    return found ? value : NAN;
+    return file->recording == NULL && nc_inq_varid(file->in.id, variable, &id) == NC_NOERR
+               ? lac_netcdf_number(file->in.id, id, attribute, NAN)
+               : NAN;
 }
 
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)

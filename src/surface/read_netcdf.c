@@ -91,7 +91,7 @@ static void take_unit(const grid_file *file, int var, char *unit, size_t size)
 {
     static const char *const names[] = {"units", "unit", "length_unit"};
     for (size_t i = 0; i < sizeof names / sizeof names[0] && unit[0] == '\0'; i++) {
-        lac_netcdf_text(file->id, var, names[i], unit, size);
+        (void)lac_netcdf_text(file->id, var, names[i], unit, size);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "report/report.h"
+#include "store/store.h"
 #include "store/store_file.h"
 #include "support/test.h"
 

@@ -7,7 +7,7 @@
 #include "fit/foresee.h"
 #include "forecast/hindcast.h"
 #include "precursor/precursor.h"
-#include "store/store_events.h"
+#include "store/store_file.h"
 
 /// What precursors are looked for in: a monitoring file or a run.
 typedef struct cli_watched {
