@@ -19,22 +19,22 @@ static lac_status print_decade(void *context, const lac_record *record, lac_erro
 int main(int argc, char **argv)
 {
     lac_error err = {0};
-    lac_case_report report = {0};
     lac_case *c = NULL;
     lac_simulation *simulation = NULL;
     double next = 0;
-    lac_sink sink = {.context = &next, .record = print_decade};
-    lac_status status = lac_case_read(argc > 1 ? argv[1] : "case.yaml", NULL, &c, &report, &err);
+    lac_sink sink = lac_sink_default();
+    sink.context = &next;
+    sink.record = print_decade;
+    lac_status status = lac_case_load(argc > 1 ? argv[1] : "case.yaml", NULL, &c, &err);
     status = status == LAC_OK ? lac_simulation_create(c, NULL, &simulation, &err) : status;
     status = status == LAC_OK ? lac_simulation_run(simulation, &sink, &err) : status;
+    const lac_run_result *run = lac_simulation_result(simulation);
     if (status != LAC_OK) {
         fprintf(stderr, "creep: %s\n", err.message);
-    } else if (lac_simulation_result(simulation)->run.failed) {
-        const lac_run_result *run = &lac_simulation_result(simulation)->run;
+    } else if (run->failed) {
         printf("fails after %.4f day\n", (run->failure_origin + run->failure_local) / 86400);
     }
     lac_simulation_free(simulation);
     lac_case_free(c);
-    lac_case_report_clear(&report);
     return status;
 }

@@ -10,178 +10,80 @@
 
 LAC_BEGIN_C
 
-enum {
-    LAC_MOST_DIMS = 3,  ///< of a variable
-    LAC_TEXT_ROOM = 256 ///< bytes that a text made on demand may take
-};
-
-/// One value of a result. NaN and infinity are missing.
-/// @param of  what the table was laid on
-/// @param at  [rank + 1] its place along each dimension; behind them `which` of lac_named
-typedef double (*lac_getter)(const void *of, const size_t *at);
-
-/// The same of a text. @param room  for one that is made here @return NULL: missing
-typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]);
-
-/// Where a value stands, if no getter gives it.
-typedef enum lac_held {
-    LAC_HELD_NOT = 0,
-    LAC_HELD_REAL,  ///< a double
-    LAC_HELD_COUNT, ///< a size_t; SIZE_MAX: missing
-    LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
-    LAC_HELD_BOOL,  ///< a bool
-    LAC_HELD_TEXT,  ///< a const char *
-    LAC_HELD_REALS, ///< a const double * to all values (of one place along the first dimension, if
-                    ///< there is a stride or pointers); NULL: the variable is left out
-} lac_held;
-
-enum {
-    LAC_MISSING = 1,   ///< may be missing: has a _FillValue in a file
-    LAC_TIME = 2,      ///< a time: in a file on the clock of the dataset
-    LAC_WHOLE = 4,     ///< an integer in a file
-    LAC_SINGLE = 8,    ///< of one value and yet a variable of a file; else a global attribute
-    LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
-    LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
-    LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
-    LAC_EMPTY = 128    ///< in a file also without values, its dimension without end
-};
-
-/// One variable of a result, all that is told of it: a row of a const table.
-typedef struct lac_variable {
-    const char *name; ///< in a file; NULL: it is in none
-    const char *json; ///< where it stands in JSON: "sampler/steps"; "levels[]/n_tot" with a list
-                      ///< over the next of its dimensions, "powers{}" with an object of its labels;
-                      ///< rows of the same path make a list; NULL: it stands in none
-    const char *unit; ///< SI; NULL: 1
-    const char *long_name, *comment, *coordinates;
-    const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
-    lac_getter value;     ///< either of these, or what is held
-    lac_text_getter text; ///< of a text
-    lac_held held;
-    unsigned flags;                                ///< LAC_MISSING | ...
-    size_t offset;                                 ///< of what is held [bytes]
-    bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
-                                                   ///< the first of an object in JSON; NULL: true
-} lac_variable;
-
-/// What a result is made of.
-typedef struct lac_variables {
-    const lac_variable *row;
-    size_t rows;
-    const char *over; ///< dimensions of rows that name none; "": one value
-    size_t stride;    ///< of what is held along the first dimension [bytes]; 0: it is held once
-    bool pointers;    ///< along the first dimension stand pointers to what holds
-} lac_variables;
-
-/// Named variables with units, dimensions and attributes: what a result is written from, as netCDF
-/// or JSON. It holds no values: they are asked for where they are needed.
+/// Named variables with units and dimensions: what every result is read from, and written from as
+/// netCDF or JSON. It does not change.
 typedef struct lac_dataset lac_dataset;
 
-/// @param summary  one sentence on what it is, for a file
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err);
-
-/// Frees a dataset, not what it was laid on; NULL is fine.
+/// Frees a dataset and the result that it is of; NULL is fine.
 void lac_dataset_free(lac_dataset *dataset);
 
-/// A dimension. Variables over one of length 0 are left out of a file, but for LAC_EMPTY.
-typedef struct lac_extent {
-    const char *name;
-    size_t length;
-} lac_extent;
+/// The name of the index-th variable; NULL past the end.
+const char *lac_dataset_name(const lac_dataset *dataset, size_t index);
 
-/// Adds dimensions, before the variables over them.
+// What is told of a variable. NULL, and 0, where the dataset has none of that name.
+
+/// Its unit, as UDUNITS reads it; "1" where it has none.
+const char *lac_dataset_unit(const lac_dataset *dataset, const char *name);
+
+/// What it is, in words.
+const char *lac_dataset_long_name(const lac_dataset *dataset, const char *name);
+
+/// Its index-th dimension, the last one fastest. @param length  places along it; NULL: not asked
+/// @return its name; NULL past the last
+const char *lac_dataset_dim(const lac_dataset *dataset, const char *name, size_t index,
+                            size_t *length);
+
+/// Whether its values are texts.
+bool lac_dataset_is_text(const lac_dataset *dataset, const char *name);
+
+/// How many values it has.
+size_t lac_dataset_count(const lac_dataset *dataset, const char *name);
+
+/// All its values where they lie in memory as they are, until the dataset is freed.
+/// @return [lac_dataset_count] NaN: missing; NULL: they lie nowhere, ask lac_dataset_values
+const double *lac_dataset_array(const lac_dataset *dataset, const char *name);
+
+/// Copies all values of a variable.
+/// @param n    room for so many; must be lac_dataset_count
+/// @param out  [n] NaN or infinite: missing
+/// @return LAC_OK; LAC_EINPUT: no such variable, it is a text, or of another number of values
+lac_status lac_dataset_values(const lac_dataset *dataset, const char *name, size_t n, double *out,
+                              lac_error *err);
+
+/// One text of a variable.
+/// @param place  of lac_dataset_count
+/// @param text   [size] "" where it is missing
+/// @return LAC_OK; LAC_EINPUT: no such text, or no room for it
+lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t place, char *text,
+                            size_t size, lac_error *err);
+
+/// The dataset as one JSON object, with the names that the program's --json has.
+/// @param text  freed by free()
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
-                            lac_error *err);
+lac_status lac_dataset_to_json(const lac_dataset *dataset, char **text, lac_error *err);
 
-/// Names the places of a dimension that was added, for objects in JSON.
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
-                       const void *of);
+/// How a file is written; from lac_write_options_default.
+typedef struct lac_write_options {
+    size_t size;              ///< of this structure, as the default has it
+    bool force;               ///< replace an existing file
+    double now;               ///< seconds since 1970, UTC: the library reads no clock
+    const char *command_line; ///< for its `history`; NULL: not said
+    const char *libraries;    ///< names and versions; NULL: not said
+} lac_write_options;
 
-/// What times count from in a file.
-typedef enum lac_clock {
-    LAC_CLOCK_NONE = 0, ///< from the results' own zero
-    LAC_CLOCK_START,    ///< the same, which is a date
-    LAC_CLOCK_1970      ///< results and file count from 1970
-} lac_clock;
+/// Replaces no file and says nothing of who writes.
+static inline lac_write_options lac_write_options_default(void)
+{
+    lac_write_options options = LAC_ZEROS;
+    options.size = sizeof options;
+    return options;
+}
 
-/// Sets the clock of its times in a file.
-/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START
-void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
-
-/// That clock, and what the dataset is.
-lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start);
-const char *lac_dataset_summary(const lac_dataset *dataset);
-
-/// A table and the result that it is laid on, which must outlive the dataset.
-typedef struct lac_laid {
-    lac_variables table;
-    const void *of; ///< NULL: all of it is missing, and null in JSON
-} lac_laid;
-
-/// Adds the variables of tables.
-/// @return LAC_OK; LAC_EINPUT (a row names a dimension that was not added, or too many; a name in
-///         JSON is longer than 63 bytes; more than 256 variables in all); LAC_ENOMEM
-lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err);
-
-/// A variable whose name the result gives.
-typedef struct lac_named {
-    const char *name, *long_name; ///< copied
-    const char *unit, *comment;   ///< as they are
-    size_t which;                 ///< handed to its getters behind the places
-} lac_named;
-
-/// Adds one. @param row  all else that is told of it
-/// @return as lac_dataset_add
-lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
-                                 const lac_named *named, const void *of, lac_error *err);
-
-/// Gives the variable that was added last, if any, attributes in a file.
-/// @param laid  rows of one value, with the variable's `which`
-void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
-
-/// One variable as it is asked for. It holds until the dataset is freed or added to.
-typedef struct lac_item {
-    const lac_variable *row;
-    const char *name, *long_name, *unit, *comment;
-    size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all
-    const char *dim[LAC_MOST_DIMS];            ///< names
-    bool is_text;
-    size_t next;                   ///< for lac_dataset_next
-    const struct lac_entry *entry; ///< for what follows
-} lac_item;
-
-/// The next variable that is in a file: what is not there and what runs over an empty dimension is
-/// skipped. @param item  {0} at first
-/// @return false: there is none
-bool lac_dataset_next(const lac_dataset *dataset, lac_item *item);
-
-/// The variable of a name.
-/// @return false: there is none
-bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *item);
-
-/// All values of a variable. @param out  [item->count] NaN or infinite: missing
-void lac_item_values(const lac_item *item, double *out);
-
-/// The array that holds all its values as they are, in their order; NULL: they are in none.
-const double *lac_item_array(const lac_item *item);
-
-/// One of its texts. @param place  of item->count @return NULL: missing
-const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM]);
-
-/// An attribute of a variable: a text or, where that is NULL, a number.
-typedef struct lac_attribute {
-    const char *name, *text;
-    double number;
-    char room[LAC_TEXT_ROOM]; ///< of a text that is made on demand
-    size_t next;              ///< for lac_item_next_attribute
-} lac_attribute;
-
-/// The next attribute of a variable beyond those of its row; one that is missing is skipped.
-/// @param attribute  {0} at first
-/// @return false: there is none
-bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute);
+/// Writes a dataset to a netCDF-4 file of its own, with the case that it is of; docs/format.md.
+/// @param options  NULL: the default
+/// @return LAC_OK; LAC_EINPUT where the file exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+lac_status lac_dataset_write(const lac_dataset *dataset, const char *path,
+                             const lac_write_options *options, lac_error *err);
 
 LAC_END_C
 

@@ -11,4 +11,16 @@
 #define LAC_END_C
 #endif
 
+// What a structure of options begins as; those of C++ and of C warn of each other's.
+#ifdef __cplusplus
+#define LAC_ZEROS \
+    {             \
+    }
+#else
+#define LAC_ZEROS \
+    {             \
+        0         \
+    }
+#endif
+
 #endif

@@ -32,54 +32,50 @@ typedef struct lac_param {
     const char *unit;           ///< SI unit as UDUNITS reads it; "1" where dimensionless
     double fallback;            ///< default, SI; NAN means it must be given (unless LAC_OPTIONAL)
     double min, max;            ///< allowed range, SI
-    size_t offset;              ///< of the field in the parameter struct
+    size_t offset;              ///< of the field in the library's own struct
     const char *doc;            ///< one line
     lac_param_type type;        ///< LAC_REAL unless said
     unsigned flags;             ///< LAC_OPTIONAL | ...
     const char *const *choices; ///< NULL-terminated, for LAC_CHOICE
 } lac_param;
 
-/// What every model says of itself; the first member of every model's const row.
+/// What every model says of itself; the first member of every model's const row. A section of a
+/// case has a name, a summary and parameters, and no more.
 typedef struct lac_descriptor {
     const char *name;        ///< its key in a case file
     const char *summary;     ///< one line
     const char *reference;   ///< what to cite; "" where there is nothing
-    const lac_param *params; ///< [param_count]
+    const lac_param *params; ///< [param_count]; from outside by lac_model_param, as rows may grow
     size_t param_count;
     size_t params_size; ///< size of the struct that the offsets refer to [bytes]
     /// What is wrong with the parameters taken together; NULL where nothing is. NULL: no such check
     const char *(*fault)(const void *params);
 } lac_descriptor;
 
-/// A model chosen in a case, with its parameters.
-typedef struct lac_slot {
-    const lac_descriptor *about; ///< first member of the model's row; NULL: nothing chosen
-    void *params;                ///< owned; about->params_size bytes
-} lac_slot;
+/// A kind of model that a case can choose, or that a command has. Only the library makes it: it may
+/// grow at its end, as may a model and a parameter.
+typedef struct lac_kind {
+    const char *name;    ///< "friction", "transfer", "surface" ...
+    const char *section; ///< where in a case it stands: "friction", "load.shear"
+    const char *summary;
+    bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
+                 ///< not as {MODEL: {...}}
+    const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
+    const lac_descriptor *(*at)(size_t index); ///< its models; NULL past the end
+} lac_kind;
 
-/// Fills `params` with the defaults of the table; absent and required ones with the absent mark.
-/// @param params  params_size bytes; overwritten
-/// @return LAC_OK, LAC_ENOMEM (a default text)
-lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err);
+/// The index-th kind, NULL past the end.
+const lac_kind *lac_kind_at(size_t index);
 
-/// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
-void lac_param_reset(const lac_param *param, void *params);
+/// The index-th section of plain parameters (interface, material, time, solver ...), NULL past the
+/// end.
+const lac_descriptor *lac_section_at(size_t index);
 
-/// Checks a parameter's value against its row.
-/// @param value  SI
-/// @param why    [size] set to what is allowed ("must be > 0 m") where the value is refused
-/// @return true where the value is allowed; NaN and infinities never are
-bool lac_param_allows(const lac_param *param, double value, char *why, size_t size);
+/// The model of a kind by its name: "friction", "aging". @return NULL: there is none
+const lac_descriptor *lac_model_find(const char *kind, const char *name);
 
-/// Whether an optional parameter was given.
-bool lac_param_given(const lac_param *param, const void *params);
-
-/// A slot holding the defaults of a model.
-/// @return LAC_OK, LAC_ENOMEM
-lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err);
-
-/// Frees what a slot owns; an empty slot is fine. The slot is empty afterwards.
-void lac_slot_clear(lac_slot *slot);
+/// The index-th parameter of a model or a section, NULL past the end.
+const lac_param *lac_model_param(const lac_descriptor *model, size_t index);
 
 LAC_END_C
 

@@ -159,7 +159,8 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
     const bool steps = lac_analysis_has_events(analysis) || next->step != NULL;
     analysis->next = *next;
-    return (lac_sink){.context = analysis,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = analysis,
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .step = steps ? on_step : NULL,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
-#include "lacuna/param.h"
+#include "base/param.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -67,30 +67,19 @@ bool lac_param_allows(const lac_param *param, double value, char *why, size_t si
 
 bool lac_param_given(const lac_param *param, const void *params)
 {
-    const char *at = (const char *)params + param->offset;
+    const void *at = (const char *)params + param->offset;
     switch (param->type) {
-    case LAC_REAL: {
-        double value;
-        memcpy(&value, at, sizeof value);
-        return !isnan(value);
-    }
-    case LAC_INTEGER: {
-        int64_t value;
-        memcpy(&value, at, sizeof value);
-        return value != INT64_MIN;
-    }
-    case LAC_CHOICE: {
-        int value;
-        memcpy(&value, at, sizeof value);
-        return value >= 0;
-    }
+    case LAC_REAL:
+        return !isnan(*(const double *)at);
+    case LAC_INTEGER:
+        return *(const int64_t *)at != INT64_MIN;
+    case LAC_CHOICE:
+        return *(const int *)at >= 0;
     case LAC_TEXT:
     case LAC_PATH:
         break;
     }
-    char *text;
-    memcpy(&text, at, sizeof text);
-    return text != NULL;
+    return *(char *const *)at != NULL;
 }
 
 lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err)

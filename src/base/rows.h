@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 // clang-format off
 #define LAC_REAL(name, si, where, absent, low, high, bits, text)                                  \
@@ -19,6 +19,10 @@
 #define LAC_INTEGER(name, where, absent, low, high, bits, text)                                   \
     {.key = (name), .unit = "1", .fallback = (absent), .min = (low), .max = (high),               \
      .offset = (where), .flags = (bits), .doc = (text), .type = LAC_INTEGER}
+
+/// A seed: whole numbers that a double tells from their neighbours.
+#define LAC_SEED(where, absent, bits, text)                                                       \
+    LAC_INTEGER("seed", where, absent, 0, 9007199254740991, bits, text)
 
 #define LAC_CHOICE(name, where, absent, words, bits, text)                                        \
     {.key = (name), .unit = "1", .fallback = (absent), .choices = (words), .offset = (where),     \

@@ -89,54 +89,40 @@ static void fill_in(const lac_case *c, lac_analysis_rg *rg)
 
 static void check_slipping(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
 {
-    bool by_strength = isnan(rg->slipping_rate) && isnan(rg->slipping_rate_ratio);
-    bool spread = false;
-    for (size_t i = 0; i < c->friction_spread.count; i++) {
-        spread |= strcmp(c->friction_spread.item[i].key, "b") == 0;
-    }
-    if (!by_strength) {
+    const lac_friction_params *law = c->friction.about != NULL ? c->friction.params : NULL;
+    char key[] = "analysis.rg.slipping_strength";
+    if (!isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio)) {
         return;
     }
-    if (rg->slipping_strength >= 1.0 || rg->slipping_strength <= rg->beta) {
-        char key[] = "analysis.rg.slipping_strength";
-        bool given = lac_present(reader, key);
-        lac_blame_key(reader, given ? key : "analysis.rg.beta",
-                      "leaves no room for slip: must be beta = %g < slipping_strength < 1",
-                      rg->beta);
-    }
-    if (c->friction.about != NULL && !spread &&
-        !(((const lac_friction_params *)c->friction.params)->b > 0.0)) {
-        lac_blame_key(reader, "analysis.rg",
-                      "can't tell slip by the strength, which never drops with b = 0 in the "
-                      "friction law: give slipping_rate or slipping_rate_ratio");
-    }
-    if (rg->beta_from_friction && isnan(rg->slipping_strength) && !isnan(rg->critical_fraction)) {
-        lac_blame_key(reader, "analysis.rg.slipping_strength",
-                      "is missing: no cascade tells beta where critical_fraction is given");
-    }
+    (void)lac_refuse(reader, rg->slipping_strength >= 1.0 || rg->slipping_strength <= rg->beta,
+                     HAS(key) ? key : "analysis.rg.beta",
+                     "leaves no room for slip: must be beta = %g < slipping_strength < 1",
+                     rg->beta);
+    (void)lac_refuse(
+        reader, law != NULL && !lac_spread_has(&c->friction_spread, "b") && !(law->b > 0.0),
+        "analysis.rg",
+        "can't tell slip by the strength, which never drops with b = 0 in the friction law: give "
+        "slipping_rate or slipping_rate_ratio");
+    (void)lac_refuse(reader,
+                     rg->beta_from_friction && isnan(rg->slipping_strength) &&
+                         !isnan(rg->critical_fraction),
+                     key, "is missing: no cascade tells beta where critical_fraction is given");
 }
 
 // The static cascade of the case's own interface; a single block has none, which is no error.
 static void check_cascade(lac_reader *reader, const lac_case *c, lac_analysis_rg *rg)
 {
-    const lac_material_def *m = &c->material;
     double friction = c->rg.friction;
-    bool domain = lac_present(reader, "interface.domain");
-    if (!isnan(rg->critical_fraction) || (!domain && !lac_present(reader, "interface.surface"))) {
+    bool domain = HAS("interface.domain");
+    if (!isnan(rg->critical_fraction) || (!domain && !HAS("interface.surface"))) {
         return;
     }
-    if (rg->field == LAC_RG_ELASTIC && domain) {
-        lac_blame_key(reader, "analysis.rg.field",
-                      "needs interface.surface to press; a domain goes with equal or uniform (or "
-                      "give critical_fraction)");
-    }
+    (void)lac_refuse(reader, rg->field == LAC_RG_ELASTIC && domain, "analysis.rg.field",
+                     "needs interface.surface to press; a domain goes with equal or uniform (or "
+                     "give critical_fraction)");
     if (rg->beta_from_friction) {
         lac_warn_nominal_beta(reader, c, "analysis.rg.beta");
-    }
-    if (rg->beta_from_friction &&
-        (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)))) {
-        lac_blame_key(reader, "analysis.rg.beta",
-                      "needs material.shear_modulus and shear_speed or density");
+        lac_check_waves(reader, &c->material, "analysis.rg.beta");
     }
     if (isnan(friction)) {
         lac_find_coulomb(reader, c, "rg", &friction);

@@ -4,14 +4,8 @@
 
 #include "analysis/analysis.h"
 #include "case/spread.h"
+#include "lacuna/case.h"
 #include "run/run.h"
-
-/// One thing that is wrong with a case.
-typedef struct lac_case_issue {
-    char *file, *key, *value, *message; ///< message: what is allowed; value "" where none
-    size_t line;                        ///< 1-based; 0 where it comes from --set
-    bool warning;                       ///< said by `check`, but the case runs
-} lac_case_issue;
 
 /// All that is wrong with a case, in the order of the file.
 typedef struct lac_case_report {
@@ -20,9 +14,6 @@ typedef struct lac_case_report {
 } lac_case_report;
 
 void lac_case_report_clear(lac_case_report *report);
-
-/// Writes `FILE:LINE: KEY: "VALUE" MESSAGE` (parts that are empty left out).
-const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size);
 
 typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
 
@@ -158,9 +149,10 @@ typedef struct lac_history_def {
     lac_history_step *step;
 } lac_history_def;
 
-/// A case: text turned into one def per stage. Everything is SI and checked.
-typedef struct lac_case {
+/// Text turned into one def per stage. Everything is SI and checked.
+struct lac_case {
     char *path;
+    lac_case_purpose purpose;               ///< that it was read for
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
     lac_slot surface, domain;         ///< at most one is set
@@ -193,23 +185,7 @@ typedef struct lac_case {
     lac_slot_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
-} lac_case;
-
-/// One `--set key.path=value`.
-typedef struct lac_override {
-    const char *key;   ///< dotted, list items by index
-    const char *value; ///< YAML
-} lac_override;
-
-/// What a case is read for. What it holds must be right for any purpose; what it must hold differs.
-typedef enum lac_case_purpose {
-    LAC_FOR_RUN = 0, ///< also what only a run needs: friction, a shear load, time.end
-    LAC_FOR_CONTACT, ///< statics: none of those
-    LAC_FOR_RG,      ///< statics, and what the cascade needs
-    LAC_FOR_FIT,     ///< what a run needs, and `fit`
-    LAC_FOR_CELLS,   ///< the cascade on cells that are known: statics, its beta and its friction
-    LAC_FOR_CHECK,   ///< as for a run, but for a case that is static by what it names
-} lac_case_purpose;
+};
 
 /// How a case is to be read.
 typedef struct lac_case_request {
@@ -240,14 +216,6 @@ double lac_inertia_mass(const lac_case *c);
 /// its law, loads and transfer lac_run_events_follows tells.
 bool lac_case_admits_events(const lac_case *c);
 
-/// Frees a case; NULL is fine.
-void lac_case_free(lac_case *c);
-
-/// The resolved case as YAML that reads back to the same case: every value in SI with its unit,
-/// defaults filled in.
-/// @return text the caller frees; NULL where memory is short
-char *lac_case_text(const lac_case *c);
-
 /// A real number of a case, where it is and what it may be.
 typedef struct lac_case_value {
     double *at;
@@ -260,38 +228,24 @@ typedef struct lac_case_value {
 /// @return false where there is none
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 
+/// The row of a key of a section ("solver.rtol"), whose offset is in lac_case; NULL where there is
+/// none.
+const lac_param *lac_case_row(const char *key);
+
 /// Whether the models' parameters, taken together, are sound: what no single range says.
 /// @return NULL, or what is wrong
 const char *lac_case_fault(const lac_case *c);
+
+/// Whether a case was read so that it serves a purpose.
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_case_serves(const lac_case *c, lac_case_purpose purpose, lac_error *err);
 
 /// Puts a folder before every relative path of a case, which is then to be written elsewhere.
 /// @param folder  ends in a slash
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
-/// A kind of model that a case can choose, or that a command has: for `describe` and for slots.
-typedef struct lac_kind {
-    const char *name;    ///< "friction", "transfer", "surface" ...
-    const char *section; ///< where in a case it stands: "friction", "load.shear"
-    const char *summary;
-    bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
-                 ///< not as {MODEL: {...}}
-    const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
-    const lac_descriptor *(*at)(size_t index); ///< NULL past the end
-} lac_kind;
-
-/// The index-th kind, NULL past the end.
-const lac_kind *lac_kind_at(size_t index);
-
-/// A section of plain parameters (interface, material, time, solver ...): for `describe`.
-typedef struct lac_section {
-    const char *name;
-    const char *summary;
-    const lac_param *params;
-    size_t param_count;
-} lac_section;
-
-/// The index-th section, NULL past the end.
-const lac_section *lac_section_at(size_t index);
+/// A section of plain parameters (interface, material, time, solver ...).
+typedef lac_descriptor lac_section;
 
 #endif

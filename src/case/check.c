@@ -28,20 +28,17 @@ static void check_material(lac_reader *reader, const lac_case *c)
     if (!lac_clean(reader, "material")) {
         return;
     }
-    bool modulus = lac_present(reader, "material.shear_modulus");
     const lac_normal_load *normal = (const void *)c->normal.about;
-    if (normal != NULL && normal->needs_density && !lac_present(reader, "material.density")) {
-        lac_blame_key(reader, "material.density",
-                      "is missing: needed by load.normal.%s; must be a density such as "
-                      "\"2700 kg/m3\"",
-                      normal->about.name);
-    }
-    if (lac_present(reader, "interface.surface") && !modulus) {
-        lac_blame_key(reader, "material.shear_modulus",
-                      "is missing: needed to press interface.surface; must be a pressure such as "
-                      "\"20 GPa\"");
-    }
-    if (lac_present(reader, "material.shear_speed") && !modulus) {
+    (void)lac_refuse(reader, normal != NULL && normal->needs_density && !HAS("material.density"),
+                     "material.density",
+                     "is missing: needed by load.normal.%s; must be a density such as "
+                     "\"2700 kg/m3\"",
+                     normal != NULL ? normal->about.name : "");
+    (void)lac_refuse(reader, HAS("interface.surface") && !HAS("material.shear_modulus"),
+                     "material.shear_modulus",
+                     "is missing: needed to press interface.surface; must be a pressure such as "
+                     "\"20 GPa\"");
+    if (HAS("material.shear_speed") && !HAS("material.shear_modulus")) {
         lac_warn(reader, "material.shear_speed", "has no effect without shear_modulus");
     }
 }
@@ -56,11 +53,10 @@ static bool holds_mean_slip(const lac_case *c)
 static void check_file_pressures(lac_reader *reader, const lac_case *c)
 {
     const lac_domain_file *file = c->domain.params;
-    if (c->domain.about == &lac_domain_from_file.about && c->interface_spread.count > 0 &&
-        file->pressures != LAC_PRESSURES_EQUAL) {
-        lac_blame_key(reader, "interface.spread",
-                      "needs interface.domain.file.pressures: equal to vary");
-    }
+    bool differ =
+        c->domain.about == &lac_domain_from_file.about && file->pressures != LAC_PRESSURES_EQUAL;
+    (void)lac_refuse(reader, differ && c->interface_spread.count > 0, "interface.spread",
+                     "needs interface.domain.file.pressures: equal to vary");
 }
 
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
@@ -80,16 +76,28 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
         kind->check(c->transfer.params, &place, fault);
     }
     for (size_t i = 0; i < LAC_TRANSFER_FAULTS; i++) {
-        if (fault[i].text != NULL) {
-            (void)snprintf(key, sizeof key, "transfer.%s%s", kind->about.name, fault[i].key);
-            lac_blame_key(reader, key, "%s", fault[i].text);
-        }
+        (void)snprintf(key, sizeof key, "transfer.%s%s", kind->about.name,
+                       fault[i].text != NULL ? fault[i].key : "");
+        (void)lac_refuse(reader, fault[i].text != NULL, key, "%s", fault[i].text);
     }
-    if (material_read && lac_transfer_outline_of(&c->transfer, &outline) && outline.rock != NULL &&
-        !lac_present(reader, "material.shear_modulus")) {
-        lac_blame_key(reader, "material.shear_modulus",
-                      "is missing: needed by transfer.%s%s; must be a pressure such as \"20 GPa\"",
-                      kind->about.name, outline.rock);
+    bool stiff =
+        material_read && lac_transfer_outline_of(&c->transfer, &outline) && outline.rock != NULL;
+    (void)lac_refuse(reader, stiff && !HAS("material.shear_modulus"), "material.shear_modulus",
+                     "is missing: needed by transfer.%s%s; must be a pressure such as \"20 GPa\"",
+                     kind->about.name, stiff ? outline.rock : "");
+}
+
+// What a shear load needs, or goes without: of all loads one thing after the other.
+static void check_shear(lac_reader *reader, const lac_case *c, bool fixed)
+{
+    for (size_t i = 0; fixed && i < c->shear.count && lac_clean(reader, "load"); i++) {
+        char key[100];
+        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        (void)snprintf(key, sizeof key, "load.shear.%zu", i);
+        (void)lac_refuse(reader, kind->fixes_shear, key,
+                         "%s fixes the shear load, which follows from initial.slip_rate and "
+                         "initial.state: drop one of them",
+                         kind->about.name);
     }
 }
 
@@ -98,31 +106,27 @@ static void check_back_slip(lac_reader *reader, const lac_case *c)
     for (size_t i = 0; i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
         const lac_load_kind *kind = (const void *)c->shear.item[i].about;
-        if (kind->needs_anchor && !holds_mean_slip(c)) {
-            (void)snprintf(key, sizeof key, "load.shear.%zu", i);
-            lac_blame_key(reader, key,
-                          "%s acts through a transfer that holds the mean slip: elastic with a "
-                          "thickness, or with outside: creeping",
-                          kind->about.name);
-        }
+        (void)snprintf(key, sizeof key, "load.shear.%zu", i);
+        (void)lac_refuse(reader, kind->needs_anchor && !holds_mean_slip(c), key,
+                         "%s acts through a transfer that holds the mean slip: elastic with a "
+                         "thickness, or with outside: creeping",
+                         kind->about.name);
     }
 }
 
 static void check_share(lac_reader *reader, const lac_case *c)
 {
     bool cells = c->surface.about != NULL || c->domain.about != NULL;
-    bool modulus = lac_present(reader, "material.shear_modulus");
+    bool bare = !cells || !HAS("material.shear_modulus");
     bool read = lac_clean(reader, "interface") && lac_clean(reader, "material");
     for (size_t i = 0; read && i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
         const lac_slot *slot = &c->shear.item[i];
-        if (lac_load_slot_share(slot) != LAC_SHARE_ELASTIC || (modulus && cells)) {
-            continue;
-        }
         (void)snprintf(key, sizeof key, "load.shear.%zu.%s.share", i, slot->about->name);
-        lac_blame_key(reader, key, "needs %s",
-                      !cells ? "cells to be shared by: interface.domain or interface.surface"
-                             : "material.shear_modulus, such as \"20 GPa\"");
+        (void)lac_refuse(reader, bare && lac_load_slot_share(slot) == LAC_SHARE_ELASTIC, key,
+                         "needs %s",
+                         !cells ? "cells to be shared by: interface.domain or interface.surface"
+                                : "material.shear_modulus, such as \"20 GPa\"");
     }
 }
 
@@ -135,18 +139,16 @@ static void check_statics(lac_reader *reader, const lac_case *c)
         return;
     }
     const char *key = normal->approach != NULL ? "load.normal.approach" : "load.normal.dimension";
-    if (lac_needs_run(reader)) {
-        lac_blame_key(reader, key,
+    (void)(lac_refuse(reader, lac_needs_run(reader), key,
                       "is for statics (lacuna contact); a run needs a load: pressure, depth or "
-                      "slope");
-    } else if (!lac_present(reader, "interface.surface")) {
-        lac_blame_key(reader, key,
-                      "needs interface.surface: only heights tell the load that follows");
-    } else if (normal->approach != NULL && c->interface.boundary == LAC_PERIODIC &&
-               !(normal->approach(c->normal.params) > 0)) {
-        lac_blame_key(reader, "load.normal.approach",
-                      "must be > 0 m between periodic faces: without a gap any load would do");
-    }
+                      "slope") ||
+           lac_refuse(reader, !HAS("interface.surface"), key,
+                      "needs interface.surface: only heights tell the load that follows") ||
+           lac_refuse(reader,
+                      normal->approach != NULL && c->interface.boundary == LAC_PERIODIC &&
+                          !(normal->approach(c->normal.params) > 0),
+                      key,
+                      "must be > 0 m between periodic faces: without a gap any load would do"));
 }
 
 // The mean normal stress; NaN where the case is wrong about it.
@@ -178,43 +180,27 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
     }
     lac_load_evaluate(&loads, 0.0, &sum);
     lac_load_set_clear(&loads);
-    if (!(sum.pore < pressure)) {
-        char high[64];
-        char low[64];
-        lac_blame_key(reader, "load.pore_pressure",
-                      "sums to %s, which must be below the normal stress, %s",
-                      lac_units_format(sum.pore, "Pa", high, sizeof high),
-                      lac_units_format(pressure, "Pa", low, sizeof low));
-    }
-    double shear = lac_load_shear(&sum, pressure);
+    char high[64], low[64];
+    (void)lac_refuse(reader, !(sum.pore < pressure), "load.pore_pressure",
+                     "sums to %s, which must be below the normal stress, %s",
+                     lac_units_format(sum.pore, "Pa", high, sizeof high),
+                     lac_units_format(pressure, "Pa", low, sizeof low));
     bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
-    if (wanted && !(shear > 0.0)) {
-        lac_blame_key(reader, "load.shear",
-                      "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
-                      "unless initial gives both slip_rate and state");
-    }
+    (void)lac_refuse(reader, wanted && !(lac_load_shear(&sum, pressure) > 0.0), "load.shear",
+                     "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
+                     "unless initial gives both slip_rate and state");
 }
 
 static void check_load(lac_reader *reader, const lac_case *c)
 {
-    bool fixed_by_initial =
-        lac_present(reader, "initial.slip_rate") && lac_present(reader, "initial.state");
-    for (size_t i = 0; fixed_by_initial && i < c->shear.count && lac_clean(reader, "load"); i++) {
-        char key[100];
-        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
-        if (kind->fixes_shear) {
-            (void)snprintf(key, sizeof key, "load.shear.%zu", i);
-            lac_blame_key(reader, key,
-                          "%s fixes the shear load, which follows from initial.slip_rate and "
-                          "initial.state: drop one of them",
-                          kind->about.name);
-        }
-    }
+    bool fixed_by_initial = HAS("initial.slip_rate") && HAS("initial.state");
+    check_shear(reader, c, fixed_by_initial);
     double pressure = normal_stress(reader, c);
     if (isfinite(pressure) && lac_clean(reader, "load")) {
         check_forces(reader, c, pressure, fixed_by_initial);
-    } else if (c->normal.about != NULL && isinf(pressure)) {
-        lac_blame_key(reader, "load.normal", "is too large to compute with");
+    } else {
+        (void)lac_refuse(reader, c->normal.about != NULL && isinf(pressure), "load.normal",
+                         "is too large to compute with");
     }
 }
 
@@ -262,15 +248,12 @@ static void check_ratio(lac_reader *reader, const lac_case *c)
 static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
-    if (lac_present(reader, "initial.spread.slip_rate") &&
-        !lac_present(reader, "initial.slip_rate")) {
-        lac_blame_key(reader, "initial.spread.slip_rate", "needs initial.slip_rate");
-    }
-    if (lac_present(reader, "initial.spread.state") && lac_clean(reader, "initial.state") &&
-        initial->state != LAC_STATE_TIME && initial->state != LAC_STATE_RATIO) {
-        lac_blame_key(reader, "initial.spread.state",
-                      "needs initial.state as a time or {ratio_to_steady: x}");
-    }
+    bool scaled = initial->state == LAC_STATE_TIME || initial->state == LAC_STATE_RATIO;
+    (void)lac_refuse(reader, HAS("initial.spread.slip_rate") && !HAS("initial.slip_rate"),
+                     "initial.spread.slip_rate", "needs initial.slip_rate");
+    (void)lac_refuse(
+        reader, HAS("initial.spread.state") && lac_clean(reader, "initial.state") && !scaled,
+        "initial.spread.state", "needs initial.state as a time or {ratio_to_steady: x}");
     if (c->friction.about == NULL || !lac_clean(reader, "initial")) {
         return;
     }
@@ -280,14 +263,13 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     if (!starts_unstable(c)) {
         return;
     }
-    if (!isnan(c->accuracy) && loads_stay(c)) {
-        lac_blame_key(reader, "solver.accuracy",
-                      "cannot be kept: the case starts steady with b > a and no load changes, so "
-                      "rounding decides what it does");
-        return;
+    if (!lac_refuse(reader, !isnan(c->accuracy) && loads_stay(c), "solver.accuracy",
+                    "cannot be kept: the case starts steady with b > a and no load changes, so "
+                    "rounding decides what it does")) {
+        lac_warn(
+            reader, HAS("initial.state") ? "initial.state" : "friction",
+            "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
     }
-    lac_warn(reader, lac_present(reader, "initial.state") ? "initial.state" : "friction",
-             "starts steady with b > a, the unstable fixed point: rounding decides when it fails");
 }
 
 // Outputs closer in time than numbers near the end of the run are would all be at one time.
@@ -302,11 +284,10 @@ static void check_cadences(lac_reader *reader, const lac_case *c)
     const double least = c->run.end * 0x1p-52;
     char text[64];
     for (size_t i = 0; i < sizeof cadences / sizeof cadences[0] && lac_clean(reader, "time"); i++) {
-        if (cadences[i].time < least && lac_clean(reader, "output")) {
-            lac_blame_key(reader, cadences[i].key,
-                          "is finer than times are told apart by time.end: must be >= %s",
-                          lac_units_format(least, "s", text, sizeof text));
-        }
+        (void)lac_refuse(reader, cadences[i].time < least && lac_clean(reader, "output"),
+                         cadences[i].key,
+                         "is finer than times are told apart by time.end: must be >= %s",
+                         lac_units_format(least, "s", text, sizeof text));
     }
 }
 
@@ -323,9 +304,16 @@ static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
     return beyond;
 }
 
+static bool is_map(const lac_node *node) { return node != NULL && node->kind == LAC_NODE_MAP; }
+
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
     bool material_read = lac_clean(reader, "material");
+    c->rg.named = is_map(lac_node_at(reader->root, "rg"));
+    c->fit.named = is_map(lac_node_at(reader->root, "fit"));
+    if (HAS("initial.slip_rate") && !HAS("initial.state")) {
+        c->initial.state = LAC_STATE_FROM_LOAD;
+    }
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);

@@ -7,53 +7,7 @@
 
 #include "case/sections.h"
 
-#define FIELD(name) offsetof(lac_case, fit.name)
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
-
-static const char *const offsets[] = {"none", "free", NULL};
-static const char *const errors_names[] = {"white", "ar1", NULL};
-
-const lac_param lac_fit_rows[LAC_FIT_ROWS] = {
-    LAC_OWN("parameters",
-            "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated"),
-    LAC_TEXT("time", FIELD(time), LAC_OPTIONAL, "column of times"),
-    LAC_TEXT("time_format", FIELD(time_format), LAC_OPTIONAL,
-             "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
-    LAC_OWN("displacement", "column of displacements, as \"column:unit\""),
-    LAC_OWN("velocity", "column of velocities, as \"column:unit\""),
-    LAC_OWN("sigma", "column of the displacements' standard errors, as \"column:unit\""),
-    LAC_REAL("displacement_error", "m", FIELD(displacement_error), NAN, 0, 1e6,
-             LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
-    LAC_REAL("velocity_error", "1", FIELD(velocity_error), NAN, 0, 100,
-             LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "standard error of the logarithm of a velocity; estimated if absent"),
-    LAC_CHOICE(
-        "errors", FIELD(errors), LAC_ERRORS_WHITE, errors_names, 0,
-        "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
-    LAC_CHOICE("offset", FIELD(offset), 1, offsets, 0,
-               "zero of the displacements: free (unknown), or none (zero where the run starts)"),
-    LAC_INTEGER("starts", FIELD(starts), 64, 1, 100000, 0,
-                "places tried before the least squares begin from the best three: the case itself "
-                "and draws from the prior"),
-    LAC_INTEGER("walkers", FIELD(walkers), 64, 4, 10000, 0,
-                "of the ensemble sampler; even, at least twice what is estimated"),
-    LAC_INTEGER("steps", FIELD(steps), 600, 0, 1e7, 0,
-                "kept of each walker; 0: least squares only"),
-    LAC_INTEGER("burn", FIELD(burn), 300, 0, 1e7, 0, "steps before those, dropped"),
-    LAC_INTEGER(
-        "rounds", FIELD(rounds), 3, 0, 20, 0,
-        "times that a chain with R-hat above 1.05 is dropped and one of twice its steps made"),
-    LAC_INTEGER("seed", FIELD(seed), 1, 0, 9007199254740991, 0, "of the starts and the sampler"),
-};
-
-void lac_fit_clear(lac_fit_def *fit)
-{
-    for (size_t i = 0; i < fit->count; i++) {
-        free(fit->parameter[i].key);
-    }
-    free(fit->parameter);
-}
 
 // A number of a mapping that must be there.
 static bool read_of(lac_reader *reader, const lac_node *map, const char *key, const char *unit,
@@ -131,7 +85,6 @@ static void read_range(lac_reader *reader, const lac_node *node, const lac_param
                        lac_fit_parameter *p)
 {
     double *ends[] = {&p->low, &p->high};
-    char why[160];
     if (node->kind != LAC_NODE_LIST || node->count != 2) {
         lac_blame(reader, node, "must be a list of two values such as [low, high]");
         return;
@@ -139,12 +92,8 @@ static void read_range(lac_reader *reader, const lac_node *node, const lac_param
     bool read = true;
     for (size_t i = 0; i < 2; i++) {
         const lac_node *end = node->child[i];
-        if (!lac_read_number(reader, end, param->unit, ends[i])) {
-            read = false;
-        } else if (!lac_param_allows(param, *ends[i], why, sizeof why)) {
-            lac_blame(reader, end, "%s", why);
-            read = false;
-        }
+        read = lac_read_number(reader, end, param->unit, ends[i]) &&
+               lac_in_range(reader, end, param, *ends[i]) && read;
     }
     p->ranged = true;
     if (read && !(p->low < p->high)) {
@@ -242,12 +191,6 @@ static bool rest_is_clean(const lac_reader *reader)
     return clean;
 }
 
-void lac_read_fit(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    (void)reader;
-    c->fit.named = node != NULL;
-}
-
 void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (rest_is_clean(reader)) {
@@ -255,44 +198,26 @@ void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-static void check_sampler(lac_reader *reader, const lac_fit_def *fit)
-{
-    size_t least = 2 * (fit->count + 3);
-    if (fit->steps > 0 && (fit->walkers % 2 != 0 || (size_t)fit->walkers < least)) {
-        lac_blame_key(reader, "fit.walkers", "must be even and at least %zu for %zu parameters",
-                      least, fit->count);
-    }
-    if (fit->steps > 0 && fit->steps < 8) {
-        lac_blame_key(reader, "fit.steps", "must be 0 (least squares only) or at least 8");
-    }
-}
-
 void lac_check_fit(lac_reader *reader, lac_case *c)
 {
     const lac_fit_def *fit = &c->fit;
-    if (!fit->named) {
-        if (reader->purpose == LAC_FOR_FIT) {
-            lac_blame_missing(reader, reader->root, "fit",
-                              "is missing: what to estimate, such as {parameters: "
-                              "{friction.aging.dc: {range: [\"0.1 mm\", \"1 m\"]}}, ...}");
-        }
+    const size_t least = 2 * (fit->count + 3);
+    if (lac_refuse(reader, !HAS("fit") && reader->purpose == LAC_FOR_FIT, "fit",
+                   "is missing: what to estimate, such as {parameters: {friction.aging.dc: {range: "
+                   "[\"0.1 mm\", \"1 m\"]}}, ...}") ||
+        !fit->named || !lac_clean(reader, "fit") || !rest_is_clean(reader)) {
         return;
     }
-    if (!lac_clean(reader, "fit") || !rest_is_clean(reader)) {
-        return;
-    }
-    if (fit->count == 0) {
-        lac_blame_key(reader, "fit.parameters", "must name at least one number of the case");
-    }
-    if (fit->displacement == NULL && fit->velocity == NULL) {
-        lac_blame_key(reader, "fit",
-                      "needs displacement or velocity, such as displacement: \"disp:mm\"");
-    }
-    if (fit->time == NULL) {
-        lac_blame_key(reader, "fit", "needs time, the column of times");
-    }
-    if (fit->sigma != NULL && fit->displacement == NULL) {
-        lac_blame_key(reader, "fit.sigma", "goes with displacement");
-    }
-    check_sampler(reader, fit);
+    (void)lac_refuse(reader, fit->count == 0, "fit.parameters",
+                     "must name at least one number of the case");
+    (void)lac_refuse(reader, fit->displacement == NULL && fit->velocity == NULL, "fit",
+                     "needs displacement or velocity, such as displacement: \"disp:mm\"");
+    (void)lac_refuse(reader, fit->time == NULL, "fit", "needs time, the column of times");
+    (void)lac_refuse(reader, fit->sigma != NULL && fit->displacement == NULL, "fit.sigma",
+                     "goes with displacement");
+    (void)lac_refuse(
+        reader, fit->steps > 0 && (fit->walkers % 2 != 0 || (size_t)fit->walkers < least),
+        "fit.walkers", "must be even and at least %zu for %zu parameters", least, fit->count);
+    (void)lac_refuse(reader, fit->steps > 0 && fit->steps < 8, "fit.steps",
+                     "must be 0 (least squares only) or at least 8");
 }

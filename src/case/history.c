@@ -71,61 +71,40 @@ void lac_read_steps(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-void lac_read_history(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    const lac_table table = lac_section_table("load.history");
-    (void)c;
-    if (node != NULL && lac_node_child(node, "steps") == NULL &&
-        !lac_key_misspelt(node, &table, "steps")) {
-        lac_blame_missing(reader, node, "steps",
-                          "is missing: a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
-    }
-}
-
 // What is pressed and sheared.
 static void check_joint(lac_reader *reader)
 {
-    bool near = lac_present(reader, "load.normal.approach");
-    if (near || lac_present(reader, "load.normal.dimension")) {
-        lac_blame_key(reader, near ? "load.normal.approach" : "load.normal.dimension",
-                      "is no load, from which load.history could start: pressure, depth or slope");
-    }
-    if (!lac_present(reader, "interface.surface") && !lac_present(reader, "interface.domain")) {
-        lac_blame_key(reader, "load.history",
-                      "needs interface.surface or interface.domain: a single block has no cells "
-                      "that stick or slip");
-    }
-    if (lac_present(reader, "interface.domain") && !lac_present(reader, "material.shear_modulus")) {
-        lac_blame_key(reader, "material.shear_modulus",
-                      "is missing: needed by load.history; must be a pressure such as \"20 GPa\"");
-    }
+    bool near = HAS("load.normal.approach"), domain = HAS("interface.domain");
+    (void)lac_refuse(reader, near || HAS("load.normal.dimension"),
+                     near ? "load.normal.approach" : "load.normal.dimension",
+                     "is no load, from which load.history could start: pressure, depth or slope");
+    (void)lac_refuse(reader, !HAS("interface.surface") && !domain, "load.history",
+                     "needs interface.surface or interface.domain: a single block has no cells "
+                     "that stick or slip");
+    (void)lac_refuse(reader, domain && !HAS("material.shear_modulus"), "material.shear_modulus",
+                     "is missing: needed by load.history; must be a pressure such as \"20 GPa\"");
 }
 
 void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, double *friction)
 {
     char path[LAC_KEY_LENGTH];
     (void)snprintf(path, sizeof path, "%s.friction", key);
-    if (lac_present(reader, path)) {
+    if (HAS(path)) {
         return;
     }
     if (c->friction.about == NULL) {
-        if (!lac_present(reader, "friction") && !lac_needs_run(reader)) {
-            lac_blame_key(reader, path,
-                          "is missing: Coulomb's coefficient, which no friction law gives either");
-        }
+        (void)lac_refuse(reader, !HAS("friction") && !lac_needs_run(reader), path,
+                         "is missing: Coulomb's coefficient, which no friction law gives either");
         return;
     }
     *friction = ((const lac_friction_params *)c->friction.params)->f0;
-    if (!(*friction > 0)) {
-        lac_blame_key(reader, path, "is missing, and f0 of the friction law is %g; must be > 0",
-                      *friction);
+    if (lac_refuse(reader, !(*friction > 0), path,
+                   "is missing, and f0 of the friction law is %g; must be > 0", *friction)) {
         *friction = NAN;
     }
-    for (size_t i = 0; i < c->friction_spread.count; i++) {
-        if (strcmp(c->friction_spread.item[i].key, "f0") == 0) {
-            lac_warn(reader, key,
-                     "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");
-        }
+    if (lac_spread_has(&c->friction_spread, "f0")) {
+        lac_warn(reader, key,
+                 "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");
     }
 }
 

@@ -56,9 +56,6 @@ static void clear_part(const lac_part *part, lac_case *c)
         clear_slots(at);
     } else if (part->kind == LAC_PART_SPREADS) {
         lac_spreads_clear(at);
-    } else if (part->kind == LAC_PART_COLUMN) {
-        free(*(char **)at);
-        free(*(char **)(void *)((char *)c + part->unit_at));
     }
 }
 
@@ -74,15 +71,13 @@ void lac_case_free(lac_case *c)
     clear_slots(&c->analysis);
     const lac_table table = lac_section_table("compare");
     for (size_t i = 0; i < c->compare_count; i++) {
-        lac_compare_def *def = &c->compare[i];
-        lac_table_clear(&table, def);
-        free(def->displacement);
-        free(def->displacement_unit);
-        free(def->velocity);
-        free(def->velocity_unit);
+        lac_table_clear(&table, &c->compare[i]);
     }
     free(c->compare);
-    lac_fit_clear(&c->fit);
+    for (size_t i = 0; i < c->fit.count; i++) {
+        free(c->fit.parameter[i].key);
+    }
+    free(c->fit.parameter);
     free(c->history.step);
     free(c->path);
     free(c);
@@ -177,6 +172,9 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     if (status == LAC_OK) {
         lac_case_source from = {name, text, size, how->overrides, how->count, how->purpose};
         status = lac_case_build(units, &from, out, report, err);
+    }
+    if (status == LAC_OK) {
+        (*out)->purpose = how->purpose;
     }
     lac_units_free(units);
     return status;

@@ -33,20 +33,6 @@ void lac_read_state(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-void lac_read_initial(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    (void)reader;
-    if (lac_node_child(node, "slip_rate") != NULL) {
-        c->initial.state = LAC_STATE_FROM_LOAD; // unless it is given
-    }
-}
-
-void lac_read_initial_spread(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    static const lac_spreadable varied[] = {{"slip_rate", true}, {"state", true}};
-    lac_read_spreads(reader, node, varied, 2, &c->initial_spread);
-}
-
 void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence)
 {
     lac_table table = lac_section_table("output.every");
@@ -89,50 +75,19 @@ void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 void lac_read_fields_every(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     (void)c;
-    if (!lac_present(reader, "output.fields")) {
+    if (!HAS("output.fields")) {
         lac_blame(reader, node, "needs output.fields, which says what to keep");
-    }
-}
-
-void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
-                     char **unit)
-{
-    lac_error err = {""};
-    double scale;
-    double offset;
-    char *text = lac_read_text(reader, node, "a column and its unit such as \"disp:mm\"");
-    char *colon = text == NULL ? NULL : strrchr(text, ':');
-    *column = text;
-    if (colon == NULL) {
-        return; // no unit: it is SI
-    }
-    *colon = '\0';
-    if (colon == text) {
-        lac_blame(reader, node, "must be a column and its unit such as \"disp:mm\"");
-    } else if (lac_units_convert(reader->units, colon + 1, si, &scale, &offset, &err) != LAC_OK ||
-               offset != 0.0) {
-        lac_blame(reader, node, "the unit of the column %s", err.message);
-    } else {
-        *unit = lac_reader_copy(reader, colon + 1, strlen(colon + 1));
     }
 }
 
 static void read_series(lac_reader *reader, const lac_node *node, lac_compare_def *def)
 {
     lac_table table = lac_section_table("compare");
-    const lac_node *displacement = lac_node_child(node, "displacement");
-    const lac_node *velocity = lac_node_child(node, "velocity");
     if (!lac_expect_map(reader, node, "a mapping with file, time, displacement and/or velocity")) {
         return;
     }
     lac_read_table(reader, node, &table, def);
-    if (displacement != NULL) {
-        lac_read_column(reader, displacement, "m", &def->displacement, &def->displacement_unit);
-    }
-    if (velocity != NULL) {
-        lac_read_column(reader, velocity, "m/s", &def->velocity, &def->velocity_unit);
-    }
-    if (displacement == NULL && velocity == NULL) {
+    if (lac_node_child(node, "displacement") == NULL && lac_node_child(node, "velocity") == NULL) {
         lac_blame(reader, node, "needs displacement or velocity, such as \"disp:mm\"");
     }
 }

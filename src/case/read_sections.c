@@ -10,14 +10,6 @@
 
 enum { FORMAT_VERSION = 1 };
 
-// Whether a section that must be there isn't, nor is misspelt, which was reported.
-static bool section_lacks(const lac_reader *reader, const char *key)
-{
-    lac_table table = lac_section_table("case");
-    return lac_node_child(reader->root, key) == NULL &&
-           !lac_key_misspelt(reader->root, &table, key);
-}
-
 bool lac_needs_run(const lac_reader *reader)
 {
     // What names a case as static: an approach or a dimension for a load, or a history or a
@@ -36,62 +28,12 @@ void lac_read_version(lac_reader *reader, const lac_node *root, lac_case *c)
 {
     const lac_node *node = lac_node_child(root, "lacuna");
     (void)c;
-    if (node == NULL) {
-        lac_blame_missing(reader, reader->root, "lacuna",
-                          "is missing: a case starts with its format's version, lacuna: %d",
-                          FORMAT_VERSION);
-    } else if (node->kind != LAC_NODE_SCALAR || strcmp(node->text, "1") != 0) {
+    if (!lac_refuse(reader, node == NULL, "lacuna",
+                    "is missing: a case starts with its format's version, lacuna: %d",
+                    FORMAT_VERSION) &&
+        (node->kind != LAC_NODE_SCALAR || strcmp(node->text, "1") != 0)) {
         lac_blame(reader, node, "must be %d, the version of the format that is read here",
                   FORMAT_VERSION);
-    }
-}
-
-void lac_read_interface_spread(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    static const lac_spreadable varied[] = {{"pressure", true}};
-    lac_read_spreads(reader, node, varied, 1, &c->interface_spread);
-}
-
-void lac_read_load(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    const lac_table table = lac_section_table("load");
-    (void)c;
-    bool lacks_normal = node != NULL && lac_node_child(node, "normal") == NULL &&
-                        !lac_key_misspelt(node, &table, "normal");
-    if (section_lacks(reader, "load") || lacks_normal) {
-        lac_blame_key(reader, "load.normal",
-                      "is missing: a normal load such as {pressure: \"3 MPa\"}");
-    }
-}
-
-// The parameters of a law that may vary from cell to cell.
-static size_t cellwise(const lac_slot *law, lac_spreadable *known, size_t most)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < law->about->param_count && n < most; i++) {
-        const lac_param *param = &law->about->params[i];
-        if ((param->flags & LAC_CELLWISE) != 0) {
-            known[n++] = (lac_spreadable){param->key, lac_param_given(param, law->params)};
-        }
-    }
-    return n;
-}
-
-void lac_read_friction(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    (void)c;
-    if (node == NULL && section_lacks(reader, "friction") && lac_needs_run(reader)) {
-        lac_blame_missing(reader, reader->root, "friction",
-                          "is missing: a friction law such as {aging: {...}}");
-    }
-}
-
-void lac_read_friction_spread(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    lac_spreadable known[32];
-    if (c->friction.about != NULL) {
-        size_t n = cellwise(&c->friction, known, sizeof known / sizeof known[0]);
-        lac_read_spreads(reader, node, known, n, &c->friction_spread);
     }
 }
 
@@ -115,15 +57,7 @@ void lac_read_start(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-void lac_read_time(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    (void)c;
-    if (node == NULL && section_lacks(reader, "time") && lac_needs_run(reader)) {
-        lac_blame_key(reader, "time.end", "is missing: must be a time such as \"1 day\"");
-    }
-}
-
-// Reads a section that holds parameters; NULL where it is absent or none.
+// Reads a section that holds parameters; NULL where it is none.
 static const lac_node *read_record(lac_reader *reader, const lac_node *node, const lac_part *part,
                                    lac_case *c)
 {
@@ -132,11 +66,24 @@ static const lac_node *read_record(lac_reader *reader, const lac_node *node, con
     if (part->such != NULL) {
         (void)snprintf(allowed, sizeof allowed, "a mapping such as %s", part->such);
     }
-    if (node == NULL || node->bad || !lac_expect_map(reader, node, allowed)) {
+    if (node->bad || !lac_expect_map(reader, node, allowed)) {
         return NULL;
     }
     lac_read_table(reader, node, &table, c);
     return node;
+}
+
+// Whether a part that must be there isn't, nor is misspelt, which was reported.
+static bool lacks(const lac_reader *reader, const lac_part *part)
+{
+    char above[LAC_KEY_LENGTH] = "";
+    const char *name = part->about.name, *dot = strrchr(name, '.');
+    (void)snprintf(above, sizeof above, "%.*s", dot != NULL ? (int)(dot - name) : 0, name);
+    const lac_table table = lac_section_table(dot != NULL ? above : "case");
+    const lac_node *map = lac_node_at(reader->root, above);
+    return map != NULL && map->kind == LAC_NODE_MAP &&
+           !lac_key_misspelt(map, &table, dot != NULL ? dot + 1 : name) &&
+           (!part->of_runs || lac_needs_run(reader));
 }
 
 static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
@@ -144,19 +91,26 @@ static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
     const char *key = part->about.name;
     const lac_node *node = lac_node_at(reader->root, strcmp(key, "case") == 0 ? "" : key);
     void *at = (char *)c + part->at;
+    if (node == NULL) {
+        (void)lac_refuse(reader, part->missing != NULL && lacks(reader, part),
+                         part->missing_at != NULL ? part->missing_at : key, "is missing: %s",
+                         part->missing);
+        return;
+    }
     if (part->kind == LAC_PART_RECORD) {
         node = read_record(reader, node, part, c);
-    } else if (part->kind == LAC_PART_SLOT && node != NULL) {
+    } else if (part->kind == LAC_PART_SLOT) {
         lac_read_slot(reader, node, part->model, part->such, at);
-    } else if (part->kind == LAC_PART_SLOTS && node != NULL) {
+    } else if (part->kind == LAC_PART_SLOTS) {
         lac_read_slots(reader, node, part->model, at);
-    } else if (part->kind == LAC_PART_CADENCE && node != NULL) {
+    } else if (part->kind == LAC_PART_SPREADS && part->varied != NULL) {
+        lac_read_spreads(reader, node, NULL, part->varied, at);
+    } else if (part->kind == LAC_PART_SPREADS && c->friction.about != NULL) {
+        lac_read_spreads(reader, node, &c->friction, NULL, at);
+    } else if (part->kind == LAC_PART_CADENCE) {
         lac_read_cadence(reader, node, at);
-    } else if (part->kind == LAC_PART_COLUMN && node != NULL) {
-        lac_read_column(reader, node, part->such, at, (void *)((char *)c + part->unit_at));
     }
-    bool always = part->kind == LAC_PART_RECORD || part->kind == LAC_PART_SLOT;
-    if (part->read != NULL && (always || node != NULL)) {
+    if (part->read != NULL && node != NULL) {
         part->read(reader, node, c);
     }
 }

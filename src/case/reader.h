@@ -26,17 +26,15 @@ typedef struct lac_reader {
 void lac_blame(lac_reader *reader, const lac_node *node, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/// Reports a warning at a node, or at the nearest node above the dotted key.
+/// Reports an error at a dotted key where there is one: its line, or that of the nearest node
+/// above.
+/// @return wrong
+bool lac_refuse(lac_reader *reader, bool wrong, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/// Reports a warning at a dotted key.
 void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/// Reports an error at a dotted key: its line, or that of the nearest node above it.
-void lac_blame_key(lac_reader *reader, const char *key, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-/// Reports that a key which must be there isn't.
-void lac_blame_missing(lac_reader *reader, const lac_node *parent, const char *key,
-                       const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /// Reports an error of the text as such.
 /// @param place  the key of a --set; NULL: the file
@@ -50,6 +48,9 @@ void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *wha
 
 /// Puts the issues in the order of the file; those of --set come last.
 void lac_report_sort(lac_case_report *report);
+
+/// Appends "a, b, c" to a list.
+void lac_append_names(char *list, size_t size, const char *const *names, size_t count);
 
 /// A copy of a text; NULL, and the reader knows, where memory is short.
 char *lac_reader_copy(lac_reader *reader, const char *text, size_t size);

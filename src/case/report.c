@@ -69,8 +69,12 @@ typedef struct subject {
     bool from_set, warning;
 } subject;
 
-static void add_issue(lac_reader *reader, const subject *of, const char *message)
+static void add_issue(lac_reader *reader, const subject *of, const char *format, va_list args)
+    __attribute__((format(printf, 3, 0)));
+
+static void add_issue(lac_reader *reader, const subject *of, const char *format, va_list args)
 {
+    char message[LONGEST_MESSAGE + 100];
     if (reader->report->count > LAC_MOST_ISSUES) {
         return;
     }
@@ -79,6 +83,7 @@ static void add_issue(lac_reader *reader, const subject *of, const char *message
     if (issue == NULL) {
         return;
     }
+    (void)vsnprintf(message, sizeof message, format, args);
     issue->line = of->line;
     issue->warning = of->warning && !full;
     reader->report->errors += issue->warning ? 0 : 1;
@@ -89,105 +94,92 @@ static void add_issue(lac_reader *reader, const subject *of, const char *message
         one_line(reader, full ? "has more errors, which are not listed" : message, LONGEST_MESSAGE);
 }
 
-static void blame_node(lac_reader *reader, const lac_node *node, const char *key, bool warning,
-                       const char *message)
-{
-    bool scalar = node->kind == LAC_NODE_SCALAR && node->text != NULL && !node->bad;
-    subject of = {.line = node->line,
-                  .key = key,
-                  .value = scalar ? node->text : "",
-                  .from_set = node->line == 0,
-                  .warning = warning};
-    add_issue(reader, &of, message);
-}
-
 void lac_blame(lac_reader *reader, const lac_node *node, const char *format, ...)
 {
-    char message[LONGEST_MESSAGE + 100];
     char key[LAC_KEY_LENGTH];
+    bool scalar = node->kind == LAC_NODE_SCALAR && node->text != NULL;
+    subject of = {.line = node->line,
+                  .key = lac_node_path(node, key, sizeof key),
+                  .value = scalar ? node->text : "",
+                  .from_set = node->line == 0};
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
-    va_end(args);
     if (!node->bad) {
-        blame_node(reader, node, lac_node_path(node, key, sizeof key), false, message);
+        add_issue(reader, &of, format, args);
     }
+    va_end(args);
 }
 
-// The node at a dotted key, or the nearest one above it.
-static const lac_node *nearest_above(const lac_reader *reader, const char *key)
+// What is said of a dotted key: at its node, or the nearest one above it.
+static subject of_key(const lac_reader *reader, const char *key, bool warning)
 {
     char path[LAC_KEY_LENGTH];
+    const lac_node *node = NULL;
     (void)snprintf(path, sizeof path, "%s", key);
     for (;;) {
-        const lac_node *node = lac_node_at(reader->root, path);
+        node = lac_node_at(reader->root, path);
         char *dot = strrchr(path, '.');
         if (node != NULL || path[0] == '\0') {
-            return node;
+            break;
         }
         *(dot != NULL ? dot : path) = '\0';
     }
-}
-
-static void blame_key(lac_reader *reader, const char *key, bool warning, const char *message)
-{
-    const lac_node *node = nearest_above(reader, key);
-    char path[LAC_KEY_LENGTH];
     bool exact = strcmp(lac_node_path(node, path, sizeof path), key) == 0;
-    subject of = {.line = node->line,
-                  .key = key,
-                  .value = exact && node->kind == LAC_NODE_SCALAR ? node->text : "",
-                  .from_set = node->line == 0,
-                  .warning = warning};
-    add_issue(reader, &of, message);
+    return (subject){.line = node->line,
+                     .key = key,
+                     .value = exact && node->kind == LAC_NODE_SCALAR ? node->text : "",
+                     .from_set = node->line == 0,
+                     .warning = warning};
 }
 
-void lac_blame_key(lac_reader *reader, const char *key, const char *format, ...)
+bool lac_refuse(lac_reader *reader, bool wrong, const char *key, const char *format, ...)
 {
-    char message[LONGEST_MESSAGE + 100];
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
+    if (wrong) {
+        subject of = of_key(reader, key, false);
+        add_issue(reader, &of, format, args);
+    }
     va_end(args);
-    blame_key(reader, key, false, message);
+    return wrong;
 }
 
 void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
 {
-    char message[LONGEST_MESSAGE + 100];
+    subject of = of_key(reader, key, true);
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
+    add_issue(reader, &of, format, args);
     va_end(args);
-    blame_key(reader, key, true, message);
-}
-
-void lac_blame_missing(lac_reader *reader, const lac_node *parent, const char *key,
-                       const char *format, ...)
-{
-    char message[LONGEST_MESSAGE + 100];
-    char path[LAC_KEY_LENGTH];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
-    va_end(args);
-    (void)lac_node_path(parent, path, sizeof path);
-    size_t used = strlen(path);
-    (void)snprintf(path + used, sizeof path - used, "%s%s", used == 0 ? "" : ".", key);
-    subject of = {.line = parent->line, .key = path, .value = "", .from_set = parent->line == 0};
-    add_issue(reader, &of, message);
 }
 
 void lac_blame_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
 {
-    char message[LONGEST_MESSAGE + 100];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
-    va_end(args);
     subject of = {
         .line = line, .key = place != NULL ? place : "", .value = "", .from_set = place != NULL};
-    add_issue(reader, &of, message);
+    va_list args;
+    va_start(args, format);
+    add_issue(reader, &of, format, args);
+    va_end(args);
+}
+
+void lac_append_names(char *list, size_t size, const char *const *names, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t used = strlen(list);
+        (void)snprintf(list + used, size - used, "%s%s", i == 0 ? "" : ", ", names[i]);
+    }
+}
+
+static void say(lac_reader *reader, const subject *of, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void say(lac_reader *reader, const subject *of, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    add_issue(reader, of, format, args);
+    va_end(args);
 }
 
 void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *what,
@@ -196,20 +188,17 @@ void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *wha
     char list[LONGEST_MESSAGE] = "";
     char key[LAC_KEY_LENGTH];
     const char *near = lac_nearest(node->key, known, count);
+    const subject of = {.line = node->line,
+                        .key = lac_node_path(node, key, sizeof key),
+                        .value = "",
+                        .from_set = node->line == 0};
     if (near != NULL) {
-        (void)snprintf(list, sizeof list, "is no %s here; did you mean \"%s\"?", what, near);
-    } else {
-        (void)snprintf(list, sizeof list, "is no %s here; known:", what);
-        for (size_t i = 0; i < count; i++) {
-            size_t used = strlen(list);
-            (void)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
-        }
+        say(reader, &of, "is no %s here; did you mean \"%s\"?", what, near);
+        return;
     }
-    subject of = {.line = node->line,
-                  .key = lac_node_path(node, key, sizeof key),
-                  .value = "",
-                  .from_set = node->line == 0};
-    add_issue(reader, &of, list);
+    (void)snprintf(list, sizeof list, "is no %s here; known:%s", what, count > 0 ? " " : "");
+    lac_append_names(list, sizeof list, known, count);
+    say(reader, &of, "%s", list);
 }
 
 // Insertion keeps issues of one line in the order they were found; there are few.
@@ -243,6 +232,9 @@ static const char *or_empty(const char *text) { return text != NULL ? text : "";
 const char *lac_case_issue_format(const lac_case_issue *issue, char *text, size_t size)
 {
     char line[32] = "";
+    if (issue == NULL || text == NULL || size == 0) {
+        return NULL;
+    }
     const char *key = or_empty(issue->key);
     const char *value = or_empty(issue->value);
     if (issue->line > 0) {

@@ -7,33 +7,7 @@
 #include "case/sections.h"
 #include "rg/rg.h"
 
-#define FIELD(name) offsetof(lac_case, name)
-
-static const char *const rg_paths[] = {"series", "solve", NULL};
 static const char from_friction[] = "from-friction";
-
-const lac_param lac_rg_rows[LAC_RG_ROWS] = {
-    LAC_RG_RULE_ROW(
-        FIELD(rg.rule), 0, 0,
-        "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
-        "all above its residual strength; lump, as a point with its sums"),
-    LAC_RG_FIELD_ROW(
-        FIELD(rg.field), LAC_RG_ELASTIC, 0,
-        "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
-        "same stress on all (uniform), as a ramp with share: equal puts it on"),
-    LAC_OWN("beta",
-            "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
-    LAC_COULOMB_ROW(FIELD(rg.friction)),
-    LAC_RG_SHIFTS_ROW(FIELD(rg.shifts), 16, 0, "places of the grid of blocks, averaged"),
-    LAC_INTEGER("seeds", FIELD(rg.seeds), 1, 1, 10000, 0,
-                "interfaces: the case's own seed and those that follow it"),
-    LAC_RG_LOADS_ROW(FIELD(rg.loads), 60, 0, "shear forces at which slipping blocks are counted"),
-    LAC_INTEGER("contacts", FIELD(rg.contacts), LAC_RG_LOADS, 10, LAC_RG_MOST_LOADS, 0,
-                "contacts solved along the path of field elastic, to interpolate between"),
-    LAC_CHOICE(
-        "path", FIELD(rg.path), LAC_RG_SERIES, rg_paths, 0,
-        "the critical force of field elastic from that series, or on contacts solved for it"),
-};
 
 bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
 {
@@ -77,12 +51,6 @@ void lac_read_betas(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-void lac_read_rg(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    (void)reader;
-    c->rg.named = node != NULL;
-}
-
 // Whether a slot's model has a seed.
 static bool seeded(const lac_slot *slot)
 {
@@ -96,22 +64,17 @@ static bool seeded(const lac_slot *slot)
 
 static void check_interface(lac_reader *reader, const lac_case *c)
 {
-    if (!lac_present(reader, "interface.surface") && !lac_present(reader, "interface.domain")) {
-        lac_blame_key(reader, "interface",
-                      "is a single block, which has no cells to hand load on: rg needs surface or "
-                      "domain");
-    }
-    if (c->rg.field == LAC_RG_ELASTIC && lac_present(reader, "interface.domain")) {
-        lac_blame_key(reader, "rg.field",
-                      "needs interface.surface to press; a domain goes with equal or uniform");
-    }
+    (void)lac_refuse(
+        reader, !HAS("interface.surface") && !HAS("interface.domain"), "interface",
+        "is a single block, which has no cells to hand load on: rg needs surface or domain");
+    (void)lac_refuse(reader, c->rg.field == LAC_RG_ELASTIC && HAS("interface.domain"), "rg.field",
+                     "needs interface.surface to press; a domain goes with equal or uniform");
     bool random = seeded(&c->surface) || seeded(&c->domain);
     for (size_t i = 0; i < c->interface_spread.count; i++) {
         random = random || seeded(&c->interface_spread.item[i].slot);
     }
-    if (c->rg.seeds > 1 && !random) {
-        lac_blame_key(reader, "rg.seeds", "must be 1: the interface does not depend on a seed");
-    }
+    (void)lac_refuse(reader, c->rg.seeds > 1 && !random, "rg.seeds",
+                     "must be 1: the interface does not depend on a seed");
 }
 
 void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
@@ -135,19 +98,23 @@ static void check_law(lac_reader *reader, const lac_case *c)
     }
     const lac_friction_params *law = c->friction.params;
     lac_warn_nominal_beta(reader, c, "rg.beta");
-    if (!lac_present(reader, "friction")) {
-        lac_blame_key(reader, "rg.beta", "needs a friction law");
-    } else if (law != NULL && (!isnan(law->v1) || !isnan(law->v2))) {
+    if (!lac_refuse(reader, !HAS("friction"), "rg.beta", "needs a friction law") && law != NULL &&
+        (!isnan(law->v1) || !isnan(law->v2))) {
         lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
-    if (isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density))) {
-        lac_blame_key(reader, "rg.beta", "needs material.shear_modulus and shear_speed or density");
-    }
+    lac_check_waves(reader, m, "rg.beta");
+}
+
+void lac_check_waves(lac_reader *reader, const lac_material_def *m, const char *key)
+{
+    (void)lac_refuse(reader,
+                     isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)), key,
+                     "needs material.shear_modulus and shear_speed or density");
 }
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
 {
-    bool asked = lac_present(reader, "rg");
+    bool asked = HAS("rg");
     const bool on_cells = reader->purpose == LAC_FOR_CELLS;
     if (reader->purpose != LAC_FOR_RG && !on_cells && !asked) {
         return;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/nearest.h"
-#include "case/sections.h"
+#include "case/schema.h"
 
 enum { MAX_KNOWN = 64 };
 
@@ -34,24 +34,29 @@ bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit,
     return false;
 }
 
+bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *param, double value)
+{
+    char why[160];
+    bool allowed = lac_param_allows(param, value, why, sizeof why);
+    if (!allowed) {
+        lac_blame(reader, node, "%s", why);
+    }
+    return allowed;
+}
+
 static bool read_real(lac_reader *reader, const lac_node *node, const lac_param *param,
                       double *value)
 {
-    char why[160];
-    if (!lac_read_number(reader, node, param->unit, value)) {
-        return false;
-    }
-    if (!lac_param_allows(param, *value, why, sizeof why)) {
-        lac_blame(reader, node, "%s", why);
-        return false;
-    }
-    return true;
+    double number = NAN;
+    bool good = lac_read_number(reader, node, param->unit, &number) &&
+                lac_in_range(reader, node, param, number);
+    *value = good ? number : *value;
+    return good;
 }
 
 static bool read_integer(lac_reader *reader, const lac_node *node, const lac_param *param,
                          int64_t *value)
 {
-    char why[160];
     double number = NAN;
     bool scalar = node->kind == LAC_NODE_SCALAR;
     if (!scalar || lac_units_parse(reader->units, node->text, "1", &number, NULL) != LAC_OK ||
@@ -59,37 +64,25 @@ static bool read_integer(lac_reader *reader, const lac_node *node, const lac_par
         lac_blame(reader, node, "must be a whole number");
         return false;
     }
-    if (!lac_param_allows(param, number, why, sizeof why)) {
-        lac_blame(reader, node, "%s", why);
-        return false;
-    }
-    *value = (int64_t)number;
-    return true;
-}
-
-static const char *choice_text(const lac_param *param, char *text, size_t size)
-{
-    bool several = param->choices[1] != NULL;
-    (void)snprintf(text, size, "must be %s", several ? "one of:" : "");
-    for (size_t i = 0; param->choices[i] != NULL; i++) {
-        size_t used = strlen(text);
-        (void)snprintf(text + used, size - used, "%s%s%s", i > 0 ? "," : "", several ? " " : "",
-                       param->choices[i]);
-    }
-    return text;
+    bool good = lac_in_range(reader, node, param, number);
+    *value = good ? (int64_t)number : *value;
+    return good;
 }
 
 static bool read_choice(lac_reader *reader, const lac_node *node, const lac_param *param,
                         int *value)
 {
     char text[200];
-    for (int i = 0; node->kind == LAC_NODE_SCALAR && param->choices[i] != NULL; i++) {
-        if (strcmp(param->choices[i], node->text) == 0) {
-            *value = i;
+    size_t n = 0;
+    for (; param->choices[n] != NULL; n++) {
+        if (node->kind == LAC_NODE_SCALAR && strcmp(param->choices[n], node->text) == 0) {
+            *value = (int)n;
             return true;
         }
     }
-    lac_blame(reader, node, "%s", choice_text(param, text, sizeof text));
+    (void)snprintf(text, sizeof text, "must be %s", n > 1 ? "one of: " : "");
+    lac_append_names(text, sizeof text, param->choices, n);
+    lac_blame(reader, node, "%s", text);
     return false;
 }
 
@@ -130,31 +123,41 @@ static char *read_path(lac_reader *reader, const lac_node *node)
 bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *param, void *params)
 {
     void *at = (char *)params + param->offset;
-    bool good = false;
     switch (param->type) {
-    case LAC_REAL: {
-        double value;
-        good = read_real(reader, node, param, &value);
-        return good && memcpy(at, &value, sizeof value) != NULL;
-    }
-    case LAC_INTEGER: {
-        int64_t value;
-        good = read_integer(reader, node, param, &value);
-        return good && memcpy(at, &value, sizeof value) != NULL;
-    }
-    case LAC_CHOICE: {
-        int value;
-        good = read_choice(reader, node, param, &value);
-        return good && memcpy(at, &value, sizeof value) != NULL;
-    }
-    case LAC_TEXT:
+    case LAC_REAL:
+        return read_real(reader, node, param, at);
+    case LAC_INTEGER:
+        return read_integer(reader, node, param, at);
+    case LAC_CHOICE:
+        return read_choice(reader, node, param, at);
     case LAC_PATH:
+        return (*(char **)at = read_path(reader, node)) != NULL;
+    case LAC_TEXT:
         break;
     }
-    char *text = param->type == LAC_PATH ? read_path(reader, node)
-                                         : lac_read_text(reader, node, "a text that is not empty");
-    memcpy(at, &text, sizeof text);
-    return text != NULL;
+    return (*(char **)at = lac_read_text(reader, node, "a text that is not empty")) != NULL;
+}
+
+// "column:unit", split at its last colon.
+static void read_column(lac_reader *reader, const lac_node *node, const char *si, char **column)
+{
+    lac_error err = {""};
+    double scale, offset;
+    char *text = lac_read_text(reader, node, "a column and its unit such as \"disp:mm\"");
+    char *colon = text == NULL ? NULL : strrchr(text, ':');
+    column[0] = text;
+    if (colon == NULL) {
+        return; // no unit: it is SI
+    }
+    *colon = '\0';
+    if (colon == text) {
+        lac_blame(reader, node, "must be a column and its unit such as \"disp:mm\"");
+    } else if (lac_units_convert(reader->units, colon + 1, si, &scale, &offset, &err) != LAC_OK ||
+               offset != 0.0) {
+        lac_blame(reader, node, "the unit of the column %s", err.message);
+    } else {
+        column[1] = lac_reader_copy(reader, colon + 1, strlen(colon + 1));
+    }
 }
 
 static const lac_param *find(const lac_table *table, const char *key)
@@ -167,15 +170,20 @@ static const lac_param *find(const lac_table *table, const char *key)
     return NULL;
 }
 
+// The index-th key that a table's caller reads beside its rows, NULL past the end.
+static const char *more_key(const lac_table *table, size_t index)
+{
+    return table->more != NULL ? table->more(index) : NULL;
+}
+
 bool lac_table_owns(const lac_table *table, const char *key)
 {
     const lac_param *param = find(table, key);
-    bool owns = (param != NULL && (param->flags & LAC_OWN_FLAG) != 0) ||
+    const unsigned mine = LAC_OWN_FLAG | LAC_COLUMN_FLAG;
+    bool owns = (param != NULL && (param->flags & mine) != 0) ||
                 (table->own != NULL && strcmp(table->own, key) == 0);
-    const char *section = "";
-    for (size_t i = 0; table->sections && !owns && section != NULL; i++) {
-        section = lac_section_key(i);
-        owns = section != NULL && strcmp(section, key) == 0;
+    for (size_t i = 0; !owns && more_key(table, i) != NULL; i++) {
+        owns = strcmp(more_key(table, i), key) == 0;
     }
     return owns;
 }
@@ -184,9 +192,11 @@ void lac_table_clear(const lac_table *table, void *params)
 {
     for (size_t i = 0; i < table->count; i++) {
         const lac_param *param = &table->params[i];
+        char **at = (char **)(void *)((char *)params + param->offset);
         bool text = param->type == LAC_TEXT || param->type == LAC_PATH;
         if (text && (param->flags & LAC_OWN_FLAG) == 0) {
-            free(*(char **)(void *)((char *)params + param->offset));
+            free(at[0]);
+            free((param->flags & LAC_COLUMN_FLAG) != 0 ? at[1] : NULL);
         }
     }
 }
@@ -207,8 +217,8 @@ static void blame_unknown_key(lac_reader *reader, const lac_node *node, const la
     for (size_t i = 0; i < table->count && n < MAX_KNOWN; i++) {
         known[n++] = table->params[i].key;
     }
-    for (size_t i = 0; table->sections && n < MAX_KNOWN && lac_section_key(i) != NULL; i++) {
-        known[n++] = lac_section_key(i);
+    for (size_t i = 0; n < MAX_KNOWN && more_key(table, i) != NULL; i++) {
+        known[n++] = more_key(table, i);
     }
     lac_blame_unknown(reader, node, "key", known, n);
 }
@@ -230,11 +240,14 @@ static void blame_missing(lac_reader *reader, const lac_node *map, const lac_par
 {
     lac_error err = {""};
     double ignored;
+    char path[LAC_KEY_LENGTH];
+    size_t used = strlen(lac_node_path(map, path, sizeof path));
+    (void)snprintf(path + used, sizeof path - used, "%s%s", used == 0 ? "" : ".", param->key);
     if (param->type == LAC_REAL) {
         (void)lac_units_parse(reader->units, "", param->unit, &ignored, &err);
     }
-    lac_blame_missing(reader, map, param->key, "is missing%s%s", err.message[0] == '\0' ? "" : ": ",
-                      err.message);
+    (void)lac_refuse(reader, true, path, "is missing%s%s", err.message[0] == '\0' ? "" : ": ",
+                     err.message);
 }
 
 void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *table, void *params)
@@ -256,6 +269,13 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *ta
         if (lac_param_required(param) && !lac_table_owns(table, param->key) &&
             lac_node_child(map, param->key) == NULL && !lac_key_misspelt(map, table, param->key)) {
             blame_missing(reader, map, param);
+        }
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        const lac_param *param = &table->params[i];
+        const lac_node *node = lac_node_child(map, param->key);
+        if ((param->flags & LAC_COLUMN_FLAG) != 0 && node != NULL) {
+            read_column(reader, node, param->unit, (void *)((char *)params + param->offset));
         }
     }
 }

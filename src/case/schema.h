@@ -5,16 +5,24 @@
 #include "base/rows.h"
 #include "case/reader.h"
 
+enum { LAC_OWN_FLAG = 1 << 8, LAC_COLUMN_FLAG = 1 << 9 };
+
 /// A row that is only described: the reader has a function for its key.
 #define LAC_OWN(name, text) LAC_TEXT(name, 0, LAC_OPTIONAL | LAC_OWN_FLAG, text)
-enum { LAC_OWN_FLAG = 1 << 8 };
+
+/// "column:unit", a char * each, one behind the other; read and written after the other rows.
+#define LAC_COLUMN(name, where, si, text)                                               \
+    {                                                                                   \
+        .key = (name), .unit = (si), .fallback = NAN, .offset = (where), .doc = (text), \
+        .flags = LAC_OPTIONAL | LAC_COLUMN_FLAG, .type = LAC_TEXT                       \
+    }
 
 /// The keys of a mapping.
 typedef struct lac_table {
     const lac_param *params; ///< [count]
     size_t count;
     const char *own; ///< a key that the caller reads itself beside those of LAC_OWN; NULL: none
-    bool sections;   ///< those of lac_section_key are the caller's own too
+    const char *(*more)(size_t index); ///< others that it reads; NULL past the end. NULL: none
 } lac_table;
 
 /// Reads the value of one parameter into its field.
@@ -49,6 +57,9 @@ bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *k
 
 /// Whether a parameter must be given.
 bool lac_param_required(const lac_param *param);
+
+/// Whether a value is in a row's range; reported where not.
+bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *param, double value);
 
 /// A path below a folder, whose first `length` characters count; the caller frees.
 /// @return NULL where memory is short
@@ -93,16 +104,11 @@ void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const cha
 /// Reads `[{MODEL: ...}, ...]`.
 void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list);
 
-/// What may be spread: a parameter and whether it has a nominal value to multiply.
-typedef struct lac_spreadable {
-    const char *key;
-    bool given;
-} lac_spreadable;
-
 /// Reads `{PARAMETER: {MODEL: ...}, ...}`, or a list of models for a parameter.
-/// @param known  [count] parameters that may vary
-void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_spreadable *known,
-                      size_t count, lac_spread_list *list);
+/// @param law    whose cell-wise parameters may vary; NULL: `known` may
+/// @param known  NULL at its end
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_slot *law,
+                      const char *const *known, lac_spread_list *list);
 
 void lac_spreads_clear(lac_spread_list *list);
 

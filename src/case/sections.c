@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
+#include "base/rg_rows.h"
+#include "rg/rg.h"
 
 #include <math.h>
 #include <string.h>
@@ -62,10 +64,14 @@ static const lac_param load_rows[] = {
     LAC_OWN("history", "{steps: [...], ...}: a static history for `lacuna contact`"),
 };
 
+#define COULOMB_ROW(where)                                                       \
+    LAC_REAL("friction", "1", where, NAN, 0, 1000, LAC_OPTIONAL | LAC_ABOVE_MIN, \
+             "Coulomb's coefficient f; f0 of the friction law if absent")
+
 static const lac_param history_rows[] = {
     LAC_CHOICE("method", FIELD(history.method), 0, history_methods, 0,
                "direct: any history, exact; the only one"),
-    LAC_COULOMB_ROW(FIELD(history.friction)),
+    COULOMB_ROW(FIELD(history.friction)),
     LAC_CHOICE("fields", FIELD(history.fields), LAC_HISTORY_ALL, history_fields, 0,
                "steps whose tractions, slips and states are written cell by cell"),
     LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
@@ -152,9 +158,127 @@ static const lac_param compare_rows[] = {
     LAC_PATH("file", offsetof(lac_compare_def, path), 0,
              "monitoring series (CSV), from the case's folder"),
     LAC_TEXT("time", offsetof(lac_compare_def, time), 0, "its column of times"),
-    LAC_OWN("displacement", "its column of displacements, as \"column:unit\""),
-    LAC_OWN("velocity", "its column of velocities, as \"column:unit\""),
+    LAC_COLUMN("displacement", offsetof(lac_compare_def, displacement), "m",
+               "its column of displacements, as \"column:unit\""),
+    LAC_COLUMN("velocity", offsetof(lac_compare_def, velocity), "m/s",
+               "its column of velocities, as \"column:unit\""),
     LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
+};
+
+const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
+    LAC_REAL("thickness", "m", FIELD(inertia.thickness), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the block that slides, of material.density"),
+    LAC_REAL("mass_per_area", "kg/m2", FIELD(inertia.mass_per_area), NAN, 0, 1e30,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of the block over the nominal area, instead of a thickness"),
+    LAC_REAL(
+        "columns", "1", FIELD(inertia.columns), 0.01, 1e-6, 1, 0,
+        "part of the mass that stands on the cells as columns of their own; the rest moves with "
+        "the mean of their slip rates, a rigid block. 1: every cell is free to move by itself"),
+};
+
+static const char *const methods[] = {"bdf", "adams", "erk", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", NULL};
+static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
+static const char *const answers[] = {"false", "true", NULL};
+static const char *const plannings[] = {"estimate", "measure", NULL};
+
+static const lac_param solver_rows[] = {
+    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
+               "what is resolved in time: ode (all cells at every step), events (each cell at "
+               "steps of its own, for cells that slip one by one); static has no time (lacuna rg)"),
+    LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
+             "with fidelity events: error that an unforeseen change of traction may cause before a "
+             "cell is looked at, over the error of its step"),
+    LAC_CHOICE("method", FIELD(run.method), LAC_BDF, methods, 0,
+               "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"),
+    LAC_CHOICE("formulation", FIELD(formulation), LAC_FORMULATION_AUTO, formulations, 0,
+               "unknown besides ln theta: rate (ln v), traction, slip; inertia (slip and its rate) "
+               "goes with the section inertia; auto: what was measured to be best for the method"),
+    LAC_CHOICE("projection", FIELD(run.projection), 0, answers, 0,
+               "whether what is written is first moved onto the traction balance, which drifts "
+               "where slip is not the unknown"),
+    LAC_REAL("rtol", "1", FIELD(run.rtol), 1e-6, 1e-13, 0.1, 0,
+             "relative tolerance on slip rate, state and slip"),
+    LAC_REAL("contact_tolerance", "1", FIELD(contact_tolerance), 1e-8, 1e-12, 1e-3, 0,
+             "of the elastic contact of a surface: complementarity, penetration and load, "
+             "relative; of a static history also slip and its traction"),
+    LAC_REAL("accuracy", "1", FIELD(accuracy), NAN, 1e-9, 0.5, LAC_OPTIONAL,
+             "relative error of the time of failure, or of the mean slip where nothing fails, that "
+             "pilot runs pick rtol for, and method and formulation where they are not given"),
+    LAC_INTEGER("max_order", FIELD(run.max_order), 0, 0, 12, 0,
+                "highest order: bdf at most 5, adams 12, erk from 2 to 8; 0: the method's own"),
+    LAC_REAL("first_step", "s", FIELD(run.first_step), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "first step, at most a thousand of the problem's own; that if absent"),
+    LAC_INTEGER("max_steps", FIELD(run.max_steps), 1e7, 1, 1e12, 0,
+                "of the whole run; more is an error. With fidelity events sweeps are counted, of "
+                "four updates a cell at most"),
+    LAC_CHOICE("fft_planning", FIELD(fft_planning), 0, plannings, 0,
+               "of an elastic transfer's Fourier transforms: estimate is the same to the bit in "
+               "every run, measure quicker"),
+};
+
+static const char *const rg_paths[] = {"series", "solve", NULL};
+static const lac_param rg_rows[] = {
+    LAC_RG_RULE_ROW(
+        FIELD(rg.rule), 0, 0,
+        "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
+        "all above its residual strength; lump, as a point with its sums"),
+    LAC_RG_FIELD_ROW(
+        FIELD(rg.field), LAC_RG_ELASTIC, 0,
+        "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
+        "same stress on all (uniform), as a ramp with share: equal puts it on"),
+    LAC_OWN("beta",
+            "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
+    COULOMB_ROW(FIELD(rg.friction)),
+    LAC_RG_SHIFTS_ROW(FIELD(rg.shifts), 16, 0, "places of the grid of blocks, averaged"),
+    LAC_INTEGER("seeds", FIELD(rg.seeds), 1, 1, 10000, 0,
+                "interfaces: the case's own seed and those that follow it"),
+    LAC_RG_LOADS_ROW(FIELD(rg.loads), 60, 0, "shear forces at which slipping blocks are counted"),
+    LAC_INTEGER("contacts", FIELD(rg.contacts), LAC_RG_LOADS, 10, LAC_RG_MOST_LOADS, 0,
+                "contacts solved along the path of field elastic, to interpolate between"),
+    LAC_CHOICE(
+        "path", FIELD(rg.path), LAC_RG_SERIES, rg_paths, 0,
+        "the critical force of field elastic from that series, or on contacts solved for it"),
+};
+
+#define FIT(name) offsetof(lac_case, fit.name)
+
+static const char *const offsets[] = {"none", "free", NULL};
+static const char *const errors_names[] = {"white", "ar1", NULL};
+
+static const lac_param fit_rows[] = {
+    LAC_OWN("parameters",
+            "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated"),
+    LAC_TEXT("time", FIT(time), LAC_OPTIONAL, "column of times"),
+    LAC_TEXT("time_format", FIT(time_format), LAC_OPTIONAL,
+             "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
+    LAC_COLUMN("displacement", FIT(displacement), "m",
+               "column of displacements, as \"column:unit\""),
+    LAC_COLUMN("velocity", FIT(velocity), "m/s", "column of velocities, as \"column:unit\""),
+    LAC_COLUMN("sigma", FIT(sigma), "m",
+               "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
+    LAC_REAL("velocity_error", "1", FIT(velocity_error), NAN, 0, 100, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "standard error of the logarithm of a velocity; estimated if absent"),
+    LAC_CHOICE(
+        "errors", FIT(errors), LAC_ERRORS_WHITE, errors_names, 0,
+        "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
+    LAC_CHOICE("offset", FIT(offset), 1, offsets, 0,
+               "zero of the displacements: free (unknown), or none (zero where the run starts)"),
+    LAC_INTEGER("starts", FIT(starts), 64, 1, 100000, 0,
+                "places tried before the least squares begin from the best three: the case itself "
+                "and draws from the prior"),
+    LAC_INTEGER("walkers", FIT(walkers), 64, 4, 10000, 0,
+                "of the ensemble sampler; even, at least twice what is estimated"),
+    LAC_INTEGER("steps", FIT(steps), 600, 0, 1e7, 0, "kept of each walker; 0: least squares only"),
+    LAC_INTEGER("burn", FIT(burn), 300, 0, 1e7, 0, "steps before those, dropped"),
+    LAC_INTEGER(
+        "rounds", FIT(rounds), 3, 0, 20, 0,
+        "times that a chain with R-hat above 1.05 is dropped and one of twice its steps made"),
+    LAC_SEED(FIT(seed), 1, 0, "of the starts and the sampler"),
 };
 
 static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
@@ -187,63 +311,63 @@ static bool has_rg(const lac_case *c) { return c->rg.named; }
 
 static bool has_fit(const lac_case *c) { return c->fit.named; }
 
-#define RECORD(key, text, rows) .about = {key, text, rows, COUNT(rows)}
+#define RECORD(key, text, rows) .about = {key, text, "", rows, COUNT(rows)}
 #define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
 #define OWN(key) .about.name = (key), .kind = LAC_PART_OWN
 #define PART(what, key, member) .about.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
-#define COLUMN(key, member, si) \
-    PART(COLUMN, key, member), .unit_at = FIELD(member##_unit), .such = (si)
+#define NO_LOAD "a normal load such as {pressure: \"3 MPa\"}"
+
+static const char *const pressed[] = {"pressure", NULL};
+static const char *const started[] = {"slip_rate", "state", NULL};
 
 static const lac_part parts[] = {
     {RECORD("case", "the case as a whole", case_rows), .read = lac_read_version},
     {RECORD("interface", "the interface and its cells", interface_rows), .fitted = true},
     {PART(SLOT, "interface.surface", surface), .model = LAC_KIND_SURFACE},
     {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
-    {PART(SPREADS, "interface.spread", interface_spread), .read = lac_read_interface_spread},
+    {PART(SPREADS, "interface.spread", interface_spread), .varied = pressed},
     {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
      .fitted = true},
     {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
      .given = has_inertia},
-    {RECORD("load", "what presses and shears the interface", load_rows), .read = lac_read_load},
-    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL},
+    {RECORD("load", "what presses and shears the interface", load_rows), .missing = NO_LOAD,
+     .missing_at = "load.normal"},
+    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
     {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
     {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",
             history_rows),
-     .such = "{steps: [{ratio_x: 0.3}]}", .read = lac_read_history, .given = has_history},
-    {OWN("load.history.steps"), .read = lac_read_steps, .put = lac_put_steps},
+     .such = "{steps: [{ratio_x: 0.3}]}", .given = has_history},
+    {OWN("load.history.steps"), .read = lac_read_steps, .put = lac_put_steps,
+     .missing = "a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]"},
     {PART(SLOT, "friction", friction), .model = LAC_KIND_FRICTION, .such = "spread",
-     .read = lac_read_friction},
-    {PART(SPREADS, "friction.spread", friction_spread), .read = lac_read_friction_spread},
+     .missing = "a friction law such as {aging: {...}}", .of_runs = true},
+    {PART(SPREADS, "friction.spread", friction_spread)},
     {RECORD("initial", "slip rate and state at the start; steady under the load if absent",
             initial_rows),
-     .fitted = true, .after = "transfer", .read = lac_read_initial, .given = has_initial},
+     .fitted = true, .after = "transfer", .given = has_initial},
     {OWN("initial.state"), .after = "transfer", .read = lac_read_state, .put = lac_put_state},
-    {PART(SPREADS, "initial.spread", initial_spread), .after = "transfer",
-     .read = lac_read_initial_spread},
+    {PART(SPREADS, "initial.spread", initial_spread), .after = "transfer", .varied = started},
     {PART(SLOT, "transfer", transfer), .after = "solver", .model = LAC_KIND_TRANSFER},
-    {RECORD("time", "start and end of the run", time_rows), .read = lac_read_time,
+    {RECORD("time", "start and end of the run", time_rows),
+     .missing = "must be a time such as \"1 day\"", .missing_at = "time.end", .of_runs = true,
      .given = has_time, .put = lac_put_start},
     {OWN("time.start"), .read = lac_read_start},
     {RECORD("time.failure", "what counts as failure, which ends the run", failure_rows)},
     {RECORD("time.stop_when", "other limits that end the run", stop_rows), .given = has_stop},
-    {RECORD("solver", "integration in time", lac_solver_rows)},
+    {RECORD("solver", "integration in time", solver_rows)},
     {RECORD("output", "what is written", output_rows)},
     {PART(CADENCE, "output.every", run.record), .after = "output.checkpoint"},
     {PART(CADENCE, "output.checkpoint", run.checkpoint), .given = has_checkpoint},
     {OWN("output.fields"), .read = lac_read_fields, .given = has_fields, .put = lac_put_fields},
     {PART(CADENCE, "output.fields_every", run.snapshot), .read = lac_read_fields_every,
      .given = has_fields},
-    {RECORD("rg", "the cascade of slip and its renormalization (lacuna rg)", lac_rg_rows),
-     .such = "{rule: fix, beta: [0.8, 0.7, 0.6]}", .read = lac_read_rg, .given = has_rg},
+    {RECORD("rg", "the cascade of slip and its renormalization (lacuna rg)", rg_rows),
+     .such = "{rule: fix, beta: [0.8, 0.7, 0.6]}", .given = has_rg},
     {OWN("rg.beta"), .read = lac_read_betas, .put = lac_put_betas},
     {OWN("analysis"), .read = lac_read_analysis, .put = lac_put_analysis},
-    {RECORD("fit", "what lacuna fit estimates, from which columns", lac_fit_rows),
-     .such = "{parameters: {...}, time: date, ...}", .read = lac_read_fit, .given = has_fit,
-     .put = lac_put_fitted},
-    {COLUMN("fit.displacement", fit.displacement, "m")},
-    {COLUMN("fit.velocity", fit.velocity, "m/s")},
-    {COLUMN("fit.sigma", fit.sigma, "m")},
+    {RECORD("fit", "what lacuna fit estimates, from which columns", fit_rows),
+     .such = "{parameters: {...}, time: date, ...}", .given = has_fit, .put = lac_put_fitted},
     {OWN("fit.parameters"), .read = lac_read_fitted},
     {ITEMS("output.every", "how often something is kept; the tightest counts", cadence_rows)},
     {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
@@ -284,6 +408,22 @@ lac_table lac_section_table(const char *name)
 
 lac_table lac_part_table(const lac_section *about)
 {
-    return (lac_table){
-        .params = about->params, .count = about->param_count, .sections = about == &parts[0].about};
+    return (lac_table){.params = about->params,
+                       .count = about->param_count,
+                       .more = about == &parts[0].about ? lac_section_key : NULL};
+}
+
+const lac_param *lac_case_row(const char *key)
+{
+    const char *rest;
+    for (size_t i = 0; i < COUNT(parts); i++) {
+        const lac_section *about = &parts[i].about;
+        rest = parts[i].kind == LAC_PART_RECORD ? lac_key_behind(key, about->name) : NULL;
+        for (size_t k = 0; rest != NULL && k < about->param_count; k++) {
+            if (strcmp(about->params[k].key, rest) == 0) {
+                return &about->params[k];
+            }
+        }
+    }
+    return NULL;
 }

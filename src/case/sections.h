@@ -12,7 +12,6 @@ typedef enum lac_part_kind {
     LAC_PART_SLOTS,      ///< a list of these
     LAC_PART_SPREADS,    ///< models of parameters that vary; `read` reads them
     LAC_PART_CADENCE,    ///< a lac_cadence
-    LAC_PART_COLUMN,     ///< "column:unit", each a char *
     LAC_PART_OWN,        ///< what `read` and `put` make of it
     LAC_PART_ITEMS,      ///< the same; the rows are those of an item, with offsets in its struct
 } lac_part_kind;
@@ -23,14 +22,16 @@ typedef enum lac_part_kind {
 typedef struct lac_part {
     lac_section about; ///< its dotted key, "case" the whole; rows and summary where there are any
     lac_part_kind kind;
-    size_t at;         ///< offset in lac_case: of a slot, list, cadence or column
-    size_t unit_at;    ///< the same of a column's unit
+    size_t at;         ///< offset in lac_case: of a slot, list or cadence
     int model;         ///< LAC_KIND_* of slots
     bool fitted;       ///< lac_case_find knows its rows
     const char *after; ///< read after this one: so the errors of a line are ordered; NULL: in place
-    const char *such; ///< of a record: an example, for messages; of a slot: a key beside the model;
-                      ///< of a column: its SI unit
-    /// Called once the rest is read, of a record or slot also where the key is absent (node NULL).
+    const char *such;  ///< of a record: an example, for messages; of a slot: a key beside the model
+    const char *const *varied; ///< of spreads: what may vary; NULL: what the friction law says
+    const char *missing;    ///< what is said where its section is there but it isn't; NULL: nothing
+    const char *missing_at; ///< of which key; NULL: its own
+    bool of_runs;           ///< but only where lac_needs_run
+    /// Called once the rest is read.
     void (*read)(lac_reader *reader, const lac_node *node, lac_case *c);
     bool (*given)(const lac_case *c); ///< whether it and what is below it are written; NULL: yes
     /// Writes what no row or kind tells; of a record before its rows.
@@ -50,26 +51,17 @@ lac_table lac_part_table(const lac_section *about);
 typedef void lac_part_read(lac_reader *reader, const lac_node *node, lac_case *c);
 typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
 
-lac_part_read lac_read_version, lac_read_interface_spread, lac_read_load, lac_read_history,
-    lac_read_steps, lac_read_friction, lac_read_friction_spread, lac_read_initial, lac_read_state,
-    lac_read_initial_spread, lac_read_time, lac_read_start, lac_read_fields, lac_read_fields_every,
-    lac_read_rg, lac_read_betas, lac_read_analysis, lac_read_fit, lac_read_fitted, lac_read_compare;
+lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, lac_read_fields,
+    lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare;
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
     lac_put_analysis, lac_put_fitted, lac_put_compare;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
-/// The keys of `material`, of which shear_speed and density stand side by side.
-enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4 }; ///< its index
-extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS];
-
-/// What `describe` says of options that are chosen by the value of a key; NULL past the end.
-const lac_descriptor *lac_momentum_at(size_t index);
-const lac_descriptor *lac_fidelity_at(size_t index);
-const lac_descriptor *lac_method_at(size_t index);
-const lac_descriptor *lac_formulation_at(size_t index);
-const lac_descriptor *lac_rule_at(size_t index);
+/// The keys of `material`, of which shear_speed and density stand side by side, and of `inertia`.
+enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4, LAC_INERTIA_ROWS = 3 };
+extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
@@ -77,29 +69,12 @@ void lac_read_sections(lac_reader *reader, lac_case *c);
 /// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
 extern const lac_param lac_state_row, lac_ratio_row;
 
-/// The keys of `solver`.
-enum { LAC_SOLVER_ROWS = 12 };
-extern const lac_param lac_solver_rows[LAC_SOLVER_ROWS];
-
 /// What is wrong with the solver; chooses the formulation where the case leaves it open.
 void lac_check_solver(lac_reader *reader, lac_case *c);
-
-/// The keys of `inertia`.
-enum { LAC_INERTIA_ROWS = 3 };
-extern const lac_param lac_inertia_rows[LAC_INERTIA_ROWS];
 
 /// What is wrong with the mass of the block; it chooses the formulation.
 /// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
 void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
-
-/// A key of those whose friction is Coulomb's: lac_find_coulomb.
-#define LAC_COULOMB_ROW(where)                                                   \
-    LAC_REAL("friction", "1", where, NAN, 0, 1000, LAC_OPTIONAL | LAC_ABOVE_MIN, \
-             "Coulomb's coefficient f; f0 of the friction law if absent")
-
-/// The keys of `rg`.
-enum { LAC_RG_ROWS = 9 };
-extern const lac_param lac_rg_rows[LAC_RG_ROWS];
 
 /// Reads a strength left after slip.
 /// @return false where it is wrong, which is then reported
@@ -108,22 +83,11 @@ bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta);
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
 
-/// The keys of `fit`.
-enum { LAC_FIT_ROWS = 16 };
-extern const lac_param lac_fit_rows[LAC_FIT_ROWS];
-
 /// What is wrong with it.
 void lac_check_fit(lac_reader *reader, lac_case *c);
 
-/// Frees what the section owns.
-void lac_fit_clear(lac_fit_def *fit);
-
 /// The rest of a dotted key behind that of a part; NULL where it is not below it.
 const char *lac_key_behind(const char *key, const char *part);
-
-/// Splits "column:unit" at its last colon.
-void lac_read_column(lac_reader *reader, const lac_node *node, const char *si, char **column,
-                     char **unit);
 
 /// What is wrong with the indicators; fills in what they take from elsewhere in the case.
 void lac_check_analysis(lac_reader *reader, lac_case *c);
@@ -135,8 +99,12 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 /// Whether the case must hold what only a run needs: friction, a shear load, an end.
 bool lac_needs_run(const lac_reader *reader);
 
-/// Whether the case has a dotted key.
+/// Whether the case has a dotted key; where the reader is `reader`.
 bool lac_present(const lac_reader *reader, const char *key);
+#define HAS(key) lac_present(reader, (key))
+
+/// Refuses a material that has no wave resistance, which a beta from the friction law needs.
+void lac_check_waves(lac_reader *reader, const lac_material_def *m, const char *key);
 
 /// Warns that a beta from the friction law is that of the nominal b and v0 where these vary.
 void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key);

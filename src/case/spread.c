@@ -12,11 +12,13 @@
 #define MAP(name) offsetof(lac_spread_map, name)
 #define SIZE(name) offsetof(lac_spread_size, name)
 
+enum { MOST_KNOWN = 32 };
+
 static const char *const uses[] = {"value", "factor", NULL};
 static const char *const sizes[] = {"patch", "block", NULL};
 
 #define RANDOM_ROWS                                                                           \
-    LAC_INTEGER("seed", RANDOM(seed), 1, 0, 0x1p53, 0, "of the random numbers"),              \
+    LAC_SEED(RANDOM(seed), 1, 0, "of the random numbers"),                                    \
         LAC_REAL("lowest", "1", RANDOM(lowest), NAN, 0, 1e12, LAC_OPTIONAL,                   \
                  "factors below are drawn again; no limit if absent"),                        \
         LAC_REAL("highest", "1", RANDOM(highest), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN, \
@@ -267,10 +269,39 @@ static size_t count_models(const lac_node *node)
     return count;
 }
 
-void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_spreadable *known,
-                      size_t count, lac_spread_list *list)
+// What may vary, by key; @return how many
+static size_t list_known(const lac_slot *law, const char *const *known,
+                         const char *keys[MOST_KNOWN])
 {
-    const char *keys[64];
+    size_t n = 0;
+    for (size_t i = 0; law != NULL && i < law->about->param_count && n < MOST_KNOWN; i++) {
+        const lac_param *param = &law->about->params[i];
+        if ((param->flags & LAC_CELLWISE) != 0) {
+            keys[n++] = param->key;
+        }
+    }
+    for (; law == NULL && known[n] != NULL; n++) {
+        keys[n] = known[n];
+    }
+    return n;
+}
+
+// Whether a parameter has a nominal value to multiply.
+static bool is_given(const lac_slot *law, const char *key)
+{
+    bool given = law == NULL;
+    for (size_t i = 0; law != NULL && i < law->about->param_count; i++) {
+        const lac_param *param = &law->about->params[i];
+        given = given || (strcmp(param->key, key) == 0 && lac_param_given(param, law->params));
+    }
+    return given;
+}
+
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_slot *law,
+                      const char *const *known, lac_spread_list *list)
+{
+    const char *keys[MOST_KNOWN];
+    const size_t count = list_known(law, known, keys);
     if (!lac_expect_map(reader, node, "a mapping such as {PARAMETER: {lognormal: {sigma: 0.5}}}")) {
         return;
     }
@@ -279,22 +310,15 @@ void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_spread
         reader->no_memory = true;
         return;
     }
-    count = count < COUNT(keys) ? count : COUNT(keys);
-    for (size_t i = 0; i < count; i++) {
-        keys[i] = known[i].key;
-    }
     for (size_t i = 0; i < node->count; i++) {
         const lac_node *child = node->child[i];
         size_t k = 0;
         while (k < count && strcmp(keys[k], child->key) != 0) {
             k++;
         }
-        if (child->ignored) {
-            continue;
-        }
-        if (k < count) {
-            read_parameter(reader, child, known[k].given, list);
-        } else {
+        if (k < count && !child->ignored) {
+            read_parameter(reader, child, is_given(law, child->key), list);
+        } else if (!child->ignored) {
             lac_blame_unknown(reader, child, "parameter that can vary", keys, count);
         }
     }

@@ -2,7 +2,7 @@
 #ifndef LACUNA_CASE_SPREAD_H
 #define LACUNA_CASE_SPREAD_H
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 /// A way in which a parameter varies from cell to cell: value = nominal * factor of the cell.
 /// docs/theory/friction.md, "From cell to cell".

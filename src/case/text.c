@@ -108,35 +108,39 @@ static const char *from_folder(const lac_writer *w, const char *path)
 
 static void put_param(lac_writer *w, int depth, const lac_param *param, const void *params)
 {
-    const char *at = (const char *)params + param->offset;
+    const void *at = (const char *)params + param->offset;
+    const char *const *text = at;
     switch (param->type) {
-    case LAC_REAL: {
-        double value;
-        memcpy(&value, at, sizeof value);
-        put_number(w, depth, param->key, value, param->unit);
-        return;
-    }
-    case LAC_INTEGER: {
-        int64_t value;
-        memcpy(&value, at, sizeof value);
+    case LAC_REAL:
+        put_number(w, depth, param->key, *(const double *)at, param->unit);
+        break;
+    case LAC_INTEGER:
         put_key(w, depth, param->key);
-        lac_put(w, " %lld\n", (long long)value);
-        return;
-    }
-    case LAC_CHOICE: {
-        int value;
-        memcpy(&value, at, sizeof value);
+        lac_put(w, " %lld\n", (long long)*(const int64_t *)at);
+        break;
+    case LAC_CHOICE:
         put_key(w, depth, param->key);
-        lac_put(w, " %s\n", param->choices[value]);
-        return;
-    }
+        lac_put(w, " %s\n", param->choices[*(const int *)at]);
+        break;
     case LAC_TEXT:
     case LAC_PATH:
+        put_text(w, depth, param->key, param->type == LAC_PATH ? from_folder(w, *text) : *text);
         break;
     }
-    char *text;
-    memcpy(&text, at, sizeof text);
-    put_text(w, depth, param->key, param->type == LAC_PATH ? from_folder(w, text) : text);
+}
+
+// "column:unit", SI where no unit was given.
+static void put_column(lac_writer *w, int depth, const lac_param *param, const void *params)
+{
+    const char *const *column = (const void *)((const char *)params + param->offset);
+    const char *unit = column[1] != NULL ? column[1] : param->unit;
+    put_key(w, depth, param->key);
+    lac_put(w, " ");
+    put_quoted(w, column[0]);
+    if (!w->failed) {
+        w->used--; // the unit goes inside the quotes
+    }
+    lac_put(w, ":%s\"\n", unit);
 }
 
 // The values of a table that were given or have a default.
@@ -146,6 +150,12 @@ static void put_table(lac_writer *w, int depth, const lac_table *table, const vo
         const lac_param *param = &table->params[i];
         if (!lac_table_owns(table, param->key) && lac_param_given(param, params)) {
             put_param(w, depth, param, params);
+        }
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        const lac_param *param = &table->params[i];
+        if ((param->flags & LAC_COLUMN_FLAG) != 0 && lac_param_given(param, params)) {
+            put_column(w, depth, param, params);
         }
     }
 }
@@ -272,22 +282,6 @@ void lac_put_steps(lac_writer *w, const lac_case *c)
     }
 }
 
-// "column:unit", SI where no unit was given.
-static void put_column(lac_writer *w, int depth, const char *key, const char *column,
-                       const char *unit, const char *si)
-{
-    if (column != NULL) {
-        put_key(w, depth, key);
-        lac_put(w, " ");
-        size_t n = strlen(column);
-        put_quoted(w, column);
-        if (n > 0 && !w->failed) {
-            w->used--; // the unit goes inside the quotes
-        }
-        lac_put(w, ":%s\"\n", unit != NULL ? unit : si);
-    }
-}
-
 void lac_put_compare(lac_writer *w, const lac_case *c)
 {
     const lac_table table = lac_section_table("compare");
@@ -295,11 +289,8 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
         lac_put(w, "compare:\n");
     }
     for (size_t i = 0; i < c->compare_count; i++) {
-        const lac_compare_def *def = &c->compare[i];
         lac_put(w, "  -\n");
-        put_table(w, 2, &table, def);
-        put_column(w, 2, "displacement", def->displacement, def->displacement_unit, "m");
-        put_column(w, 2, "velocity", def->velocity, def->velocity_unit, "m/s");
+        put_table(w, 2, &table, &c->compare[i]);
     }
 }
 
@@ -331,6 +322,39 @@ void lac_put_analysis(lac_writer *w, const lac_case *c)
     }
 }
 
+// A value in double quotes, with its unit.
+static const char *quoted(double value, const char *unit, char *text, size_t size)
+{
+    char plain[80];
+    (void)snprintf(text, size, "\"%s\"", lac_units_exact(value, unit, plain, sizeof plain));
+    return text;
+}
+
+static void put_parameter(lac_writer *w, const lac_fit_parameter *p)
+{
+    char low[90], high[90];
+    lac_put(w, "    %s: {", p->key);
+    if (p->ranged) {
+        lac_put(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
+                quoted(p->high, p->unit, high, sizeof high));
+    }
+    if (p->prior == LAC_PRIOR_FLAT) {
+        lac_put(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
+    } else {
+        lac_put(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
+                p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
+                quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
+    }
+}
+
+void lac_put_fitted(lac_writer *w, const lac_case *c)
+{
+    lac_put(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
+    for (size_t i = 0; i < c->fit.count; i++) {
+        put_parameter(w, &c->fit.parameter[i]);
+    }
+}
+
 static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
 {
     const char *key = part->about.name;
@@ -340,7 +364,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     for (const char *dot = strchr(key, '.'); dot != NULL; dot = strchr(key, '.'), depth++) {
         key = dot + 1;
     }
-    if (part->kind == LAC_PART_RECORD && !table.sections) {
+    if (part->kind == LAC_PART_RECORD && table.more == NULL) {
         put_key(w, depth++, key);
         lac_put(w, "\n");
     }
@@ -360,9 +384,6 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
         put_key(w, depth, key);
         lac_put(w, "\n");
         put_table(w, depth + 1, &cadence, at);
-    } else if (part->kind == LAC_PART_COLUMN) {
-        const void *unit = (const char *)c + part->unit_at;
-        put_column(w, depth, key, *(char *const *)at, *(char *const *)unit, part->such);
     }
 }
 

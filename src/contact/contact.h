@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 #include "base/grid.h"
-#include "lacuna/param.h"
+#include "base/param.h"
 
 /// What is given: the load or how near the bodies are.
 typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_contact_control;

@@ -109,8 +109,8 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
 static const lac_param cascade_params[] = {
     LAC_REAL("dimension", "1", offsetof(lac_cascade, dimension), NAN, 0, 2, LAC_ABOVE_MIN,
              "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"),
-    LAC_INTEGER("seed", offsetof(lac_cascade, seed), 1, 0, 0x1p53, 0,
-                "of the random numbers; the same seed gives the same coarse blocks at every level"),
+    LAC_SEED(offsetof(lac_cascade, seed), 1, 0,
+             "of the random numbers; the same seed gives the same coarse blocks at every level"),
 };
 
 static const lac_domain_source random_cascade = {

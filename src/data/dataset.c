@@ -22,14 +22,29 @@ lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error 
 void lac_dataset_free(lac_dataset *dataset)
 {
     for (size_t i = 0; dataset != NULL && i < dataset->entries; i++) {
-        free(dataset->entry[i].name);
-        free(dataset->entry[i].long_name);
+        const lac_named *own = &dataset->entry[i].named;
+        const char *const texts[] = {own->name, own->long_name, own->unit, own->comment,
+                                     own->cell_methods};
+        for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+            free((char *)texts[k]);
+        }
     }
     if (dataset != NULL) {
         free(dataset->entry);
         free(dataset->dim);
     }
+    if (dataset != NULL && dataset->release != NULL) {
+        dataset->release(dataset->result);
+    }
     free(dataset);
+}
+
+void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *result),
+                      const struct lac_provenance *made)
+{
+    dataset->result = result;
+    dataset->release = release;
+    dataset->made = made;
 }
 
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
@@ -149,23 +164,30 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
     return status;
 }
 
+static const char *copy(const char *text, bool *good)
+{
+    char *own = text != NULL ? strdup(text) : NULL;
+    *good = *good && (text == NULL || own != NULL);
+    return own;
+}
+
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err)
 {
-    const lac_entry entry = {.row = row,
-                             .over = "",
-                             .of = of,
-                             .unit = named->unit,
-                             .comment = named->comment,
-                             .which = named->which};
+    const lac_entry entry = {.row = row, .over = "", .of = of};
+    bool good = true;
     lac_status status = add_entry(dataset, &entry, err);
     if (status != LAC_OK) {
         return status;
     }
-    lac_entry *added = &dataset->entry[dataset->entries - 1];
-    added->name = strdup(named->name);
-    added->long_name = strdup(named->long_name);
-    return added->name != NULL && added->long_name != NULL ? LAC_OK : lac_fail_memory(err);
+    dataset->entry[dataset->entries - 1].named =
+        (lac_named){.name = copy(named->name, &good),
+                    .long_name = copy(named->long_name, &good),
+                    .unit = copy(named->unit, &good),
+                    .comment = copy(named->comment, &good),
+                    .which = named->which,
+                    .cell_methods = copy(named->cell_methods, &good)};
+    return good ? LAC_OK : lac_fail_memory(err);
 }
 
 void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
@@ -199,9 +221,9 @@ static const char *held(const lac_entry *entry, const size_t *at)
 }
 
 // Where the values are that are held as one array; NULL: there is none.
-static const double *array(const lac_entry *entry, const size_t *at)
+static const void *array(const lac_entry *entry, const size_t *at)
 {
-    const double *values = NULL;
+    const void *values = NULL;
     if (entry->of != NULL) {
         memcpy(&values, held(entry, at), sizeof values);
     }
@@ -229,7 +251,9 @@ static double held_number(const lac_entry *entry, const size_t *at, size_t place
         memcpy(&truth, from, sizeof truth);
         return truth ? 1.0 : 0.0;
     case LAC_HELD_REALS:
-        return array(entry, at)[place];
+        return ((const double *)array(entry, at))[place];
+    case LAC_HELD_BYTES:
+        return ((const uint8_t *)array(entry, at))[place];
     default:
         return NAN;
     }
@@ -262,10 +286,16 @@ const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[L
     return text;
 }
 
+static bool is_array(const lac_variable *row)
+{
+    return row->held == LAC_HELD_REALS || row->held == LAC_HELD_BYTES;
+}
+
 bool lac_entry_has(const lac_entry *entry, const size_t *at)
 {
-    return entry->of != NULL && (entry->row->has == NULL || entry->row->has(entry->of, at)) &&
-           (entry->row->held != LAC_HELD_REALS || array(entry, at) != NULL);
+    const lac_variable *row = entry->row;
+    return entry->of != NULL && (row->has == NULL || row->has(entry->of, at)) &&
+           (!is_array(row) || (row->flags & LAC_LATE) != 0 || array(entry, at) != NULL);
 }
 
 // The next place, the last dimension fastest.
@@ -285,24 +315,30 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
     const lac_dim *dim[LAC_MOST_DIMS];
     size_t first[LAC_MOST_DIMS + 1] = {0};
     const size_t next = out->next;
+    const lac_variable *row = entry->row;
+    const lac_named own = {row->name, row->long_name,   row->unit, row->comment,
+                           0,         row->cell_methods};
+    const lac_named *told = entry->named.name != NULL ? &entry->named : &own;
     bool there = true;
-    *out = (lac_item){.row = entry->row,
-                      .name = entry->name != NULL ? entry->name : entry->row->name,
-                      .long_name = entry->name != NULL ? entry->long_name : entry->row->long_name,
-                      .unit = entry->name != NULL ? entry->unit : entry->row->unit,
-                      .comment = entry->name != NULL ? entry->comment : entry->row->comment,
+    *out = (lac_item){.row = row,
+                      .name = told->name,
+                      .long_name = told->long_name,
+                      .unit = told->unit,
+                      .comment = told->comment,
+                      .cell_methods = told->cell_methods,
                       .rank = lac_entry_dims(dataset, entry, dim),
                       .count = 1,
+                      .dims = dims_of(entry),
                       .is_text = lac_entry_is_text(entry),
                       .next = next,
                       .entry = entry};
     for (size_t d = 0; d < out->rank; d++) {
         out->dim[d] = dim[d]->extent.name;
         out->length[d] = dim[d]->extent.length;
-        out->count *= dim[d]->extent.length;
-        there = there && (dim[d]->extent.length > 0 || (entry->row->flags & LAC_EMPTY) != 0);
+        out->count *= dim[d]->extent.length != LAC_GROWS ? dim[d]->extent.length : 1;
+        there = there && (dim[d]->extent.length > 0 || (row->flags & LAC_EMPTY) != 0);
     }
-    first[out->rank] = entry->which;
+    first[out->rank] = entry->named.which;
     return out->name != NULL && there && lac_entry_has(entry, first);
 }
 
@@ -331,7 +367,7 @@ bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *it
 void lac_item_values(const lac_item *item, double *out)
 {
     size_t at[LAC_MOST_DIMS + 1] = {0};
-    at[item->rank] = item->entry->which;
+    at[item->rank] = item->entry->named.which;
     const bool many = item->entry->stride > 0 || item->entry->pointers;
     const size_t each = many && item->rank > 0 ? item->count / item->length[0] : item->count;
     for (size_t i = 0; i < item->count; i++) {
@@ -340,11 +376,11 @@ void lac_item_values(const lac_item *item, double *out)
     }
 }
 
-const double *lac_item_array(const lac_item *item)
+const void *lac_item_array(const lac_item *item)
 {
     const size_t first[] = {0};
     const bool one = item->entry->stride == 0 && !item->entry->pointers;
-    return item->row->held == LAC_HELD_REALS && one ? array(item->entry, first) : NULL;
+    return is_array(item->row) && one ? array(item->entry, first) : NULL;
 }
 
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM])
@@ -353,14 +389,14 @@ const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT
     for (size_t d = item->rank; d-- > 0; place /= item->length[d]) {
         at[d] = place % item->length[d];
     }
-    at[item->rank] = item->entry->which;
+    at[item->rank] = item->entry->named.which;
     return lac_entry_text(item->entry, at, room);
 }
 
 bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
 {
     const lac_laid *laid = &item->entry->attributes;
-    const size_t at[] = {item->entry->which};
+    const size_t at[] = {item->entry->named.which};
     while (laid->of != NULL && attribute->next < laid->table.rows) {
         const lac_entry own = {.row = &laid->table.row[attribute->next++],
                                .stride = laid->table.stride,

@@ -2,10 +2,193 @@
 #ifndef LACUNA_DATA_DATASET_H
 #define LACUNA_DATA_DATASET_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "data/json.h"
 #include "lacuna/dataset.h"
+
+enum {
+    LAC_MOST_DIMS = 3,  ///< of a variable
+    LAC_TEXT_ROOM = 256 ///< bytes that a text made on demand may take
+};
+
+/// One value of a result. NaN and infinity are missing.
+/// @param of  what the table was laid on
+/// @param at  [rank + 1] its place along each dimension; behind them `which` of lac_named
+typedef double (*lac_getter)(const void *of, const size_t *at);
+
+/// The same of a text. @param room  for one that is made here @return NULL: missing
+typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]);
+
+/// Where a value stands, if no getter gives it.
+typedef enum lac_held {
+    LAC_HELD_NOT = 0,
+    LAC_HELD_REAL,  ///< a double
+    LAC_HELD_COUNT, ///< a size_t; SIZE_MAX: missing
+    LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
+    LAC_HELD_BOOL,  ///< a bool
+    LAC_HELD_TEXT,  ///< a const char *
+    LAC_HELD_REALS, ///< a const double * to all values (of one place along the first dimension, if
+                    ///< there is a stride or pointers, or if that grows); NULL: the variable is
+                    ///< left out
+    LAC_HELD_BYTES, ///< the same, a const uint8_t *, bytes in a file
+} lac_held;
+
+enum {
+    LAC_MISSING = 1,   ///< may be missing: has a _FillValue in a file
+    LAC_TIME = 2,      ///< a time: in a file on the clock of the dataset
+    LAC_WHOLE = 4,     ///< an integer in a file
+    LAC_SINGLE = 8,    ///< of one value and yet a variable of a file; else a global attribute
+    LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
+    LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
+    LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
+    LAC_EMPTY = 128,   ///< in a file also without values, its dimension without end
+    LAC_FILLED = 256,  ///< never missing, and yet has a _FillValue in a file
+    LAC_LONG = 512,    ///< with LAC_WHOLE: of 64 bits
+    LAC_ROUGH = 1024,  ///< may be written as floats
+    LAC_CELLS = 2048,  ///< over many cells: compressed, and written place by place, not in batches
+    LAC_LATE = 4096    ///< its values are known only after it is defined
+};
+
+/// One variable of a result, all that is told of it: a row of a const table.
+typedef struct lac_variable {
+    const char *name; ///< in a file; NULL: it is in none
+    const char *json; ///< where it stands in JSON: "sampler/steps"; "levels[]/n_tot" with a list
+                      ///< over the next of its dimensions, "powers{}" with an object of its labels;
+                      ///< rows of the same path make a list; NULL: it stands in none
+    const char *unit; ///< SI; NULL: 1
+    const char *long_name, *comment, *coordinates;
+    const char *cell_methods, *cell_measures, *standard_name; ///< as CF has them; NULL: none
+    const char *meanings; ///< what its values 0, 1 ... mean, a word each; NULL: they are numbers
+    const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
+    lac_getter value;     ///< either of these, or what is held
+    lac_text_getter text; ///< of a text
+    lac_held held;
+    unsigned flags;                                ///< LAC_MISSING | ...
+    size_t offset;                                 ///< of what is held [bytes]
+    bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
+                                                   ///< the first of an object in JSON; NULL: true
+} lac_variable;
+
+/// What a result is made of.
+typedef struct lac_variables {
+    const lac_variable *row;
+    size_t rows;
+    const char *over; ///< dimensions of rows that name none; "": one value
+    size_t stride;    ///< of what is held along the first dimension [bytes]; 0: it is held once
+    bool pointers;    ///< along the first dimension stand pointers to what holds
+} lac_variables;
+
+/// @param summary  one sentence on what it is, for a file
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err);
+
+/// Length of a dimension that grows: variables over it, the first of theirs, have at any time the
+/// values of one place, which is written before the next.
+#define LAC_GROWS SIZE_MAX
+
+/// A dimension. Variables over one of length 0 are left out of a file, but for LAC_EMPTY.
+typedef struct lac_extent {
+    const char *name;
+    size_t length;
+} lac_extent;
+
+/// Adds dimensions, before the variables over them.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
+                            lac_error *err);
+
+/// Names the places of a dimension that was added, for objects in JSON.
+void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
+                       const void *of);
+
+/// What times count from in a file.
+typedef enum lac_clock {
+    LAC_CLOCK_NONE = 0, ///< from the results' own zero
+    LAC_CLOCK_START,    ///< the same, which is a date
+    LAC_CLOCK_1970,     ///< results and file count from 1970
+    LAC_CLOCK_DATE      ///< from LAC_CLOCK_START's date to the microsecond, as CF has time
+} lac_clock;
+
+/// Sets the clock of its times in a file.
+/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
+void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
+
+/// That clock, and what the dataset is.
+lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start);
+const char *lac_dataset_summary(const lac_dataset *dataset);
+
+/// A table and the result that it is laid on, which must outlive the dataset.
+typedef struct lac_laid {
+    lac_variables table;
+    const void *of; ///< NULL: all of it is missing, and null in JSON
+} lac_laid;
+
+/// Adds the variables of tables.
+/// @return LAC_OK; LAC_EINPUT (a row names a dimension that was not added, or too many; a name in
+///         JSON is longer than 63 bytes; more than 256 variables in all); LAC_ENOMEM
+lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err);
+
+/// A variable whose name the result gives.
+typedef struct lac_named {
+    const char *name, *long_name, *unit, *comment; ///< copied
+    size_t which;                                  ///< handed to its getters behind the places
+    const char *cell_methods;                      ///< copied
+} lac_named;
+
+/// Adds one. @param row  all else that is told of it
+/// @return as lac_dataset_add
+lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
+                                 const lac_named *named, const void *of, lac_error *err);
+
+/// Gives the variable that was added last, if any, attributes in a file.
+/// @param laid  rows of one value, with the variable's `which`
+void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
+
+/// One variable as it is asked for. It holds until the dataset is freed or added to.
+typedef struct lac_item {
+    const lac_variable *row;
+    const char *name, *long_name, *unit, *comment, *cell_methods;
+    size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all, or of one place
+    const char *dim[LAC_MOST_DIMS];            ///< names
+    const char *dims;                          ///< all of them, between spaces
+    bool is_text;
+    size_t next;                   ///< for lac_dataset_next
+    const struct lac_entry *entry; ///< for what follows
+} lac_item;
+
+/// The next variable that is in a file: what is not there and what runs over an empty dimension is
+/// skipped. @param item  {0} at first
+/// @return false: there is none
+bool lac_dataset_next(const lac_dataset *dataset, lac_item *item);
+
+/// The variable of a name.
+/// @return false: there is none
+bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *item);
+
+/// All values of a variable. @param out  [item->count] NaN or infinite: missing
+void lac_item_values(const lac_item *item, double *out);
+
+/// The array that holds all its values as they are, in their order, doubles or bytes; NULL: they
+/// are in none.
+const void *lac_item_array(const lac_item *item);
+
+/// One of its texts. @param place  of item->count @return NULL: missing
+const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM]);
+
+/// An attribute of a variable: a text or, where that is NULL, a number.
+typedef struct lac_attribute {
+    const char *name, *text;
+    double number;
+    char room[LAC_TEXT_ROOM]; ///< of a text that is made on demand
+    size_t next;              ///< for lac_item_next_attribute
+} lac_attribute;
+
+/// The next attribute of a variable beyond those of its row; one that is missing is skipped.
+/// @param attribute  {0} at first
+/// @return false: there is none
+bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute);
 
 enum {
     LAC_MOST_ROWS = 256, ///< of a dataset
@@ -25,12 +208,11 @@ typedef struct lac_entry {
     size_t stride;
     bool pointers;
     const void *of;
-    char *name, *long_name; ///< owned; NULL: the row's
-    const char *unit, *comment;
-    size_t which;
+    lac_named named; ///< owned texts; without a name: the row's
     lac_laid attributes;
 } lac_entry;
 
+/// Holds no values: they are asked for where they are needed.
 struct lac_dataset {
     const char *summary;
     lac_clock clock;
@@ -38,7 +220,15 @@ struct lac_dataset {
     size_t dims, entries, room;
     lac_dim *dim;
     lac_entry *entry;
+    void *result; ///< that it is of, if it is its own
+    void (*release)(void *result);
+    const struct lac_provenance *made; ///< from what, where the result knows
 };
+
+/// Hands the result over to its dataset, which frees it with itself.
+/// @param made  within the result; NULL: not known
+void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *result),
+                      const struct lac_provenance *made);
 
 /// Its dimensions. @return how many
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,

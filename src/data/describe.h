@@ -4,7 +4,7 @@
 
 // How a module writes down the tables of its result.
 
-#include "lacuna/dataset.h"
+#include "data/dataset.h"
 
 #define LAC_VARIABLES(rows_, over_, stride_)                                      \
     {                                                                             \

@@ -206,7 +206,8 @@ static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *
         const char *key = r->unknown[k].key;
         name_of(key, name);
         (void)snprintf(title, sizeof title, "%s of %s", any ? "posterior draws" : "best fit", key);
-        const lac_named named = {name, title, r->unknown[k].unit, NULL, k};
+        const lac_named named = {
+            .name = name, .long_name = title, .unit = r->unknown[k].unit, .which = k};
         status = lac_dataset_add_named(d, any ? &drawn : &alone, &named, r, err);
         if (status == LAC_OK) {
             lac_dataset_attributes(d, &beside);

@@ -3,7 +3,7 @@
 #define LACUNA_FIT_FIT_H
 
 #include "fit/sampler.h"
-#include "lacuna/dataset.h"
+#include "lacuna/fit.h"
 #include "scene/scene.h"
 #include "series/series.h"
 
@@ -132,6 +132,10 @@ void lac_fit_free(lac_fit *fit);
 ///         reading, or cannot be computed); LAC_EINTERRUPT; LAC_ENOMEM
 lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                        lac_error *err);
+
+/// Whether the draws can be relied on.
+/// @return LAC_OK; LAC_ENUMERIC: says which unknown was sampled worst and what it trades off with
+lac_status lac_fit_trust(const lac_fit_result *result, lac_error *err);
 
 /// Puts the best fit into a case of the same parameters.
 void lac_fit_apply(const lac_fit_result *result, lac_case *c);

@@ -2,7 +2,7 @@
 #ifndef LACUNA_FORECAST_FORECAST_H
 #define LACUNA_FORECAST_FORECAST_H
 
-#include "lacuna/param.h"
+#include "base/param.h"
 #include "series/motion.h"
 
 enum {

@@ -2,7 +2,7 @@
 #ifndef LACUNA_FRICTION_FRICTION_H
 #define LACUNA_FRICTION_FRICTION_H
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 /// Kernels work on blocks of at most this many cells, so that scratch stays in the L1 cache.
 enum { LAC_FRICTION_BLOCK = 256 };

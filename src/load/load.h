@@ -2,7 +2,7 @@
 #ifndef LACUNA_LOAD_LOAD_H
 #define LACUNA_LOAD_LOAD_H
 
-#include "lacuna/param.h"
+#include "base/param.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 

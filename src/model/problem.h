@@ -3,6 +3,7 @@
 #define LACUNA_MODEL_PROBLEM_H
 
 #include "friction/friction.h"
+#include "lacuna/simulation.h"
 #include "load/load.h"
 #include "transfer/transfer.h"
 
@@ -51,20 +52,6 @@ typedef struct lac_problem_def {
 /// says: docs/theory/creep.md. With a mass y = (x, ln theta, slip): docs/theory/momentum.md.
 /// Immutable.
 typedef struct lac_problem lac_problem;
-
-/// What is seen of a state.
-typedef struct lac_observation {
-    double mean_rate;        ///< over contact cells, of either sign [m/s]
-    double max_rate;         ///< largest |v| [m/s]
-    double mean_slip;        ///< [m]
-    double shear_force;      ///< Q [N]
-    double normal_force;     ///< P, total [N]
-    double effective_force;  ///< P - u L^2 [N]
-    double balance_residual; ///< max |q - K slip - p f - damping - inertia| / (f0 p) [1]
-    double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
-                       ///< far the mean slip rate is off the balance, relative to itself [1]
-    size_t fastest;    ///< cell with the largest rate
-} lac_observation;
 
 /// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
 ///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
@@ -227,18 +214,6 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.
 #define LAC_NO_FAILURE_RATE 1e3
-
-/// What counts as failure: the first of the mean slip rate rising through `rate`, where that is
-/// lowered of all cells together (lac_problem_past_failure), and the mean slip, of either sign,
-/// coming to `slip`.
-typedef struct lac_failure {
-    double rate;  ///< [m/s]
-    bool lowered; ///< it is a p/eta, as damping holds the joint below the rate asked for
-    double slip;  ///< [m]
-    double start; ///< mean slip rate at the start [m/s]
-    double reach; ///< at which damping holds what weakening drives from there to the rate asked
-                  ///< for [m/s]; INFINITY: nothing is in the way
-} lac_failure;
 
 /// What acts on the mean slip of a joint at the start, over the nominal area.
 typedef struct lac_failure_start {

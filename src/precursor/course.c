@@ -51,6 +51,8 @@ static void set_time_of_failure(const lac_outlook *o, lac_observed *seen)
     }
 }
 
+lac_evidence lac_evidence_default(void) { return (lac_evidence){.seed = 1, .surrogates = 199}; }
+
 lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
                              lac_precursor *out, size_t *count, lac_error *err)
 {

@@ -151,8 +151,11 @@ static lac_status add_indicator(lac_dataset *d, const lac_forecast_outcome *o, s
         char name[NAME], long_name[LONG_NAME];
         (void)snprintf(name, sizeof name, "%s_%s", kind->about.name, of->key);
         (void)snprintf(long_name, sizeof long_name, "%s: %s", kind->about.name, of->text);
-        const lac_named named = {name, long_name, of->unit, last ? NULL : kind->estimator,
-                                 k * MOST_VALUES + (last ? MOST_VALUES - 1 : v)};
+        const lac_named named = {.name = name,
+                                 .long_name = long_name,
+                                 .unit = of->unit,
+                                 .comment = last ? NULL : kind->estimator,
+                                 .which = k * MOST_VALUES + (last ? MOST_VALUES - 1 : v)};
         if (any(o, named.which, issues)) {
             status = lac_dataset_add_named(d, last ? &points : &value, &named, o, err);
         }

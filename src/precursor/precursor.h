@@ -89,6 +89,9 @@ typedef struct lac_evidence {
     size_t surrogates;
 } lac_evidence;
 
+/// No events, no cells; seed 1, 199 surrogates.
+lac_evidence lac_evidence_default(void);
+
 /// All indicators as of an outlook's time of issue: from the motion it saw, the events that had
 /// ended and the records that had been made, tc and start as its log law has them if it issues.
 /// @param out  [LAC_PRECURSORS_MAX]

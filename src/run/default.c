@@ -41,7 +41,7 @@ const char *lac_end_name(lac_end end)
                                         [LAC_END_STOP] = "stop_when",
                                         [LAC_END_INTERRUPT] = "interrupted",
                                         [LAC_END_ERROR] = "error"};
-    return names[end];
+    return (unsigned)end < sizeof names / sizeof *names ? names[end] : NULL;
 }
 
 const char *lac_fidelity_name(lac_fidelity fidelity)

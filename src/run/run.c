@@ -89,7 +89,8 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
-                           .traction = traction};
+                           .traction = traction,
+                           .n = n};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 

@@ -28,3 +28,10 @@ lac_provenance lac_case_provenance(const lac_case *c, const char *case_text)
         .seed = find_seed(c->surface.about != NULL ? &c->surface : &c->domain),
     };
 }
+
+lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err)
+{
+    out->case_text = lac_case_text(c);
+    out->provenance = lac_case_provenance(c, out->case_text);
+    return out->case_text != NULL ? LAC_OK : lac_fail_memory(err);
+}

@@ -108,6 +108,15 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
 /// @param case_text  the resolved case; borrowed
 lac_provenance lac_case_provenance(const lac_case *c, const char *case_text);
 
+/// The same of a dataset that outlives its maker: with the case's text, freed by free().
+typedef struct lac_made_from {
+    lac_provenance provenance;
+    char *case_text;
+} lac_made_from;
+
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err);
+
 /// Everything that a case's run needs, built stage by stage; only what the case names.
 typedef struct lac_scene {
     const lac_case *source;

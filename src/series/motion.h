@@ -2,20 +2,7 @@
 #ifndef LACUNA_SERIES_MOTION_H
 #define LACUNA_SERIES_MOTION_H
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#include "lacuna/error.h"
-
-/// How velocities come from displacements. None looks ahead.
-typedef enum lac_smoothing {
-    LAC_SMOOTH_NONE = 0, ///< as given; else secants between readings, at the middle of the interval
-    LAC_SMOOTH_AVERAGE,  ///< means of the last `points` of these, at the mean of their times
-    LAC_SMOOTH_WINDOW,   ///< least-squares slope of the readings of the last `window` seconds, at
-                         ///< the mean of their times
-    LAC_SMOOTH_SAVGOL,   ///< slope at its end of the polynomial of `order` through the last
-                         ///< `points` readings (Savitzky-Golay with the window behind)
-} lac_smoothing;
+#include "lacuna/series.h"
 
 typedef struct lac_motion_def {
     lac_smoothing smoothing;

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/ask.h"
+#include "base/units.h"
 #include "series/text.h"
 
 lac_status lac_series_check(const lac_series_def *def, lac_error *err)
@@ -39,6 +41,27 @@ out:
         lac_series_free(*out);
         *out = NULL;
     }
+    return status;
+}
+
+lac_status lac_series_create(const lac_series_def *def, lac_series **out, lac_error *err)
+{
+    lac_series_def own = lac_series_def_default();
+    lac_units *units = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, def, out));
+    *out = NULL;
+    LAC_TRY(lac_take_options("lac_series_def", def, &own, sizeof own, err));
+    LAC_TRY(own.path != NULL ? LAC_OK : lac_fail(err, LAC_EINPUT, "a series without a path"));
+    LAC_TRY(lac_series_check(&own, err));
+    LAC_TRY(own.value == NULL || own.value_si != NULL
+                ? LAC_OK
+                : lac_fail(err, LAC_EINPUT, "%s: value_si must say the unit of %s", own.path,
+                           own.value));
+    LAC_TRY(lac_units_create(&units, err));
+    status = lac_series_read(&own, units, out, err);
+out:
+    lac_units_free(units);
     return status;
 }
 

@@ -1,47 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A simulation kept in memory; a case from its file to that.
+// A simulation run into memory, which is handed out as a dataset, or into its file.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/ask.h"
+#include "data/dataset.h"
 #include "simulation/simulation.h"
 
-// "key.path=value" cut at its first "=". The keys are the caller's to free.
-static lac_status cut(const char *set, lac_override *out, lac_error *err)
-{
-    const char *equals = strchr(set, '=');
-    if (equals == NULL || equals == set) {
-        return lac_fail(err, LAC_EINPUT, "\"%s\" must be key.path=value", set);
-    }
-    out->value = equals + 1;
-    out->key = strndup(set, (size_t)(equals - set));
-    return out->key != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
-// @param text  NULL: the case is in the file of this name
-static lac_status read_case(const char *name, const char *text, size_t size, size_t count,
-                            const char *const *sets, lac_case **out, lac_error *err)
-{
-    lac_case_report report = {0};
-    lac_status status = LAC_OK;
-    lac_override *overrides = calloc(count + 1, sizeof *overrides);
-    if (overrides == NULL) {
-        return lac_fail_memory(err);
-    }
-    for (size_t i = 0; i < count; i++) {
-        LAC_TRY(cut(sets[i], &overrides[i], err));
-    }
-    const lac_case_request how = {LAC_FOR_RUN, overrides, count};
-    status = text == NULL ? lac_case_read(name, &how, out, &report, err)
-                          : lac_case_read_text(name, text, size, &how, out, &report, err);
-out:
-    lac_case_report_clear(&report);
-    for (size_t i = 0; i < count; i++) {
-        free((char *)overrides[i].key);
-    }
-    free(overrides);
-    return status;
-}
+enum { DIMS = 5, JSON_PATH = 80 };
 
 static lac_status add_outcome(lac_recording *recording, const lac_case *c,
                               const lac_run_result *result, lac_error *err)
@@ -77,48 +45,165 @@ static lac_recording_def made_from(const lac_outcome *of)
                                .events = lac_analysis_has_events(of->analysis)};
 }
 
-lac_status lac_simulation_record(lac_simulation *simulation, lac_recording **out, lac_error *err)
+// A recording as the dataset that it is handed out as.
+typedef struct recorded {
+    lac_recording *recording;
+    size_t count;
+    lac_recorded *seen;      // [count]
+    lac_variable *row;       // [count]
+    char (*path)[JSON_PATH]; // [count] of each in JSON
+} recorded;
+
+static void recorded_free(void *result)
 {
-    const lac_outcome *outcome = lac_simulation_result(simulation);
-    const lac_recording_def def = made_from(outcome);
+    recorded *r = result;
+    lac_recording_free(r->recording);
+    free(r->seen);
+    free(r->row);
+    free(r->path);
+    free(r);
+}
+
+static lac_status take(recorded *r, const lac_recording *recording, lac_error *err)
+{
+    static const double missing = NAN;
+    lac_recorded seen;
+    while (lac_recording_at(recording, r->count, &seen)) {
+        r->count++;
+    }
+    r->seen = calloc(r->count, sizeof *r->seen);
+    r->row = calloc(r->count, sizeof *r->row);
+    r->path = calloc(r->count, sizeof *r->path);
+    if (r->seen == NULL || r->row == NULL || r->path == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < r->count; i++) {
+        lac_recorded *v = &r->seen[i];
+        (void)lac_recording_at(recording, i, v);
+        v->values = v->count > 0 ? v->values : &missing;
+        int used = snprintf(r->path[i], sizeof r->path[i], "%s", v->name);
+        for (const char *at = v->dimensions; *at != '\0'; at += at[0] == ' ') {
+            used += snprintf(r->path[i] + used, sizeof r->path[i] - (size_t)used, "[]");
+            at += strcspn(at, " ");
+        }
+        r->row[i] = (lac_variable){.name = v->name,
+                                   .json = r->path[i],
+                                   .unit = v->unit,
+                                   .long_name = v->long_name,
+                                   .dims = v->dimensions,
+                                   .held = LAC_HELD_REALS,
+                                   .offset = offsetof(lac_recorded, values),
+                                   .flags = LAC_MISSING | LAC_EMPTY};
+    }
+    return LAC_OK;
+}
+
+// How long the dimensions are: as the variables over one alone, or what these leave of one over
+// two.
+static void measure(const recorded *r, lac_extent dim[DIMS])
+{
+    static const char *const names[DIMS] = {"time", "snapshot", "event", "level", "cell"};
+    for (size_t d = 0; d < DIMS; d++) {
+        dim[d] = (lac_extent){names[d], 0};
+        for (size_t i = 0; i < r->count; i++) {
+            const char *dims = r->seen[i].dimensions;
+            const char *behind = strchr(dims, ' ');
+            if (strcmp(dims, names[d]) == 0) {
+                dim[d].length = r->seen[i].count;
+                break;
+            }
+            const size_t first = behind != NULL && dims[0] == 't' ? dim[0].length : dim[1].length;
+            if (behind != NULL && strcmp(behind + 1, names[d]) == 0 && first > 0) {
+                dim[d].length = r->seen[i].count / first;
+            }
+        }
+    }
+}
+
+// Takes the recording over, whatever it returns.
+static lac_status hand_out(lac_recording *recording, lac_dataset **out, lac_error *err)
+{
+    lac_extent dim[DIMS];
+    lac_dataset *d = NULL;
+    lac_status status = LAC_OK;
+    recorded *r = calloc(1, sizeof *r);
+    if (r == NULL) {
+        lac_recording_free(recording);
+        return lac_fail_memory(err);
+    }
+    r->recording = recording;
+    LAC_TRY(take(r, recording, err));
+    measure(r, dim);
+    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
+    LAC_TRY(lac_dataset_dims(d, dim, DIMS, err));
+    for (size_t i = 0; i < r->count; i++) {
+        const lac_laid laid = {{.row = &r->row[i], .rows = 1, .over = ""}, &r->seen[i]};
+        LAC_TRY(lac_dataset_add(d, &laid, 1, err));
+    }
+    lac_dataset_keep(d, r, recorded_free, NULL);
+    *out = d;
+    return LAC_OK;
+out:
+    lac_dataset_free(d);
+    recorded_free(r);
+    return status;
+}
+
+lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, lac_error *err)
+{
     lac_recording *recording = NULL;
     lac_status status;
+    LAC_TRY(LAC_NEED(err, simulation, out));
     *out = NULL;
+    const lac_outcome *outcome = lac_simulation_outcome(simulation);
+    const lac_recording_def def = made_from(outcome);
     LAC_TRY(lac_recording_create(&def, &recording, err));
     const lac_sink sink = lac_recording_sink(recording);
     const lac_status ended = lac_simulation_run(simulation, &sink, err);
     status = ended;
     if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
         LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
-        status = ended;
-        *out = recording;
+        status = hand_out(recording, out, err);
         recording = NULL;
     }
+    status = status == LAC_OK ? ended : status;
 out:
     lac_recording_free(recording);
     return status;
 }
 
-lac_status lac_record_case_text(const char *name, const char *text, size_t size, size_t count,
-                                const char *const *sets, const lac_simulation_options *options,
-                                lac_recording **out, lac_error *err)
+static lac_status open_file(lac_simulation *simulation, const char *path,
+                            const lac_write_options *options, lac_store **out, lac_error *err)
 {
-    lac_case *source = NULL;
-    lac_simulation *simulation = NULL;
-    lac_status status;
-    *out = NULL;
-    LAC_TRY(read_case(name, text, size, count, sets, &source, err));
-    LAC_TRY(lac_simulation_create(source, options, &simulation, err));
-    status = lac_simulation_record(simulation, out, err);
-out:
-    lac_simulation_free(simulation);
-    lac_case_free(source);
-    return status;
+    lac_store_def def;
+    const lac_status status = lac_simulation_file(simulation, &def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    lac_provenance_sign(&def.provenance, options);
+    def.path = path != NULL ? path : def.path;
+    def.force = options->force;
+    return def.path != NULL
+               ? lac_store_create(&def, out, err)
+               : lac_fail(err, LAC_EINPUT, "%s: names no output.file, nor does the caller",
+                          lac_simulation_outcome(simulation)->source->path);
 }
 
-lac_status lac_record_case(const char *path, size_t count, const char *const *sets,
-                           const lac_simulation_options *options, lac_recording **out,
-                           lac_error *err)
+lac_status lac_simulation_write(lac_simulation *simulation, const char *path,
+                                const lac_write_options *options, lac_error *err)
 {
-    return lac_record_case_text(path, NULL, 0, count, sets, options, out, err);
+    lac_write_options own = lac_write_options_default();
+    lac_store *store = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, simulation));
+    LAC_TRY(lac_take_options("lac_write_options", options, &own, sizeof own, err));
+    LAC_TRY(open_file(simulation, path, &own, &store, err));
+    const lac_outcome *of = lac_simulation_outcome(simulation);
+    const lac_sink sink = lac_store_sink(store);
+    const lac_status ran = lac_simulation_run(simulation, &sink, err);
+    status = lac_store_finish(store, of->status, &of->run, 0.0, ran == LAC_OK ? err : NULL);
+    status = ran == LAC_OK ? status : ran;
+out:
+    lac_store_free(store);
+    return status;
 }

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/ask.h"
+
 enum { RECORDS_BETWEEN_SYNCS = 64 };
 
 struct lac_simulation {
@@ -21,33 +23,10 @@ struct lac_simulation {
     lac_outcome outcome;
 };
 
-lac_simulation_options lac_simulation_options_default(void)
-{
-    return (lac_simulation_options){.size = sizeof(lac_simulation_options)};
-}
-
-// Programs made with an older library know fewer options: the others stay as by default.
-static lac_status take_options(const lac_simulation_options *given, lac_simulation_options *own,
-                               lac_error *err)
-{
-    *own = lac_simulation_options_default();
-    if (given == NULL) {
-        return LAC_OK;
-    }
-    if (given->size < sizeof given->size || given->size > sizeof *own) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the options of a simulation are %zu bytes, at most %zu are known: start "
-                        "from lac_simulation_options_default",
-                        given->size, sizeof *own);
-    }
-    memcpy(own, given, given->size);
-    return LAC_OK;
-}
-
 static void prepared(lac_simulation *s, lac_stage stage)
 {
     if (s->options.prepared != NULL) {
-        s->options.prepared(s->options.context, stage, &s->outcome);
+        s->options.prepared(s->options.context, stage, s);
     }
 }
 
@@ -86,15 +65,25 @@ static int set_threads(int threads)
 lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options *options,
                                  lac_simulation **out, lac_error *err)
 {
+    lac_simulation *s = NULL;
+    lac_status status = LAC_NEED(err, c, out);
+    if (status != LAC_OK) {
+        return status;
+    }
     *out = NULL;
-    lac_simulation *s = calloc(1, sizeof *s);
+    s = calloc(1, sizeof *s);
     if (s == NULL) {
         return lac_fail_memory(err);
     }
     s->source = *c;
     s->source.run.beyond = 0; // all of it is done here
     s->outcome = (lac_outcome){.source = &s->source, .status = "running"};
-    lac_status status = take_options(options, &s->options, err);
+    s->options = lac_simulation_options_default();
+    status =
+        lac_take_options("lac_simulation_options", options, &s->options, sizeof s->options, err);
+    if (status == LAC_OK) {
+        status = lac_case_serves(c, LAC_FOR_RUN, err);
+    }
     if (status == LAC_OK) {
         const int before = set_threads(s->options.threads);
         status = build(s, err);
@@ -124,9 +113,26 @@ void lac_simulation_resume(lac_simulation *simulation, const lac_checkpoint *fro
     simulation->resume = from;
 }
 
-const lac_outcome *lac_simulation_result(const lac_simulation *simulation)
+const lac_outcome *lac_simulation_outcome(const lac_simulation *simulation)
 {
     return &simulation->outcome;
+}
+
+const lac_run_result *lac_simulation_result(const lac_simulation *simulation)
+{
+    return simulation != NULL ? &simulation->outcome.run : NULL;
+}
+
+const lac_accuracy_pick *lac_simulation_accuracy(const lac_simulation *simulation)
+{
+    return simulation != NULL ? simulation->outcome.accuracy : NULL;
+}
+
+const lac_extra *lac_simulation_extra(const lac_simulation *simulation, size_t index)
+{
+    return simulation != NULL && index < simulation->outcome.extras
+               ? &simulation->outcome.extra[index]
+               : NULL;
 }
 
 // What the indicators know by now.
@@ -172,16 +178,21 @@ static const char *status_word(lac_status status)
     return status == LAC_OK ? "complete" : status == LAC_EINTERRUPT ? "interrupted" : "failed";
 }
 
-lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, lac_error *err)
+lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *given, lac_error *err)
 {
     lac_simulation *s = simulation;
+    lac_sink own = lac_sink_default();
+    const lac_sink *sink = given != NULL ? &own : NULL;
     lac_error late = {""};
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, simulation));
+    LAC_TRY(lac_take_options("lac_sink", given, &own, sizeof own, err));
     if (s->begun) {
         return lac_fail(err, LAC_EINPUT, "%s: this simulation was run already", s->source.path);
     }
     s->begun = true;
     const int before = set_threads(s->options.threads);
-    lac_status status = put_once(s, sink, err);
+    status = put_once(s, sink, err);
     if (status == LAC_OK) {
         status = integrate(s, sink, err);
         // The indicators sum up however the run ended; why it broke counts for more.
@@ -192,6 +203,7 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, 
     }
     (void)set_threads(before);
     s->outcome.status = status_word(status);
+out:
     return status;
 }
 

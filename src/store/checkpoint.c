@@ -91,9 +91,9 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
                                     lac_error *err)
 {
     lac_kept_checkpoint about = {.from = *checkpoint,
-                                 .records = s->written + s->buffered,
-                                 .snapshots = s->snapshots,
-                                 .events = s->events_written + s->events_buffered,
+                                 .records = lac_writer_places(&s->writer, "time"),
+                                 .snapshots = lac_writer_places(&s->writer, "snapshot"),
+                                 .events = lac_writer_places(&s->writer, "event"),
                                  .begun = s->begun,
                                  .last_time = s->last_origin + s->last_local,
                                  .program = (char *)lac_kept_checkpoint_program(),

@@ -1,172 +1,109 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of a run's variables: what each is and where its value comes from.
+// Variables of a dataset as arrays that grow place by place: a run in memory, and what is yet to be
+// written of one.
 #include "store/columns.h"
 
-#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
 
-#define SEEN(field) offsetof(lac_row, record.seen.field)
-#define RECORD(field) offsetof(lac_row, record.field)
-#define MEAN "time: point area: mean"
-#define POINT "time: point"
+void lac_columns_clear(lac_columns *columns)
+{
+    for (size_t i = 0; i < columns->n; i++) {
+        free(columns->column[i].values);
+    }
+    free(columns->column);
+    *columns = (lac_columns){0};
+}
 
-// The unit of `time` is the store's: "s", or "seconds since" the start where that is a date.
-const lac_column lac_columns[LAC_COLUMNS] = {
-    {{.name = "time",
-      .long_name = "time since the start of the run",
-      .comment = "time_origin + time_local rounded to a double: never decreasing, but two steps "
-                 "may share a value where they are shorter than a double resolves",
-      .type = NC_DOUBLE,
-      .appended = true},
-     offsetof(lac_row, time)},
-    {{.name = "time_origin",
-      .unit = "s",
-      .long_name = "origin of the local time, since the start of the run",
-      .comment = "t = time_origin + time_local; the pair is strictly increasing at full precision",
-      .type = NC_DOUBLE,
-      .appended = true},
-     RECORD(time_origin)},
-    {{.name = "time_local",
-      .unit = "s",
-      .long_name = "time since time_origin",
-      .comment = "keeps the steps of a failure, milliseconds after years of creep, apart",
-      .type = NC_DOUBLE,
-      .appended = true},
-     RECORD(time_local)},
-    {{.name = "slip",
-      .unit = "m",
-      .long_name = "mean slip since the start",
-      .comment = "mean over the contact cells",
-      .cell_methods = MEAN,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(mean_slip)},
-    {{.name = "slip_rate",
-      .unit = "m s-1",
-      .long_name = "mean slip rate",
-      .comment = "mean over the contact cells; failure is its upward crossing of the case's limit",
-      .cell_methods = MEAN,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(mean_rate)},
-    {{.name = "max_slip_rate",
-      .unit = "m s-1",
-      .long_name = "largest slip rate of any contact cell",
-      .cell_methods = "time: point area: maximum",
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(max_rate)},
-    {{.name = "shear_force",
-      .unit = "N",
-      .long_name = "shear force Q on the interface",
-      .comment = "applied load, along x",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(shear_force)},
-    {{.name = "normal_force",
-      .unit = "N",
-      .long_name = "total normal force P on the interface",
-      .comment = "compression is positive; pore pressure not subtracted",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(normal_force)},
-    {{.name = "effective_normal_force",
-      .unit = "N",
-      .long_name = "normal force less the force of the pore pressure",
-      .comment = "P - u A, with u the pore pressure and A the nominal area",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(effective_force)},
-    {{.name = "apparent_friction",
-      .unit = "1",
-      .long_name = "apparent friction coefficient Q/P",
-      .comment = "shear_force / normal_force, with the total normal force",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     offsetof(lac_row, apparent_friction)},
-    {{.name = "balance_residual",
-      .unit = "1",
-      .long_name = "worst relative error of the traction balance",
-      .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration has "
-                 "drifted from the balance it solves",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     SEEN(balance_residual)},
-    {{.name = "step_size",
-      .unit = "s",
-      .long_name = "step of the integrator that ended here",
-      .comment = "missing at the start, where no step has been made",
-      .cell_methods = POINT,
-      .type = NC_DOUBLE,
-      .appended = true,
-      .fill = true},
-     RECORD(step_size)},
-    {{.name = "order",
-      .unit = "1",
-      .long_name = "order of the integrator's method in that step",
-      .comment = "missing at the start, where no step has been made",
-      .cell_methods = POINT,
-      .type = NC_INT,
-      .appended = true,
-      .fill = true},
-     RECORD(order)},
-    {{.name = "rhs_evaluations",
-      .unit = "1",
-      .long_name = "evaluations of the right-hand side since the start",
-      .cell_methods = POINT,
-      .type = NC_INT64,
-      .appended = true},
-     RECORD(rhs_evaluations)},
-};
+bool lac_item_is_global(const lac_item *item)
+{
+    return item->rank == 0 && (item->row->flags & LAC_SINGLE) == 0;
+}
 
-#define FIELD(field) offsetof(lac_snapshot, field)
-#define WHERE "snapshot_time x y"
+size_t lac_columns_along(const lac_columns *columns, const char *dim)
+{
+    size_t along = 0;
+    while (along < LAC_MOST_GROWING &&
+           (columns->growth[along].name == NULL || strcmp(columns->growth[along].name, dim) != 0)) {
+        along++;
+    }
+    return along;
+}
 
-const lac_field lac_fields[LAC_FIELDS] = {
-    {{.name = "cell_slip",
-      .unit = "m",
-      .long_name = "slip of each contact cell since the start",
-      .coordinates = WHERE,
-      .type = NC_DOUBLE,
-      .fill = true},
-     LAC_FIELD_SLIP,
-     FIELD(slip)},
-    {{.name = "cell_slip_rate",
-      .unit = "m s-1",
-      .long_name = "slip rate v of each contact cell",
-      .coordinates = WHERE,
-      .type = NC_DOUBLE,
-      .fill = true},
-     LAC_FIELD_RATE,
-     FIELD(slip_rate)},
-    {{.name = "cell_state",
-      .unit = "s",
-      .long_name = "frictional state theta of each contact cell",
-      .comment = "rate-and-state friction: the age of the contacts",
-      .coordinates = WHERE,
-      .type = NC_DOUBLE,
-      .fill = true},
-     LAC_FIELD_STATE,
-     FIELD(state)},
-    {{.name = "cell_traction",
-      .unit = "Pa",
-      .long_name = "shear traction on each contact cell",
-      .comment = "the elastic side of the balance, q - K slip",
-      .coordinates = WHERE,
-      .type = NC_DOUBLE,
-      .fill = true},
-     LAC_FIELD_TRACTION,
-     FIELD(traction)},
-};
+// The dimension along which an item grows, noted where it is new.
+static size_t find_growth(lac_columns *columns, const lac_item *item)
+{
+    if (item->rank == 0 || item->length[0] != LAC_GROWS) {
+        return LAC_ONCE;
+    }
+    const size_t known = lac_columns_along(columns, item->dim[0]);
+    size_t along = 0;
+    while (known == LAC_ONCE && columns->growth[along].name != NULL) {
+        along++;
+    }
+    along = known != LAC_ONCE ? known : along;
+    columns->growth[along].name = item->dim[0];
+    return along;
+}
+
+lac_status lac_columns_add(lac_columns *columns, const lac_item *item, lac_error *err)
+{
+    if (columns->n == columns->room) {
+        const size_t room = 2 * columns->room + 16;
+        lac_column *grown = realloc(columns->column, room * sizeof *grown);
+        if (grown == NULL) {
+            return lac_fail_memory(err);
+        }
+        columns->column = grown;
+        columns->room = room;
+    }
+    columns->column[columns->n++] =
+        (lac_column){.item = *item, .along = find_growth(columns, item)};
+    return LAC_OK;
+}
+
+lac_status lac_columns_create(const lac_dataset *dataset, lac_columns *columns, lac_error *err)
+{
+    lac_item item = {0};
+    lac_status status = LAC_OK;
+    while (status == LAC_OK && lac_dataset_next(dataset, &item)) {
+        status = lac_item_is_global(&item) ? LAC_OK : lac_columns_add(columns, &item, err);
+    }
+    return status;
+}
+
+lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
+{
+    if (column->room - column->count < n) {
+        const size_t room = column->count + n + column->room; // at least doubled
+        double *grown = realloc(column->values, room * sizeof *grown);
+        if (grown == NULL) {
+            return lac_fail_memory(err);
+        }
+        column->values = grown;
+        column->room = room;
+    }
+    return LAC_OK;
+}
+
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err)
+{
+    lac_column *end = columns->column + columns->n;
+    lac_status status = LAC_OK;
+    for (lac_column *c = columns->column; c < end && status == LAC_OK; c++) {
+        if (c->along == along && (c->item.row->flags & but) == 0) {
+            status = lac_column_reserve(c, c->item.count, err);
+        }
+    }
+    if (status != LAC_OK || along == LAC_ONCE) {
+        return status;
+    }
+    for (lac_column *c = columns->column; c < end; c++) {
+        if (c->along == along && (c->item.row->flags & but) == 0) {
+            lac_item_values(&c->item, c->values + c->count);
+            c->count += c->item.count;
+        }
+    }
+    columns->growth[along].places++;
+    return LAC_OK;
+}

@@ -2,34 +2,54 @@
 #ifndef LACUNA_STORE_COLUMNS_H
 #define LACUNA_STORE_COLUMNS_H
 
-#include "store/nc.h"
+#include "data/dataset.h"
 
-/// A record with what follows from it.
-typedef struct lac_row {
-    double time;              ///< origin + local [s]
-    double apparent_friction; ///< Q/P [1]
-    lac_record record;
-} lac_row;
+enum { LAC_MOST_GROWING = 3, LAC_ONCE = LAC_MOST_GROWING };
 
-/// One variable over time: what it is and where it stands in a row. Its type there is double for
-/// NC_DOUBLE and int64_t for the integers.
+/// A variable of a dataset, and the values of it that are in memory.
 typedef struct lac_column {
-    lac_nc_var var;
-    size_t offset;
+    lac_item item;
+    size_t along; ///< which of the dimensions that grow; LAC_ONCE: none
+    double *values;
+    size_t count, room;
+    int id; ///< in a file
 } lac_column;
 
-/// One field of the cells: what it is, who asks for it and where it stands in a snapshot.
-typedef struct lac_field {
-    lac_nc_var var;
-    unsigned flag;
-    size_t offset;
-} lac_field;
+/// A dimension that grows.
+typedef struct lac_growth {
+    const char *name;
+    size_t places;  ///< in memory
+    size_t written; ///< in a file
+} lac_growth;
 
-enum { LAC_COLUMNS = 14, LAC_FIELDS = 4, LAC_EVENT_COLUMNS = 10, LAC_COLUMN_TIME = 0 };
+/// The variables of a dataset, those of one value that are attributes in a file left out, in its
+/// order; memory for what is put into them place by place.
+typedef struct lac_columns {
+    size_t n, room;
+    lac_column *column;
+    lac_growth growth[LAC_MOST_GROWING];
+} lac_columns;
 
-extern const lac_column lac_columns[LAC_COLUMNS]; ///< `time` is the first
-extern const lac_field lac_fields[LAC_FIELDS];
-/// Offsets are those in a lac_event; `event_time` is the first and wants its origin added.
-extern const lac_column lac_event_columns[LAC_EVENT_COLUMNS];
+/// @param columns  {0}; to be cleared whatever the status
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_columns_create(const lac_dataset *dataset, lac_columns *columns, lac_error *err);
+void lac_columns_clear(lac_columns *columns);
+
+/// Whether an item is an attribute of a file.
+bool lac_item_is_global(const lac_item *item);
+
+/// One more. @return LAC_OK; LAC_ENOMEM
+lac_status lac_columns_add(lac_columns *columns, const lac_item *item, lac_error *err);
+
+/// The dimension of a name that grows; LAC_ONCE: none.
+size_t lac_columns_along(const lac_columns *columns, const char *dim);
+
+/// Room for `n` values more. @return LAC_OK; LAC_ENOMEM
+lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err);
+
+/// Adds what the dataset holds now to all variables along a dimension, or to none.
+/// @param but  flags of those that are left out
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err);
 
 #endif

@@ -1,326 +1,287 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The header of a run's file: dimensions, variables, and the values that do not change.
+// How a variable of a dataset is laid out in a netCDF-4 file: type, chunks, compression, checksums,
+// attributes.
+#include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/date.h"
-#include "store/internal.h"
+#include "store/writer.h"
 
 enum {
-    RECORD_CHUNK = 512,      // records a chunk: 4 kB, what a sync rewrites of each variable
-    CELL_CHUNK_MAX = 1 << 20 // cells a chunk: 8 MB, within netCDF's cache
+    DEFLATE_MIN = 512,  // bytes of a chunk below which zlib's 270 kB of scratch win nothing
+    COMPACT_MAX = 4096, // bytes of a variable that needs no chunk, no filters and no index
+    MAX_RANK = LAC_MOST_DIMS + 1,
+    MEANINGS = 512,
+    MOST_MEANINGS = 64,
+    CHUNK = 1 << 18,      // values of a map, about 2 MB
+    CHUNK_CELLS = 1 << 20 // cells: 8 MB, within netCDF's cache
 };
 
-static const lac_nc_var cell_x = {.name = "x",
-                                  .unit = "m",
-                                  .long_name = "position of the cell's centre along x",
-                                  .comment = "slip is along x; contact cells stand in hierarchy "
-                                             "(Morton) order",
-                                  .type = NC_DOUBLE};
-static const lac_nc_var cell_y = {.name = "y",
-                                  .unit = "m",
-                                  .long_name = "position of the cell's centre along y",
-                                  .type = NC_DOUBLE};
-static const lac_nc_var cell_pressure = {.name = "pressure",
-                                         .unit = "Pa",
-                                         .long_name = "normal pressure on each contact cell",
-                                         .comment = "of the contact before pore pressure",
-                                         .coordinates = "x y",
-                                         .type = NC_DOUBLE};
-static const lac_nc_var cell_area = {.name = "cell_area",
-                                     .unit = "m2",
-                                     .long_name = "area of each contact cell",
-                                     .standard_name = "cell_area",
-                                     .coordinates = "x y",
-                                     .type = NC_DOUBLE};
-static const lac_nc_var level_var = {.name = "level",
-                                     .unit = "1",
-                                     .long_name = "level of the hierarchy",
-                                     .comment = "0: the contact cells; each level up doubles the "
-                                                "side of a block; the last one holds everything",
-                                     .type = NC_INT};
-static const lac_nc_var level_size = {.name = "block_size",
-                                      .unit = "m",
-                                      .long_name = "side of a block of this level along x",
-                                      .type = NC_DOUBLE};
-static const lac_nc_var level_width = {.name = "block_width",
-                                       .unit = "m",
-                                       .long_name = "side of a block of this level along y",
-                                       .type = NC_DOUBLE};
-static const lac_nc_var level_total = {.name = "n_tot",
-                                       .unit = "1",
-                                       .long_name = "blocks of this level that hold a contact cell",
-                                       .coordinates = "block_size",
-                                       .type = NC_INT64};
+static bool grows(const lac_item *item) { return item->rank > 0 && item->length[0] == LAC_GROWS; }
 
-static const lac_nc_var level_stiffness = {
-    .name = "hierarchy_stiffness",
-    .unit = "Pa m-1",
-    .long_name = "stiffness k_l of the hierarchy at this level",
-    .comment =
-        "what slip takes off a cell: sum over l of k_l (P_l - P_l+1) slip, P_l the mean over "
-        "the contact cells of a block; missing for the block that holds all",
-    .coordinates = "block_size",
-    .type = NC_DOUBLE,
-    .fill = true};
+nc_type lac_writer_type(const lac_writer *w, const lac_item *item)
+{
+    const unsigned flags = item->row->flags;
+    if (item->is_text && (flags & LAC_MEANINGS) == 0) {
+        return (flags & LAC_CHARS) != 0 ? NC_CHAR : NC_STRING;
+    }
+    if (item->row->held == LAC_HELD_BYTES) {
+        return NC_BYTE;
+    }
+    if ((flags & (LAC_WHOLE | LAC_MEANINGS)) != 0) {
+        return (flags & LAC_LONG) != 0 ? NC_INT64 : NC_INT;
+    }
+    return w->single && (flags & LAC_ROUGH) != 0 ? NC_FLOAT : NC_DOUBLE;
+}
 
-static lac_status put_real(const lac_store *s, int id, const char *name, const double *values,
+size_t lac_item_longest_text(const lac_item *item)
+{
+    char room[LAC_TEXT_ROOM];
+    size_t longest = 1;
+    for (size_t i = 0; i < item->count; i++) {
+        const char *text = lac_item_text(item, i, room);
+        const size_t length = text != NULL ? strlen(text) : 0;
+        longest = length > longest ? length : longest;
+    }
+    return longest;
+}
+
+static int define_fill(int file, int id, nc_type type)
+{
+    const double real = NC_FILL_DOUBLE;
+    const float single = NC_FILL_FLOAT;
+    const int integer = NC_FILL_INT;
+    switch (type) {
+    case NC_DOUBLE:
+        return nc_def_var_fill(file, id, NC_FILL, &real);
+    case NC_FLOAT:
+        return nc_def_var_fill(file, id, NC_FILL, &single);
+    case NC_INT:
+        return nc_def_var_fill(file, id, NC_FILL, &integer);
+    default:
+        return NC_EBADTYPE;
+    }
+}
+
+// Chunks are written whole, once, or grow at their end, so the cache holds one: netCDF's own table
+// of 4133 places for them takes 33 kB a variable.
+// @param appended  grows by parts of a chunk
+static int define_chunks(int file, int id, size_t chunk_bytes, int deflate, bool appended)
+{
+    int code = nc_set_var_chunk_cache(file, id, chunk_bytes, 1, 1.0F);
+    if (code == NC_NOERR && deflate > 0 && chunk_bytes >= DEFLATE_MIN) {
+        code = nc_def_var_deflate(file, id, NC_SHUFFLE, 1, deflate);
+    }
+    // A flipped bit in the data becomes an error of the reader instead of a wrong number. But a
+    // chunk that is written again and again can be torn by a kill, and would then be lost whole.
+    if (code == NC_NOERR && !appended) {
+        code = nc_def_var_fletcher32(file, id, NC_FLETCHER32);
+    }
+    return code;
+}
+
+static int size_of(int file, nc_type type, int rank, const size_t *count, size_t *bytes)
+{
+    int code = nc_inq_type(file, type, NULL, bytes);
+    for (int d = 0; d < rank; d++) {
+        *bytes *= count[d];
+    }
+    return code;
+}
+
+// Of cells or a map: whole rows.
+static void chunk_cells(size_t rank, const size_t *length, size_t cells, size_t *chunk)
+{
+    const size_t across = length[rank - 1];
+    const size_t most = rank > 1 ? CHUNK : cells;
+    chunk[rank - 1] = across < most ? across : most;
+    if (rank > 1) {
+        const size_t rows = CHUNK / across;
+        chunk[0] = rows < 1 ? 1 : rows < length[0] ? rows : length[0];
+    }
+}
+
+// @return false: netCDF chooses
+static bool choose_chunk(const lac_writer *w, const lac_item *item, size_t chunk[MAX_RANK])
+{
+    const bool cells = (item->row->flags & LAC_CELLS) != 0;
+    if (!grows(item)) {
+        const bool large = item->rank == 2 && !item->is_text && item->count > CHUNK;
+        if (cells || large) {
+            chunk_cells(item->rank, item->length, SIZE_MAX, chunk);
+        }
+        return cells || large;
+    }
+    chunk[0] = cells ? 1 : w->chunk;
+    for (size_t d = 1; d < item->rank; d++) {
+        chunk[d] = item->length[d];
+    }
+    if (cells) {
+        chunk_cells(item->rank - 1, item->length + 1, CHUNK_CELLS, chunk + 1);
+    }
+    return true;
+}
+
+static int define_storage(const lac_writer *w, const lac_item *item, int id, nc_type type, int rank,
+                          const int *dims)
+{
+    const int file = w->file->id;
+    const bool cells = (item->row->flags & LAC_CELLS) != 0;
+    const int deflate = grows(item) ? (cells ? w->deflate : 0) : cells || rank > 1;
+    size_t count[MAX_RANK], chunk[MAX_RANK];
+    size_t bytes = 0;
+    int code = NC_NOERR;
+    for (int d = 0; code == NC_NOERR && d < rank; d++) {
+        code = nc_inq_dimlen(file, dims[d], &count[d]); // an unlimited one is still empty
+    }
+    code = code == NC_NOERR ? size_of(file, type, rank, count, &bytes) : code;
+    if (code == NC_NOERR && bytes > 0 && bytes <= COMPACT_MAX) {
+        // Small and of a fixed size: the header, which has a checksum, holds it.
+        return nc_def_var_chunking(file, id, NC_COMPACT, NULL);
+    }
+    const size_t *chosen = choose_chunk(w, item, chunk) ? chunk : NULL;
+    code = code == NC_NOERR ? nc_def_var_chunking(file, id, NC_CHUNKED, chosen) : code;
+    code = code == NC_NOERR ? nc_inq_var_chunking(file, id, NULL, count) : code;
+    code = code == NC_NOERR ? size_of(file, type, rank, count, &bytes) : code;
+    return code == NC_NOERR ? define_chunks(file, id, bytes, deflate, grows(item) && !cells) : code;
+}
+
+// One that only JSON knows stands in no file.
+static lac_status find_dim(const lac_writer *w, const char *name, size_t length, int *dim,
                            lac_error *err)
 {
-    return lac_nc_check(s->file.path, nc_put_var_double(s->file.id, id, values), err, "write",
-                        name);
-}
-
-typedef double cell_value(const lac_domain *domain, size_t cell);
-
-static double value_x(const lac_domain *domain, size_t cell)
-{
-    return ((double)(domain->index[cell] % domain->grid.nx) + 0.5) * domain->grid.dx;
-}
-
-static double value_y(const lac_domain *domain, size_t cell)
-{
-    size_t row = domain->index[cell] / domain->grid.nx;
-    return ((double)row + 0.5) * domain->grid.dy;
-}
-
-static double value_pressure(const lac_domain *domain, size_t cell)
-{
-    return domain->pressure[cell];
-}
-
-static double value_area(const lac_domain *domain, size_t cell)
-{
-    (void)cell;
-    return lac_grid_cell_area(&domain->grid);
-}
-
-static const struct {
-    const lac_nc_var *var;
-    cell_value *value;
-} cell_vars[] = {{&cell_x, value_x},
-                 {&cell_y, value_y},
-                 {&cell_pressure, value_pressure},
-                 {&cell_area, value_area}};
-
-static const lac_nc_var *const level_vars[] = {&level_var, &level_size, &level_width, &level_total};
-
-enum {
-    CELL_VARS = sizeof cell_vars / sizeof cell_vars[0],
-    LEVEL_VARS = sizeof level_vars / sizeof level_vars[0]
-};
-
-// Variables that are written once.
-typedef struct fixed {
-    int cells[CELL_VARS];
-    int levels[LEVEL_VARS];
-    int stiffness;
-} fixed;
-
-// Whether what is taken off the cells follows from one number a level.
-static bool has_stiffness(const lac_store_def *def)
-{
-    return def->transfer != NULL && def->transfer->kind->blocks != NULL;
-}
-
-static lac_status define_cells(const lac_store *s, int dim, fixed *ids, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t i = 0; i < CELL_VARS; i++) {
-        LAC_TRY(
-            lac_nc_define(&s->file, cell_vars[i].var, 1, &dim, &s->cells, 1, &ids->cells[i], err));
+    if (nc_inq_dimid(w->file->id, name, dim) == NC_NOERR) {
+        return LAC_OK;
     }
-out:
-    return status;
+    length = length == LAC_GROWS ? NC_UNLIMITED : length;
+    return lac_nc_check(w->file->path, nc_def_dim(w->file->id, name, length, dim), err,
+                        "define the dimension", name);
 }
 
-static lac_status put_cells(const lac_store *s, const lac_domain *domain, const fixed *ids,
+// CF's way to say what the numbers 0, 1 ... of a variable stand for.
+static lac_status put_flags(const lac_writer *w, int id, nc_type type, const char *meanings,
                             lac_error *err)
 {
-    double *values = malloc(domain->n * sizeof *values);
-    if (values == NULL) {
-        return lac_fail_memory(err);
+    long long values[MOST_MEANINGS];
+    size_t n = 0;
+    for (const char *at = meanings; at != NULL && n < MOST_MEANINGS; n++) {
+        values[n] = (long long)n;
+        at = strchr(at, ' ');
+        at = at != NULL ? at + 1 : NULL;
     }
-    lac_status status = LAC_OK;
-    for (size_t i = 0; i < CELL_VARS; i++) {
-        for (size_t c = 0; c < domain->n; c++) {
-            values[c] = cell_vars[i].value(domain, c);
+    lac_status status = lac_nc_check(
+        w->file->path, nc_put_att_longlong(w->file->id, id, "flag_values", type, n, values), err,
+        "write the attribute", "flag_values");
+    return status == LAC_OK ? lac_nc_text(w->file, id, "flag_meanings", meanings, err) : status;
+}
+
+// The places of a dimension as flags: readers of netCDF-3 and -4 alike take them.
+static lac_status put_meanings(const lac_writer *w, const lac_item *item, int id, lac_error *err)
+{
+    char meanings[MEANINGS] = "", room[LAC_TEXT_ROOM];
+    for (size_t i = 0; i < item->count; i++) {
+        const size_t used = strlen(meanings);
+        const char *text = lac_item_text(item, i, room);
+        if (i == MOST_MEANINGS || used + strlen(text) + 2 > sizeof meanings) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s has too many meanings", w->file->path,
+                            item->name);
         }
-        LAC_TRY(put_real(s, ids->cells[i], cell_vars[i].var->name, values, err));
+        (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "", text);
     }
-out:
-    free(values);
-    return status;
+    return put_flags(w, id, NC_INT, meanings, err);
 }
 
-static lac_status put_grid(const lac_store *s, const lac_grid *grid, lac_error *err)
+static lac_status put_number(const lac_nc *file, int id, const char *name, double number,
+                             bool whole, lac_error *err)
 {
+    return !isfinite(number) ? LAC_OK
+           : whole           ? lac_nc_integer(file, id, name, (long long)number, err)
+                             : lac_nc_real(file, id, name, number, err);
+}
+
+static lac_status put_attributes(const lac_writer *w, const lac_item *item, int id, nc_type type,
+                                 lac_error *err)
+{
+    const lac_variable *row = item->row;
+    const bool is_time = (row->flags & LAC_TIME) != 0;
+    const bool dated = is_time && (w->clock == LAC_CLOCK_1970 || w->clock == LAC_CLOCK_DATE);
+    const bool axis = dated && w->clock == LAC_CLOCK_DATE && strcmp(item->dims, item->name) == 0;
+    const char *unit = is_time ? w->unit : item->unit != NULL ? item->unit : "1";
+    const char *const texts[][2] = {
+        {"long_name", item->long_name},
+        {"units", type != NC_CHAR && type != NC_STRING ? unit : NULL},
+        {"standard_name", dated ? "time" : row->standard_name},
+        {"cell_methods", item->cell_methods},
+        {"coordinates", row->coordinates},
+        {"comment", item->comment},
+        {"calendar", dated ? "proleptic_gregorian" : NULL},
+        {"axis", axis ? "T" : NULL},
+        {"cell_measures", row->cell_measures},
+        {"_Encoding", type == NC_CHAR ? "utf-8" : NULL},
+    };
+    lac_attribute attribute = {0};
     lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_integer(&s->file, NC_GLOBAL, "grid_nx", (long long)grid->nx, err));
-    LAC_TRY(lac_nc_integer(&s->file, NC_GLOBAL, "grid_ny", (long long)grid->ny, err));
-    LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "grid_dx_m", grid->dx, err));
-    LAC_TRY(lac_nc_real(&s->file, NC_GLOBAL, "grid_dy_m", grid->dy, err));
-    LAC_TRY(
-        lac_nc_text(&s->file, NC_GLOBAL, "boundary", grid->periodic ? "periodic" : "free", err));
-out:
-    return status;
-}
-
-static lac_status define_levels(const lac_store *s, const lac_store_def *def, fixed *ids,
-                                lac_error *err)
-{
-    lac_status status = LAC_OK;
-    int dim = 0;
-    LAC_TRY(lac_nc_dim(&s->file, "level", lac_hierarchy_levels(def->hierarchy) + 1, &dim, err));
-    for (size_t i = 0; i < LEVEL_VARS; i++) {
-        LAC_TRY(lac_nc_define(&s->file, level_vars[i], 1, &dim, NULL, 0, &ids->levels[i], err));
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        LAC_TRY(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
     }
-    if (has_stiffness(def)) {
-        LAC_TRY(lac_nc_define(&s->file, &level_stiffness, 1, &dim, NULL, 0, &ids->stiffness, err));
-    }
-out:
-    return status;
-}
-
-static lac_status put_stiffness(const lac_store *s, const lac_store_def *def, int id,
-                                lac_error *err)
-{
-    const lac_transfer *transfer = def->transfer;
-    int code = NC_NOERR;
-    for (size_t l = 0; l < lac_hierarchy_levels(def->hierarchy) && code == NC_NOERR; l++) {
-        const double k = transfer->kind->stiffness(transfer->state, l);
-        code = nc_put_var1_double(s->file.id, id, &l, &k);
-    }
-    return lac_nc_check(s->file.path, code, err, "write", level_stiffness.name);
-}
-
-static lac_status put_levels(const lac_store *s, const lac_hierarchy *h, const lac_grid *grid,
-                             const fixed *ids, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    const int *id = ids->levels;
-    for (size_t l = 0; l <= lac_hierarchy_levels(h); l++) {
-        // Blocks of a line or a single row are as wide as the row.
-        const double side = ldexp(grid->dx, (int)l);
-        const double across = grid->ny > 1 ? ldexp(grid->dy, (int)l) : grid->dy;
-        const long long name = (long long)l;
-        const long long blocks = (long long)lac_hierarchy_blocks(h, l);
-        int code = nc_put_var1_longlong(s->file.id, id[0], &l, &name);
-        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, id[1], &l, &side) : code;
-        code = code == NC_NOERR ? nc_put_var1_double(s->file.id, id[2], &l, &across) : code;
-        code = code == NC_NOERR ? nc_put_var1_longlong(s->file.id, id[3], &l, &blocks) : code;
-        LAC_TRY(lac_nc_check(s->file.path, code, err, "write the levels", ""));
+    LAC_TRY(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
+    LAC_TRY((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
+    while (status == LAC_OK && lac_item_next_attribute(item, &attribute)) {
+        status = attribute.text != NULL
+                     ? lac_nc_text(w->file, id, attribute.name, attribute.text, err)
+                     : put_number(w->file, id, attribute.name, attribute.number, false, err);
     }
 out:
     return status;
 }
 
-static lac_status define_columns(lac_store *s, const lac_store_def *def, lac_error *err)
+lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error *err)
 {
-    const size_t chunk = RECORD_CHUNK;
+    const lac_item *item = &column->item;
+    const nc_type type = lac_writer_type(w, item);
+    int dims[MAX_RANK] = {0};
+    int rank = (int)item->rank;
     lac_status status = LAC_OK;
-    int dim = 0;
-    LAC_TRY(lac_nc_dim(&s->file, "time", NC_UNLIMITED, &dim, err));
-    for (size_t c = 0; c < LAC_COLUMNS; c++) {
-        lac_nc_var var = lac_columns[c].var;
-        if (c == LAC_COLUMN_TIME) {
-            var.unit = s->time_unit;
-            // CF's `time` is a date; seconds since an undated start have no standard name.
-            var.standard_name = s->dated ? "time" : NULL;
-        }
-        if (def->single && var.type == NC_DOUBLE && strncmp(var.name, "time", 4) != 0) {
-            var.type = NC_FLOAT;
-        }
-        LAC_TRY(lac_nc_define(&s->file, &var, 1, &dim, &chunk, 0, &s->columns[c], err));
+    for (int d = 0; d < rank; d++) {
+        LAC_TRY(find_dim(w, item->dim[d], item->length[d], &dims[d], err));
     }
-    if (s->dated) {
-        LAC_TRY(lac_nc_text(&s->file, s->columns[LAC_COLUMN_TIME], "calendar",
-                            "proleptic_gregorian", err));
+    if (type == NC_CHAR) { // rows of characters, as long as the longest text needs
+        char name[NC_MAX_NAME];
+        (void)snprintf(name, sizeof name, "%s_length", item->name);
+        LAC_TRY(find_dim(w, name, lac_item_longest_text(item), &dims[rank++], err));
     }
-    LAC_TRY(lac_nc_text(&s->file, s->columns[LAC_COLUMN_TIME], "axis", s->dated ? "T" : NULL, err));
+    int code = nc_def_var(w->file->id, item->name, type, rank, dims, &column->id);
+    if (code == NC_NOERR && rank > 0) {
+        code = define_storage(w, item, column->id, type, rank, dims);
+    }
+    if (code == NC_NOERR && (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0) {
+        code = define_fill(w->file->id, column->id, type);
+    }
+    LAC_TRY(lac_nc_check(w->file->path, code, err, "define", item->name));
+    LAC_TRY(put_attributes(w, item, column->id, type, err));
 out:
     return status;
 }
 
-static lac_status define_fields(lac_store *s, const lac_store_def *def, int cell_dim,
-                                lac_error *err)
+lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, lac_error *err)
 {
-    const lac_nc_var time = {.name = "snapshot_time",
-                             .unit = s->time_unit,
-                             .long_name = "time of the snapshot since the start of the run",
-                             .standard_name = s->dated ? "time" : NULL,
-                             .type = NC_DOUBLE,
-                             .appended = true};
-    const size_t time_chunk = RECORD_CHUNK;
-    const size_t chunk[2] = {1, s->cells < CELL_CHUNK_MAX ? s->cells : CELL_CHUNK_MAX};
+    lac_item item = {0};
     lac_status status = LAC_OK;
-    int dims[2] = {0, cell_dim};
-    LAC_TRY(lac_nc_dim(&s->file, "snapshot", NC_UNLIMITED, &dims[0], err));
-    LAC_TRY(lac_nc_define(&s->file, &time, 1, dims, &time_chunk, 0, &s->snapshot_time, err));
-    if (s->dated) {
-        LAC_TRY(lac_nc_text(&s->file, s->snapshot_time, "calendar", "proleptic_gregorian", err));
-    }
-    for (size_t f = 0; f < LAC_FIELDS; f++) {
-        if ((s->fields & lac_fields[f].flag) == 0) {
+    while (status == LAC_OK && lac_dataset_next(dataset, &item)) {
+        char room[LAC_TEXT_ROOM];
+        double number = NAN;
+        if (!lac_item_is_global(&item)) {
             continue;
         }
-        lac_nc_var var = lac_fields[f].var;
-        var.type = def->single ? NC_FLOAT : NC_DOUBLE;
-        LAC_TRY(lac_nc_define(&s->file, &var, 2, dims, chunk, (int)def->compression,
-                              &s->field_ids[f], err));
-        LAC_TRY(lac_nc_text(&s->file, s->field_ids[f], "cell_measures", "area: cell_area", err));
-    }
-out:
-    return status;
-}
-
-static lac_status put_coverage(const lac_store *s, lac_error *err)
-{
-    char date[32];
-    return !s->dated ? LAC_OK
-                     : lac_nc_text(&s->file, NC_GLOBAL, "time_coverage_start",
-                                   lac_date_format(s->start_date, date, sizeof date), err);
-}
-
-lac_status lac_store_define(lac_store *s, const lac_store_def *def, lac_error *err)
-{
-    static const char *const summary =
-        "Creep of a rough rock joint under rate-and-state friction: means over its contact cells "
-        "against time, one record per line of the time series; fields of every cell where "
-        "snapshots were asked for. The attribute `case` is the whole input; `status` says whether "
-        "the file is whole.";
-    const bool levels = def->hierarchy != NULL && def->domain != NULL;
-    fixed ids;
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_provenance(&s->file, &def->provenance, summary, err));
-    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
-    LAC_TRY(put_coverage(s, err));
-    LAC_TRY(define_columns(s, def, err));
-    if (def->domain != NULL) {
-        int dim = 0;
-        LAC_TRY(put_grid(s, &def->domain->grid, err));
-        LAC_TRY(lac_nc_dim(&s->file, "cell", s->cells, &dim, err));
-        LAC_TRY(define_cells(s, dim, &ids, err));
-        if (s->fields != 0) {
-            LAC_TRY(define_fields(s, def, dim, err));
+        if (item.is_text) {
+            status = lac_nc_text(file, NC_GLOBAL, item.name, lac_item_text(&item, 0, room), err);
+        } else {
+            lac_item_values(&item, &number);
+            status = put_number(file, NC_GLOBAL, item.name, number,
+                                (item.row->flags & LAC_WHOLE) != 0, err);
         }
     }
-    if (levels) {
-        LAC_TRY(define_levels(s, def, &ids, err));
-    }
-    LAC_TRY(lac_store_define_extras(s, err));
-    if (s->events != NULL) {
-        LAC_TRY(lac_store_define_events(s, err));
-    }
-    // All is defined before a value is written: going back to defining flushes the file.
-    if (def->domain != NULL) {
-        LAC_TRY(put_cells(s, def->domain, &ids, err));
-    }
-    if (levels) {
-        LAC_TRY(put_levels(s, def->hierarchy, &def->domain->grid, &ids, err));
-        LAC_TRY(has_stiffness(def) ? put_stiffness(s, def, ids.stiffness, err) : LAC_OK);
-    }
-out:
     return status;
 }

@@ -298,18 +298,3 @@ void lac_nc_clear(lac_nc *file)
     file->part = NULL;
     file->path = NULL;
 }
-
-lac_status lac_nc_write(const char *path, bool force, const lac_provenance *provenance,
-                        const char *summary, lac_nc_put put, void *context, lac_error *err)
-{
-    lac_nc file = {0};
-    lac_status status;
-    LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance, summary, err));
-    LAC_TRY(put(&file, context, err));
-    LAC_TRY(lac_nc_close(&file, err));
-    LAC_TRY(lac_nc_publish(&file, err));
-out:
-    lac_nc_clear(&file);
-    return status;
-}

@@ -24,16 +24,6 @@ typedef struct lac_nc {
     ino_t old_inode;
 } lac_nc;
 
-/// One variable: all that a reader is told of it. NULL leaves an attribute out.
-typedef struct lac_nc_var {
-    const char *name, *unit, *long_name;
-    const char *standard_name; ///< only where CF has one
-    const char *comment, *coordinates, *cell_methods;
-    nc_type type;
-    bool fill;     ///< may be missing: has a _FillValue
-    bool appended; ///< grows by parts of a chunk
-} lac_nc_var;
-
 /// Turns what netCDF returned into an error: `path: cannot WHAT: why`.
 /// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EIO
 lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *what,
@@ -58,7 +48,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
 lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err);
 
 /// Puts values into a variable, the journal first.
-/// @param type  of the values: NC_DOUBLE, NC_INT64 (long long) or NC_UBYTE
+/// @param type  of the values: NC_DOUBLE or NC_UBYTE (of older versions also NC_INT64: long long)
 /// @param start, count  [rank of the variable]
 /// @return as netCDF, or what the system said
 int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
@@ -95,30 +85,6 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err);
 
 /// Closes what is open, removes what was not published, frees the names.
 void lac_nc_clear(lac_nc *file);
-
-/// Fills a file that lac_nc_write has made. @return as lac_nc_define
-typedef lac_status (*lac_nc_put)(const lac_nc *file, void *context, lac_error *err);
-
-/// Makes a file in one go: created, its attributes, what `put` writes, closed, published. Where
-/// one of these fails there is no file.
-/// @return as lac_nc_create; what `put` returns; LAC_EIO
-lac_status lac_nc_write(const char *path, bool force, const lac_provenance *provenance,
-                        const char *summary, lac_nc_put put, void *context, lac_error *err);
-
-/// A dimension; length NC_UNLIMITED grows.
-lac_status lac_nc_dim(const lac_nc *file, const char *name, size_t length, int *dim,
-                      lac_error *err);
-
-/// Defines a variable with its attributes, checksummed, and compressed where `deflate` > 0.
-/// @param dims, chunk  [rank]; chunk NULL: netCDF's choice
-lac_status lac_nc_define(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
-                         const size_t *chunk, int deflate, int *id, lac_error *err);
-
-/// The same with its values, all of them.
-/// @param values  of all dims
-/// @param id      of the variable; NULL: not wanted
-lac_status lac_nc_reals(const lac_nc *file, const lac_nc_var *var, int rank, const int *dims,
-                        int deflate, const double *values, int *id, lac_error *err);
 
 /// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty is left
 /// out.
@@ -204,9 +170,5 @@ lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
 /// The global attributes that every file of Lacuna carries.
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err);
-
-/// Writes a dataset into a file that is being made.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_nc_dataset(const lac_nc *file, const lac_dataset *dataset, lac_error *err);
 
 #endif

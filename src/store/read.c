@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
-#include "store/columns.h"
 #include "store/input.h"
 #include "store/store_cells.h"
 
@@ -208,12 +207,6 @@ static lac_status read_over(const lac_input *in, int time, const char *name, lac
     return lac_input_values(in, name, LAC_INPUT_ALL, out, err);
 }
 
-static bool may_be_missing(size_t column)
-{
-    return strcmp(lac_columns[column].var.name, "step_size") == 0 ||
-           strcmp(lac_columns[column].var.name, "order") == 0;
-}
-
 bool lac_input_says(const lac_input *in, const char *name, const char *expected)
 {
     char text[16];
@@ -226,13 +219,15 @@ bool lac_input_says(const lac_input *in, const char *name, const char *expected)
 static lac_status drop_torn(const lac_input *in, int time, size_t *records, lac_error *err)
 {
     lac_status status = LAC_OK;
+    const bool running = lac_input_says(in, "status", "running");
     lac_stored_values values = {0};
-    for (size_t c = 0; c < LAC_COLUMNS && lac_input_says(in, "status", "running"); c++) {
-        if (may_be_missing(c)) {
+    const lac_variable *column;
+    for (size_t c = 0; running && (column = lac_run_column(c)) != NULL; c++) {
+        if ((column->flags & LAC_MISSING) != 0) {
             continue;
         }
         lac_stored_values_clear(&values);
-        LAC_TRY(read_over(in, time, lac_columns[c].var.name, &values, err));
+        LAC_TRY(read_over(in, time, column->name, &values, err));
         while (*records > 0 && isnan(values.value[*records - 1])) {
             --*records;
         }

@@ -2,8 +2,8 @@
 #ifndef LACUNA_STORE_RECORDING_H
 #define LACUNA_STORE_RECORDING_H
 
+#include "run/describe.h"
 #include "store/store_checkpoint.h"
-#include "transfer/transfer.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
@@ -12,7 +12,7 @@ typedef struct lac_recording_def {
     const lac_domain *domain;       ///< NULL: nothing of the cells
     const lac_hierarchy *hierarchy; ///< NULL: no levels
     const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;                ///< LAC_FIELD_* of store.h, of snapshots
+    unsigned fields;                ///< LAC_FIELD_*, of snapshots
     size_t extras;
     const lac_extra *extra; ///< [extras] what records carry beyond
     bool events;            ///< a catalogue of events comes along
@@ -25,6 +25,8 @@ typedef struct lac_recorded {
     const char *dimensions; ///< in order, between spaces: "time", "snapshot cell"; "": one value
     const double *values;   ///< [count] the last dimension fastest; NaN: missing
     size_t count;
+    const char *comment; ///< NULL: none
+    size_t places;       ///< along the first dimension; 1 where there is none
 } lac_recorded;
 
 /// @return LAC_OK; LAC_ENOMEM
@@ -41,7 +43,7 @@ lac_sink lac_recording_sink(lac_recording *recording);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
-/// Adds one value that runs over nothing.
+/// Adds one value that runs over nothing. The texts must outlive the recording.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
                              const char *long_name, double value, lac_error *err);

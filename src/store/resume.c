@@ -15,23 +15,12 @@ enum { BLOCK = 1 << 16 }; // values copied at once, or one row
 
 // One variable over time, snapshots or events.
 typedef struct series {
-    char name[NC_MAX_NAME + 1];
-    int to, from; // its number in the new file and in the old one
+    const lac_column *to;
+    int from; // its number in the old file
     nc_type type;
-    int rank;
-    size_t rows, width; // rows to copy, values in each
+    size_t rows; // to copy
     bool never_missing;
 } series;
-
-static bool is_time_column(const lac_store *s, int id, const char *name)
-{
-    for (size_t c = 0; c < LAC_COLUMNS; c++) {
-        if (s->columns[c] == id) {
-            return lac_columns[c].var.type == NC_DOUBLE && strcmp(name, "step_size") != 0;
-        }
-    }
-    return false;
-}
 
 static lac_status fail_damaged(const lac_input *in, const char *name, lac_error *err)
 {
@@ -40,79 +29,58 @@ static lac_status fail_damaged(const lac_input *in, const char *name, lac_error 
                     name);
 }
 
-// Whether a variable of the new file grows, and where it stands in the old one.
-static lac_status find_series(const lac_store *s, const lac_input *in,
-                              const lac_kept_checkpoint *from, series *v, bool *grows,
-                              lac_error *err)
+// Where a variable stands in the old file, which must have it as the new one does.
+static lac_status find_series(const lac_store *s, const lac_input *in, series *v, lac_error *err)
 {
-    char first[NC_MAX_NAME + 1] = "";
+    const lac_item *item = &v->to->item;
     int dims[NC_MAX_VAR_DIMS] = {0};
-    int old_dims[NC_MAX_VAR_DIMS] = {0};
-    int old_rank = 0;
-    nc_type old_type = NC_NAT;
-    size_t length = 0;
-    size_t old_width = 1;
-    int code = nc_inq_var(s->file.id, v->to, v->name, &v->type, &v->rank, dims, NULL);
-    if (code == NC_NOERR && v->rank > 0) {
-        code = nc_inq_dimname(s->file.id, dims[0], first);
+    int rank = 0;
+    nc_type type = NC_NAT;
+    size_t length = 0, width = 1;
+    int code = nc_inq_varid(in->id, item->name, &v->from);
+    code = code == NC_NOERR ? nc_inq_varndims(in->id, v->from, &rank) : code;
+    if (code != NC_NOERR || (size_t)rank != item->rank) {
+        return fail_damaged(in, item->name, err);
     }
-    *grows = code == NC_NOERR && (v->rank == 1 || v->rank == 2) &&
-             (strcmp(first, "time") == 0 || strcmp(first, "snapshot") == 0 ||
-              strcmp(first, "event") == 0);
-    if (!*grows) {
-        return lac_nc_check(s->file.path, code, err, "read", v->name);
+    code = nc_inq_var(in->id, v->from, NULL, &type, NULL, dims, NULL);
+    code = code == NC_NOERR ? nc_inq_dimlen(in->id, dims[0], &length) : code;
+    if (rank == 2 && code == NC_NOERR) {
+        code = nc_inq_dimlen(in->id, dims[1], &width);
     }
-    v->width = 1;
-    code = v->rank == 2 ? nc_inq_dimlen(s->file.id, dims[1], &v->width) : NC_NOERR;
-    v->rows = (size_t)(first[0] == 't'   ? from->records
-                       : first[0] == 's' ? from->snapshots
-                                         : from->events);
-    v->never_missing = is_time_column(s, v->to, v->name);
-    code = code == NC_NOERR ? nc_inq_varid(in->id, v->name, &v->from) : code;
-    code = code == NC_NOERR ? nc_inq_varndims(in->id, v->from, &old_rank) : code;
-    if (code != NC_NOERR || old_rank != v->rank) {
-        return fail_damaged(in, v->name, err);
-    }
-    code = nc_inq_var(in->id, v->from, NULL, &old_type, NULL, old_dims, NULL);
-    code = code == NC_NOERR ? nc_inq_dimlen(in->id, old_dims[0], &length) : code;
-    if (v->rank == 2 && code == NC_NOERR) {
-        code = nc_inq_dimlen(in->id, old_dims[1], &old_width);
-    }
-    bool fits = code == NC_NOERR && old_type == v->type && length >= v->rows &&
-                old_width == v->width && lac_input_may_hold(in, v->rows * v->width);
-    return fits ? LAC_OK : fail_damaged(in, v->name, err);
+    v->type = lac_writer_type(&s->writer, item);
+    bool fits = code == NC_NOERR && type == v->type && length >= v->rows && width == item->count &&
+                lac_input_may_hold(in, v->rows * width);
+    return fits ? LAC_OK : fail_damaged(in, item->name, err);
 }
 
 static lac_status copy_rows(const lac_store *s, const lac_input *in, const series *v, size_t first,
-                            size_t rows, void *values, lac_error *err)
+                            size_t rows, double *values, lac_error *err)
 {
+    const char *name = v->to->item.name;
     const size_t start[2] = {first, 0};
-    const size_t count[2] = {rows, v->width};
-    const double *real = values;
-    const bool whole_numbers = v->type != NC_DOUBLE && v->type != NC_FLOAT;
+    const size_t count[2] = {rows, v->to->item.count};
     const double missing = lac_input_fill(in, v->from, v->type);
-    int code = whole_numbers ? nc_get_vara_longlong(in->id, v->from, start, count, values)
-                             : nc_get_vara_double(in->id, v->from, start, count, values);
+    int code = nc_get_vara_double(in->id, v->from, start, count, values);
     if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, v->name);
+        return lac_input_fail(in, code, err, name);
     }
     for (size_t i = 0; v->never_missing && i < rows; i++) {
-        if (real[i] == missing) {
-            return fail_damaged(in, v->name, err);
+        if (values[i] == missing) {
+            return fail_damaged(in, name, err);
         }
     }
     errno = 0;
-    code =
-        lac_nc_append(&s->file, whole_numbers ? NC_INT64 : NC_DOUBLE, v->to, start, count, values);
-    return lac_nc_check(s->file.path, code, err, "write", v->name);
+    code = lac_nc_append(&s->file, NC_DOUBLE, v->to->id, start, count, values);
+    return lac_nc_check(s->file.path, code, err, "write", name);
 }
 
 static lac_status copy_series(const lac_store *s, const lac_input *in, const series *v,
                               lac_error *err)
 {
-    size_t most = v->width < BLOCK ? BLOCK / v->width : 1;
+    const size_t width = v->to->item.count;
+    size_t most = width < BLOCK ? BLOCK / width : 1;
     lac_status status = LAC_OK;
-    void *values = malloc(most * v->width * sizeof(double));
+    double *values = malloc(most * width * sizeof *values);
     if (values == NULL) {
         return lac_fail_memory(err);
     }
@@ -125,17 +93,25 @@ out:
     return status;
 }
 
-static lac_status copy_all(const lac_store *s, const lac_input *in, const lac_kept_checkpoint *from,
+static lac_status copy_all(lac_store *s, const lac_input *in, const lac_kept_checkpoint *from,
                            lac_error *err)
 {
-    int variables = 0;
+    const lac_columns *all = &s->writer.columns;
+    const size_t time = lac_columns_along(all, "time");
     lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_check(s->file.path, nc_inq_nvars(s->file.id, &variables), err, "read", ""));
-    for (int id = 0; id < variables; id++) {
-        series v = {.to = id};
-        bool grows = false;
-        LAC_TRY(find_series(s, in, from, &v, &grows, err));
-        if (grows) {
+    for (size_t along = 0; along < LAC_MOST_GROWING; along++) {
+        const char *name = all->growth[along].name != NULL ? all->growth[along].name : "";
+        s->writer.columns.growth[along].written = (size_t)(along == time  ? from->records
+                                                           : *name == 's' ? from->snapshots
+                                                           : *name == 'e' ? from->events
+                                                                          : 0);
+    }
+    for (const lac_column *c = all->column; c < all->column + all->n; c++) {
+        const bool real = (c->item.row->flags & (LAC_WHOLE | LAC_MISSING)) == 0;
+        series v = {.to = c, .never_missing = c->along == time && real};
+        if (c->along != LAC_ONCE) {
+            v.rows = all->growth[c->along].written;
+            LAC_TRY(find_series(s, in, &v, err));
             LAC_TRY(copy_series(s, in, &v, err));
         }
     }
@@ -242,9 +218,6 @@ lac_status lac_store_take_over(lac_store *s, const lac_kept_checkpoint *from, la
     LAC_TRY(lac_nc_reserve(&s->file, in.size, err));
     LAC_TRY(copy_all(s, &in, from, err));
     LAC_TRY(put_past(s, &in, from, err));
-    s->written = (size_t)from->records;
-    s->snapshots = (size_t)from->snapshots;
-    s->events_written = (size_t)from->events;
     s->has_checkpoint = true;
 out:
     lac_input_close(&in);

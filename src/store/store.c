@@ -3,46 +3,21 @@
 #include "store/internal.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/date.h"
-
-enum { BATCH_MAX = 512 }; // records kept in memory at most
-
-// "seconds since YYYY-MM-DD hh:mm:ss[.ffffff]"; UTC is CF's default zone.
-static lac_status name_time_unit(lac_store *s, const lac_store_def *def, lac_error *err)
-{
-    if (!def->dated) {
-        memcpy(s->time_unit, "s", sizeof "s");
-        return LAC_OK;
-    }
-    char date[32];
-    double whole = floor(def->start_date);
-    if (*lac_date_format(whole, date, sizeof date) == '\0') {
-        return lac_fail(err, LAC_EINPUT, "%s: the start must lie in the years 0 to 9999",
-                        s->file.path);
-    }
-    date[10] = ' ';
-    date[19] = '\0';
-    char fraction[16] = "";
-    long micro = lround((def->start_date - whole) * 1e6);
-    if (micro > 0 && micro < 1000000) {
-        (void)snprintf(fraction, sizeof fraction, ".%06ld", micro);
-    }
-    (void)snprintf(s->time_unit, sizeof s->time_unit, "seconds since %s%s", date, fraction);
-    return LAC_OK;
-}
+enum {
+    BATCH_MAX = 512, // records kept in memory at most
+    CHUNK = 512      // records a chunk: 4 kB, what a sync rewrites of each variable
+};
 
 static lac_status sync_file(lac_store *s, lac_error *err)
 {
-    s->unsynced = 0;
-    s->pending = 0;
-    return lac_nc_sync(&s->file, err);
+    lac_status status = lac_writer_sync(&s->writer, err);
+    s->unsynced = status == LAC_OK ? 0 : s->unsynced;
+    return status;
 }
 
 // What a checkpoint says of who made it.
@@ -66,8 +41,9 @@ static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *
 {
     lac_status status = LAC_OK;
     LAC_TRY(lac_nc_create(&s->file, def->path, def->force || def->resume != NULL, err));
-    LAC_TRY(name_time_unit(s, def, err));
-    LAC_TRY(lac_store_define(s, def, err));
+    LAC_TRY(lac_nc_provenance(&s->file, &def->provenance, lac_dataset_summary(s->dataset), err));
+    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
+    LAC_TRY(lac_writer_begin(&s->writer, err));
     if (def->resume != NULL) {
         LAC_TRY(lac_store_take_over(s, def->resume, err));
     }
@@ -91,23 +67,26 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     if (s == NULL) {
         return lac_fail_memory(err);
     }
-    s->fields = def->fields;
-    s->cells = def->domain != NULL ? def->domain->n : 0;
-    s->dated = def->dated;
-    s->start_date = def->start_date;
+    s->place.of = (lac_run_output){.domain = def->domain,
+                                   .hierarchy = def->hierarchy,
+                                   .transfer = def->transfer,
+                                   .fields = def->fields,
+                                   .extras = def->extras,
+                                   .extra = def->extra,
+                                   .events = def->events,
+                                   .dated = def->dated,
+                                   .start_date = def->start_date};
     s->now = def->provenance.now;
     s->begun = def->resume != NULL ? def->resume->begun : s->now;
     s->sync_every = def->sync_every > 1 ? (size_t)def->sync_every : 1;
-    s->capacity = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX;
     s->file.fd = -1;
-    s->rows = malloc(s->capacity * sizeof *s->rows);
-    if (s->rows == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    LAC_TRY(lac_store_create_extras(s, def, err));
-    if (def->events) {
-        LAC_TRY(lac_store_create_events(s, err));
-    }
+    LAC_TRY(lac_run_describe(&s->place, &s->dataset, err));
+    s->writer = (lac_writer){.file = &s->file,
+                             .dataset = s->dataset,
+                             .single = def->single,
+                             .deflate = (int)def->compression,
+                             .chunk = CHUNK,
+                             .batch = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX};
     LAC_TRY(keep_provenance(s, def, err));
     LAC_TRY(begin_file(s, def, err));
     *out = s;
@@ -117,91 +96,27 @@ out:
     return status;
 }
 
-static const void *at(const lac_row *row, size_t offset) { return (const char *)row + offset; }
-
-static int put_reals(const lac_store *s, size_t column)
-{
-    double values[BATCH_MAX];
-    for (size_t i = 0; i < s->buffered; i++) {
-        memcpy(&values[i], at(&s->rows[i], lac_columns[column].offset), sizeof values[i]);
-        if (isnan(values[i])) {
-            values[i] = NC_FILL_DOUBLE;
-        }
-    }
-    return lac_nc_append(&s->file, NC_DOUBLE, s->columns[column], &s->written, &s->buffered,
-                         values);
-}
-
-static int put_integers(const lac_store *s, size_t column)
-{
-    long long values[BATCH_MAX];
-    const lac_column *c = &lac_columns[column];
-    for (size_t i = 0; i < s->buffered; i++) {
-        int64_t value = 0;
-        memcpy(&value, at(&s->rows[i], c->offset), sizeof value);
-        values[i] = c->var.fill && value == 0 ? NC_FILL_INT : value;
-    }
-    return lac_nc_append(&s->file, NC_INT64, s->columns[column], &s->written, &s->buffered, values);
-}
-
-lac_status lac_store_reserve(lac_store *s, size_t bytes, lac_error *err)
-{
-    s->pending += bytes;
-    return lac_nc_reserve(&s->file, s->pending, err);
-}
-
-static lac_status write_rows(lac_store *s, lac_error *err)
-{
-    if (s->buffered == 0) {
-        return LAC_OK;
-    }
-    size_t bytes = s->buffered * (sizeof *s->rows + s->width * sizeof *s->values);
-    lac_status status = lac_store_reserve(s, bytes, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    for (size_t c = 0; c < LAC_COLUMNS; c++) {
-        errno = 0;
-        int code = lac_columns[c].var.type == NC_DOUBLE ? put_reals(s, c) : put_integers(s, c);
-        status = lac_nc_check(s->file.path, code, err, "write", lac_columns[c].var.name);
-        if (status != LAC_OK) {
-            return status;
-        }
-    }
-    status = lac_store_write_extras(s, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    s->written += s->buffered;
-    s->buffered = 0;
-    return LAC_OK;
-}
-
-lac_status lac_store_count(lac_store *s, lac_error *err)
+// Counts what was put out; syncs the file when there is enough of it.
+static lac_status count(lac_store *s, lac_error *err)
 {
     s->unsynced++;
-    if (s->unsynced < s->sync_every) {
-        return LAC_OK;
-    }
-    lac_status status = write_rows(s, err);
-    status = status == LAC_OK ? lac_store_write_events(s, err) : status;
-    return status == LAC_OK ? sync_file(s, err) : status;
+    return s->unsynced < s->sync_every ? LAC_OK : sync_file(s, err);
 }
 
-// Only step_size may be missing.
-static lac_status check_row(const lac_row *row, const char *path, lac_error *err)
+// Only what a table says may be missing.
+static lac_status check_record(const lac_store *s, lac_error *err)
 {
-    for (size_t c = 0; c < LAC_COLUMNS; c++) {
-        const lac_column *column = &lac_columns[c];
+    const lac_columns *all = &s->writer.columns;
+    const size_t along = lac_columns_along(all, "time");
+    for (const lac_column *c = all->column; c < all->column + all->n; c++) {
         double value = 0.0;
-        if (column->var.type != NC_DOUBLE ||
-            column->offset == offsetof(lac_row, record.step_size)) {
+        if (c->along != along || c->item.rank > 1 || (c->item.row->flags & LAC_MISSING) != 0) {
             continue;
         }
-        memcpy(&value, at(row, column->offset), sizeof value);
+        lac_item_values(&c->item, &value);
         if (isnan(value)) {
-            return lac_fail(err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s", path,
-                            column->var.name, row->time);
+            return lac_fail(err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s", s->file.path,
+                            c->item.name, s->place.record.time_origin + s->place.record.time_local);
         }
     }
     return LAC_OK;
@@ -210,10 +125,8 @@ static lac_status check_row(const lac_row *row, const char *path, lac_error *err
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_store *s = context;
-    const lac_row row = {.time = record->time_origin + record->time_local,
-                         .apparent_friction = record->seen.shear_force / record->seen.normal_force,
-                         .record = *record};
-    lac_status status = check_row(&row, s->file.path, err);
+    lac_run_place_record(&s->place, record);
+    lac_status status = check_record(s, err);
     if (status != LAC_OK) {
         return status;
     }
@@ -222,75 +135,53 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
         // The same instant again says nothing new; the series stays strictly increasing.
         return ahead == 0 ? LAC_OK
                           : lac_fail(err, LAC_ENUMERIC, "%s: time goes back at t = %.9g s",
-                                     s->file.path, row.time);
+                                     s->file.path, record->time_origin + record->time_local);
     }
     s->has_last = true;
     s->last_origin = record->time_origin;
     s->last_local = record->time_local;
-    if (s->buffered == s->capacity) {
-        status = write_rows(s, err);
-    }
-    if (status == LAC_OK) {
-        lac_store_keep_extras(s, record->extra);
-        s->rows[s->buffered++] = row;
-        status = lac_store_count(s, err);
-    }
-    return status;
-}
-
-static lac_status put_field(const lac_store *s, size_t field, const lac_snapshot *snapshot,
-                            lac_error *err)
-{
-    const size_t start[2] = {s->snapshots, 0};
-    const size_t count[2] = {1, s->cells};
-    const double *values = NULL;
-    memcpy(&values, (const char *)snapshot + lac_fields[field].offset, sizeof values);
-    assert(values != NULL);
-    return lac_nc_check(
-        s->file.path, lac_nc_append(&s->file, NC_DOUBLE, s->field_ids[field], start, count, values),
-        err, "write", lac_fields[field].var.name);
+    status = lac_writer_put(&s->writer, "time", err);
+    return status == LAC_OK ? count(s, err) : status;
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
 {
     lac_store *s = context;
-    lac_status status = LAC_OK;
-    if (s->fields == 0) {
-        return LAC_OK;
-    }
-    // Incompressible at worst.
-    LAC_TRY(lac_store_reserve(s, LAC_FIELDS * s->cells * (sizeof(double) + 1), err));
-    errno = 0;
-    for (size_t f = 0; f < LAC_FIELDS; f++) {
-        if ((s->fields & lac_fields[f].flag) != 0) {
-            LAC_TRY(put_field(s, f, snapshot, err));
-        }
-    }
-    const size_t one = 1;
-    LAC_TRY(lac_nc_check(
-        s->file.path,
-        lac_nc_append(&s->file, NC_DOUBLE, s->snapshot_time, &s->snapshots, &one, &snapshot->time),
-        err, "write", "snapshot_time"));
-    s->snapshots++;
-    LAC_TRY(lac_store_count(s, err));
-out:
+    s->place.snapshot = *snapshot;
+    lac_status status = lac_writer_put(&s->writer, "snapshot", err);
+    return status == LAC_OK && s->place.of.fields != 0 ? count(s, err) : status;
+}
+
+static lac_status put_event(void *context, const lac_event *event, lac_error *err)
+{
+    lac_store *s = context;
+    s->place.event = *event;
+    lac_status status = lac_writer_put(&s->writer, "event", err);
+    return status == LAC_OK ? count(s, err) : status;
+}
+
+static lac_status put_once(void *context, const double *once, lac_error *err)
+{
+    lac_store *s = context;
+    s->place.once = once;
+    lac_status status = lac_writer_put_late(&s->writer, err);
+    s->place.once = NULL;
     return status;
 }
 
 static void keep(void *context, lac_tape *tape)
 {
+    static const char *const dims[] = {"time", "snapshot", "event"};
     lac_store *s = context;
-    uint64_t records = s->written + s->buffered;
-    uint64_t snapshots = s->snapshots;
-    uint64_t events = s->events_written + s->events_buffered;
-    lac_tape_pass(tape, &records, sizeof records);
-    lac_tape_pass(tape, &snapshots, sizeof snapshots);
-    lac_tape_pass(tape, &events, sizeof events);
+    for (size_t i = 0; i < sizeof dims / sizeof *dims; i++) {
+        const uint64_t own = lac_writer_places(&s->writer, dims[i]);
+        uint64_t places = own;
+        lac_tape_pass(tape, &places, sizeof places);
+        tape->short_of |= places != own;
+    }
     lac_tape_pass(tape, &s->has_last, sizeof s->has_last);
     lac_tape_pass(tape, &s->last_origin, sizeof s->last_origin);
     lac_tape_pass(tape, &s->last_local, sizeof s->last_local);
-    tape->short_of |= records != s->written + s->buffered || snapshots != s->snapshots ||
-                      events != s->events_written + s->events_buffered;
 }
 
 // What was put out before is on disk before the checkpoint counts on it.
@@ -298,8 +189,6 @@ static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint
 {
     lac_store *s = context;
     lac_status status = LAC_OK;
-    LAC_TRY(write_rows(s, err));
-    LAC_TRY(lac_store_write_events(s, err));
     LAC_TRY(sync_file(s, err));
     LAC_TRY(lac_nc_check_place(&s->file, err));
     LAC_TRY(lac_nc_to_disk(&s->file, err));
@@ -311,13 +200,24 @@ out:
 
 lac_sink lac_store_sink(lac_store *store)
 {
-    return (lac_sink){.context = store,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = store,
                       .record = put_record,
                       .snapshot = put_snapshot,
-                      .event = store->events != NULL ? lac_store_put_event : NULL,
+                      .event = store->place.of.events ? put_event : NULL,
                       .keep = keep,
                       .checkpoint = put_checkpoint,
-                      .once = lac_store_put_once};
+                      .once = put_once};
+}
+
+// Global attributes of how the run ended.
+static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, lac_error *err)
+{
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_run_ending_describe(ending, &dataset, err);
+    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, err) : status;
+    lac_dataset_free(dataset);
+    return status;
 }
 
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
@@ -325,14 +225,15 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
 {
     assert(store->file.open);
     // The records are on disk before the file says that it is whole.
-    lac_status first = write_rows(store, err);
-    first = first == LAC_OK ? lac_store_write_events(store, err) : first;
-    if (first == LAC_OK) {
-        first = sync_file(store, err);
-    }
+    lac_status first = sync_file(store, err);
     lac_error *later = first == LAC_OK ? err : NULL;
-    const char *said = first == LAC_OK ? status : "failed";
-    lac_status second = lac_store_put_result(store, said, result, wall_time, later);
+    const lac_run_ending ending = {.result = result,
+                                   .status = first == LAC_OK ? status : "failed",
+                                   .dated = store->place.of.dated,
+                                   .start_date = store->place.of.start_date,
+                                   .wall_time = wall_time,
+                                   .now = store->now};
+    lac_status second = put_ending(store, &ending, later);
     lac_status third = lac_nc_close(&store->file, second == LAC_OK ? later : NULL);
     bool whole = first == LAC_OK && second == LAC_OK && third == LAC_OK;
     if (whole && store->has_checkpoint && strcmp(status, "complete") == 0) {
@@ -347,14 +248,12 @@ void lac_store_free(lac_store *store)
         return;
     }
     if (store->file.open && store->file.published) {
-        (void)write_rows(store, NULL);
-        (void)lac_store_write_events(store, NULL);
+        (void)lac_writer_flush(&store->writer, NULL);
     }
     lac_nc_clear(&store->file);
-    free(store->rows);
+    lac_writer_clear(&store->writer);
+    lac_dataset_free(store->dataset);
     free(store->libraries);
     free(store->case_text);
-    lac_store_clear_extras(store);
-    free(store->events);
     free(store);
 }

@@ -5,11 +5,9 @@
 #include "contact/tangential.h"
 #include "fractal/fractal.h"
 #include "lacuna/dataset.h"
+#include "run/describe.h"
 #include "store/store_checkpoint.h"
 #include "surface/surface.h"
-
-/// Per-cell fields that a run may keep.
-enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
 
 /// Who made a file, from what. Texts may be NULL: the attribute is then left out.
 typedef struct lac_provenance {
@@ -23,6 +21,9 @@ typedef struct lac_provenance {
     int64_t seed;                              ///< of the surface or domain; INT64_MIN: none
     double now; ///< seconds since 1970, UTC: the library reads no clock
 } lac_provenance;
+
+/// Says who writes, when.
+void lac_provenance_sign(lac_provenance *provenance, const lac_write_options *options);
 
 typedef struct lac_store_def {
     const char *path;
@@ -97,9 +98,9 @@ typedef struct lac_history_store_def {
     const char *path;
     bool force; ///< replace an existing file
     lac_provenance provenance;
-    const lac_dataset *contact; ///< where the history starts
-    const lac_grid *grid;       ///< of it
-    double friction;            ///< Coulomb's coefficient [1]
+    lac_dataset *contact; ///< where the history starts; gets its steps, and must outlive it
+    const lac_grid *grid; ///< of it
+    double friction;      ///< Coulomb's coefficient [1]
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;
@@ -113,7 +114,7 @@ typedef struct lac_history_store lac_history_store;
 lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
                                     lac_error *err);
 
-/// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, which has both
+/// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, with which it is
 /// written.
 /// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,

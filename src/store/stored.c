@@ -5,13 +5,11 @@
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/netcdf.h"
 #include "store/input.h"
-#include "store/recording_internal.h"
 
 struct lac_stored_file {
     lac_input in;
@@ -65,7 +63,7 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
         return LAC_OK;
     }
-    const size_t n = lac_recorded_places(recording, &seen);
+    const size_t n = seen.places;
     const size_t width = n > 0 ? seen.count / n : 0;
     if (row >= 0 && (size_t)row >= n) {
         return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
@@ -134,14 +132,12 @@ static const char *text_of(const lac_recording *recording, const char *variable,
                            const char *attribute)
 {
     lac_recorded seen;
-    char name[LAC_RECORDING_NAME];
     if (!lac_recording_find(recording, variable, &seen)) {
         return NULL;
     }
-    (void)snprintf(name, sizeof name, LAC_RECORDING_COMMENT, variable);
     return strcmp(attribute, "units") == 0       ? seen.unit
            : strcmp(attribute, "long_name") == 0 ? seen.long_name
-           : strcmp(attribute, "comment") == 0   ? lac_recording_text_of(recording, name)
+           : strcmp(attribute, "comment") == 0   ? seen.comment
                                                  : NULL;
 }
 

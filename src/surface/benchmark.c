@@ -156,8 +156,7 @@ static const lac_param benchmark_params[] = {
     LAC_REAL("height_ratio", "1", FIELD(height_ratio), NAN, 0, 1e3, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "rms height of all waves over the side of the interface; 0.01 for J07 if neither "
              "scale is given"),
-    LAC_INTEGER("seed", FIELD(seed), NAN, 0, 0x1p53, LAC_OPTIONAL,
-                "of the phases; 1 for A08 and 2 for J07 if absent"),
+    LAC_SEED(FIELD(seed), NAN, LAC_OPTIONAL, "of the phases; 1 for A08 and 2 for J07 if absent"),
 };
 
 const lac_surface_source lac_surface_benchmark = {

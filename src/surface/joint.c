@@ -87,8 +87,7 @@ static const lac_param joint_params[] = {
     LAC_REAL("shortest", "m", FIELD(shortest), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "shortest wavelength of a face; if absent two cells of the grid, to which rms_height "
              "then refers"),
-    LAC_INTEGER("seed", FIELD(seed), 1, 0, 0x1p53, 0,
-                "of the random numbers: the same faces at every resolution"),
+    LAC_SEED(FIELD(seed), 1, 0, "of the random numbers: the same faces at every resolution"),
     LAC_REAL("mating", "m", FIELD(mating), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "wavelength from which on the faces are the same; shorter waves are independent, and "
              "all are if absent"),

@@ -126,8 +126,7 @@ static const lac_param self_affine_params[] = {
     LAC_REAL("shortest", "m", FIELD(shortest), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "shortest wavelength of the interface; if absent two cells of the grid, to which "
              "rms_height then refers"),
-    LAC_INTEGER("seed", FIELD(seed), 1, 0, 0x1p53, 0,
-                "of the random numbers: the same interface at every resolution"),
+    LAC_SEED(FIELD(seed), 1, 0, "of the random numbers: the same interface at every resolution"),
     LAC_REAL(
         "anisotropy", "1", FIELD(anisotropy), 1, 1, 100, 0,
         "correlation length along direction over that across, where rolloff and shortest hold"),

@@ -3,7 +3,7 @@
 #define LACUNA_SURFACE_SURFACE_H
 
 #include "base/grid.h"
-#include "lacuna/param.h"
+#include "base/param.h"
 
 /// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
 /// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.

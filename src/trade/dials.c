@@ -53,27 +53,11 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *ou
     return n;
 }
 
-static void rtol_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmax(strtod(last->yaml, NULL) / 10.0, 1e-13));
-}
-
-static void rtol_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%.10g", c->run.rtol);
-}
-
-static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", [LAC_ERK] = "erk"};
-
 static size_t method_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    static const char *const names[] = {"bdf", "adams", "erk"};
     (void)of;
-    return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(methods, 3, out);
-}
-
-static void method_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", methods[c->run.method]);
+    return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(names, 3, out);
 }
 
 static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
@@ -82,19 +66,6 @@ static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_va
     (void)of;
     bool fixed = c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0;
     return fixed ? 0 : put_names(names, 3, out);
-}
-
-static void formulation_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   lac_formulation_name((lac_formulation)c->formulation));
-}
-
-// Whether cells take one another's load.
-static bool is_coupled(const lac_case *c)
-{
-    lac_transfer_outline ignored;
-    return lac_transfer_outline_of(&c->transfer, &ignored);
 }
 
 #define CASCADE "static"
@@ -112,11 +83,6 @@ static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value
                : 0;
 }
 
-static void fidelity_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", lac_fidelity_name(c->run.fidelity));
-}
-
 // The grid, halved and halved again.
 static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
@@ -131,19 +97,12 @@ static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *
     return n;
 }
 
-static void levels_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    if (c->interface.levels == INT64_MIN) {
-        (void)snprintf(label, LAC_DIAL_LABEL, "-");
-    } else {
-        (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->interface.levels);
-    }
-}
-
+// Where cells take one another's load.
 static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    lac_transfer_outline ignored;
     (void)of;
-    if (!is_coupled(c) || isnan(c->material.shear_modulus)) {
+    if (!lac_transfer_outline_of(&c->transfer, &ignored) || isnan(c->material.shear_modulus)) {
         return 0;
     }
     put(&out[0], "hierarchy", "{hierarchy: {stiffness: elastic}}");
@@ -151,37 +110,19 @@ static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value
     return 2;
 }
 
-static void transfer_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s",
-                   c->transfer.about != NULL ? c->transfer.about->name : "none");
-}
-
-static const char *const plannings[] = {"estimate", "measure"};
-
 static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    static const char *const names[] = {"estimate", "measure"};
     (void)of;
     const lac_transfer_kind *kind = (const void *)c->transfer.about;
-    return kind != NULL && kind->transforms ? put_names(plannings, 2, out) : 0;
+    return kind != NULL && kind->transforms ? put_names(names, 2, out) : 0;
 }
-
-static void planning_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", plannings[c->fft_planning]);
-}
-
-static const char *const precisions[] = {"float", "double"};
 
 static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    static const char *const names[] = {"float", "double"};
     (void)c, (void)of;
-    return put_names(precisions, 2, out);
-}
-
-static void precision_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", precisions[c->single ? 0 : 1]);
+    return put_names(names, 2, out);
 }
 
 // A whole number from its quarter or half up to the case's own.
@@ -206,139 +147,78 @@ static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_dial_value
     return c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0;
 }
 
-static void contacts_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmin(2.0 * strtod(last->yaml, NULL), LAC_RG_MOST_LOADS));
-}
-
-static void contacts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->rg.contacts);
-}
-
 static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
     (void)of;
     return count_values(c->rg.shifts, 4, 1, out);
 }
 
-static void shifts_tighter(const lac_dial_value *last, lac_dial_value *out)
-{
-    put_number(out, fmin(4.0 * strtod(last->yaml, NULL), 10000.0));
-}
-
-static void shifts_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, c->rg.shifts);
-}
-
-static const char *const fields[] = {
-    [LAC_RG_ELASTIC] = "elastic", [LAC_RG_EQUAL] = "equal", [LAC_RG_UNIFORM] = "uniform"};
-
 static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
 {
+    static const char *const names[] = {"uniform", "equal", "elastic"};
     (void)of;
     const bool pressed = c->surface.about != NULL && !isnan(c->material.shear_modulus);
-    put(&out[0], fields[LAC_RG_UNIFORM], fields[LAC_RG_UNIFORM]);
-    put(&out[1], fields[LAC_RG_EQUAL], fields[LAC_RG_EQUAL]);
-    put(&out[2], fields[LAC_RG_ELASTIC], fields[LAC_RG_ELASTIC]);
-    return pressed ? 3 : 2;
+    return put_names(names, pressed ? 3 : 2, out);
 }
 
-static void field_current(const lac_case *c, char label[LAC_DIAL_LABEL])
-{
-    (void)snprintf(label, LAC_DIAL_LABEL, "%s", fields[c->rg.field]);
-}
+#define RUN LAC_OF_RUN
+#define ROW(title, where, text, has, of, ...)                                                \
+    {                                                                                        \
+        .name = (title), .key = (where), .doc = (text), .values = has##_values, .use = (of), \
+        __VA_ARGS__                                                                          \
+    }
 
+// rtol: tenfold at most, and mostly five- to sevenfold: docs/trade.md
 static const lac_dial dials[] = {
-    {.name = "rtol",
-     .key = "solver.rtol",
-     .doc = "tolerance, in decades",
-     .use = LAC_OF_RUN,
-     .falls = true,
-     .ratio = 4, // tenfold at most, and mostly five- to sevenfold: docs/trade.md
-     .values = rtol_values,
-     .tighter = rtol_tighter,
-     .current = rtol_current},
-    {.name = "method",
-     .key = "solver.method",
-     .doc = "of integration: bdf, adams, erk",
-     .use = LAC_OF_RUN,
-     .values = method_values,
-     .current = method_current},
-    {.name = "formulation",
-     .key = "solver.formulation",
-     .doc = "unknown besides the state: rate, traction, slip",
-     .use = LAC_OF_RUN,
-     .values = formulation_values,
-     .current = formulation_current},
-    {.name = "fidelity",
-     .key = "solver.fidelity",
-     .doc = "events, ode; of Q_crit also static, the cascade",
-     .use = LAC_OF_RUN | LAC_OF_CASCADE,
-     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
-     .scene = true,
-     .cascade = CASCADE,
-     .values = fidelity_values,
-     .current = fidelity_current},
-    {.name = "levels",
-     .key = "interface.levels",
-     .doc = "2^levels cells a side, halved twice",
-     .use = LAC_OF_RUN | LAC_OF_CASCADE | LAC_OF_CONTACT,
-     .asked = LAC_OF_RUN | LAC_OF_CASCADE,
-     .scene = true,
-     .ratio = 4,
-     .values = levels_values,
-     .current = levels_current},
-    {.name = "transfer",
-     .key = "transfer",
-     .doc = "of stress: hierarchy, elastic",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .scene = true,
-     .values = transfer_values,
-     .current = transfer_current},
-    {.name = "planning",
-     .key = "solver.fft_planning",
-     .doc = "of Fourier transforms: estimate, measure",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .values = planning_values,
-     .current = planning_current},
-    {.name = "precision",
-     .key = "output.precision",
-     .doc = "of what is written: float, double",
-     .use = LAC_OF_RUN,
-     .asked = LAC_OF_RUN,
-     .values = precision_values,
-     .current = precision_current},
-    {.name = "field",
-     .key = "rg.field",
-     .doc = "of the cascade: uniform, equal, elastic",
-     .use = LAC_OF_CASCADE,
-     .asked = LAC_OF_CASCADE,
-     .scene = true,
-     .values = field_values,
-     .current = field_current},
-    {.name = "contacts",
-     .key = "rg.contacts",
-     .doc = "solved along the cascade's path",
-     .use = LAC_OF_CASCADE,
-     .ratio = 4,
-     .values = contacts_values,
-     .tighter = contacts_tighter,
-     .current = contacts_current},
-    {.name = "shifts",
-     .key = "rg.shifts",
-     .doc = "places of the cascade's blocks",
-     .use = LAC_OF_CASCADE,
-     .ratio = 2,
-     .values = shifts_values,
-     .tighter = shifts_tighter,
-     .current = shifts_current},
+    ROW("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
+        .finer = 0.1, .finest = 1e-13),
+    ROW("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
+    ROW("formulation", "solver.formulation", "unknown besides the state: rate, traction, slip",
+        formulation, RUN),
+    ROW("fidelity", "solver.fidelity", "events, ode; of Q_crit also static, the cascade", fidelity,
+        RUN | LAC_OF_CASCADE, .asked = RUN | LAC_OF_CASCADE, .scene = true, .cascade = CASCADE),
+    ROW("levels", "interface.levels", "2^levels cells a side, halved twice", levels,
+        RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = RUN | LAC_OF_CASCADE, .scene = true,
+        .ratio = 4),
+    ROW("transfer", "transfer", "of stress: hierarchy, elastic", transfer, RUN, .asked = RUN,
+        .scene = true),
+    ROW("planning", "solver.fft_planning", "of Fourier transforms: estimate, measure", planning,
+        RUN, .asked = RUN),
+    ROW("precision", "output.precision", "of what is written: float, double", precision, RUN,
+        .asked = RUN),
+    ROW("field", "rg.field", "of the cascade: uniform, equal, elastic", field, LAC_OF_CASCADE,
+        .asked = LAC_OF_CASCADE, .scene = true),
+    ROW("contacts", "rg.contacts", "solved along the cascade's path", contacts, LAC_OF_CASCADE,
+        .ratio = 4, .finer = 2, .finest = LAC_RG_MOST_LOADS),
+    ROW("shifts", "rg.shifts", "places of the cascade's blocks", shifts, LAC_OF_CASCADE, .ratio = 2,
+        .finer = 4, .finest = 10000),
 };
 
 const lac_dial *lac_dial_at(size_t index)
 {
     return index < sizeof dials / sizeof dials[0] ? &dials[index] : NULL;
+}
+
+void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out)
+{
+    const double next = strtod(last->yaml, NULL) * dial->finer;
+    put_number(out, dial->falls ? fmax(next, dial->finest) : fmin(next, dial->finest));
+}
+
+void lac_dial_current(const lac_dial *dial, const lac_case *c, char label[LAC_DIAL_LABEL])
+{
+    const lac_param *row = lac_case_row(dial->key);
+    const void *at = row != NULL ? (const char *)c + row->offset : NULL;
+    if (row == NULL) {
+        const lac_descriptor *about = c->transfer.about;
+        (void)snprintf(label, LAC_DIAL_LABEL, "%s", about != NULL ? about->name : "none");
+    } else if (!lac_param_given(row, c)) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "-");
+    } else if (row->type == LAC_CHOICE) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%s", row->choices[*(const int *)at]);
+    } else if (row->type == LAC_INTEGER) {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, *(const int64_t *)at);
+    } else {
+        (void)snprintf(label, LAC_DIAL_LABEL, "%.10g", *(const double *)at);
+    }
 }

@@ -206,7 +206,7 @@ static void add_tolerance(const lac_case *c, lac_trade_plan *plan)
     lac_trade_dial *added = &plan->dial[plan->dials++];
     lac_dial_value own = {.label = ""};
     *added = (lac_trade_dial){.dial = rtol, .count = 2};
-    rtol->current(c, own.label);
+    lac_dial_current(rtol, c, own.label);
     memcpy(own.yaml, own.label, sizeof own.label);
     double value = c->run.rtol * 10.0 < 0.1 ? c->run.rtol * 10.0 : 0.1;
     (void)snprintf(added->value[0].label, LAC_DIAL_LABEL, "%.10g", value);
@@ -219,8 +219,8 @@ static void add_tighter(lac_trade_plan *plan)
 {
     for (size_t d = 0; d < plan->dials; d++) {
         lac_trade_dial *dial = &plan->dial[d];
-        if (dial->dial->tighter != NULL && dial->dial->ratio > 0.0) {
-            dial->dial->tighter(&dial->value[dial->count - 1], &dial->value[dial->count]);
+        if (dial->dial->finer > 0.0) {
+            lac_dial_tighten(dial->dial, &dial->value[dial->count - 1], &dial->value[dial->count]);
             dial->count++;
         }
     }

@@ -75,7 +75,8 @@ lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
 
 lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
 {
-    return (lac_sink){.context = probe,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = probe,
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .event = on_event,

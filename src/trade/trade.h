@@ -39,14 +39,18 @@ typedef struct lac_dial {
     /// @param out  [LAC_DIAL_VALUES]
     /// @return how many; 0: nothing to turn on this case
     size_t (*values)(const lac_case *c, lac_trade_of of, lac_dial_value *out);
-    /// The position that stands after the last one, for the reference; NULL: the last one is it.
-    void (*tighter)(const lac_dial_value *last, lac_dial_value *out);
-    /// The label of the position that a case has.
-    void (*current)(const lac_case *c, char label[LAC_DIAL_LABEL]);
+    double finer;  ///< of a ladder: the reference's number over the last one; 0: that is it
+    double finest; ///< beyond which it does not go
 } lac_dial;
 
 /// The index-th dial, NULL past the end. The first is rtol.
 const lac_dial *lac_dial_at(size_t index);
+
+/// The position that stands after the last one of a ladder, for the reference.
+void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out);
+
+/// The label of the position that a case has.
+void lac_dial_current(const lac_dial *dial, const lac_case *c, char label[LAC_DIAL_LABEL]);
 
 /// What a user wants to know of a scene.
 typedef enum lac_quantity {

@@ -26,8 +26,8 @@ static const lac_param params[] = {
     LAC_REAL("ratio", "1", offsetof(lac_transfer_hierarchy, ratio), NAN, 0, 1e3, LAC_OPTIONAL,
              "with k0: stiffness of a level over that of the next finer one (0.5 if absent, the "
              "elastic scaling; 0: only the finest level)"),
-    LAC_INTEGER("seed", offsetof(lac_transfer_hierarchy, seed), 1, 0, 0x1p53, 0,
-                "of the random probes that calibrate the elastic stiffness"),
+    LAC_SEED(offsetof(lac_transfer_hierarchy, seed), 1, 0,
+             "of the random probes that calibrate the elastic stiffness"),
 };
 
 static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)

@@ -139,7 +139,7 @@ class Python(unittest.TestCase):
     def test_memory(self):
         """Arrays are the recording's own memory: they outlive the Dataset, and it is freed with the last of them."""
         freed = []
-        free = lacuna._library.lac_recording_free
+        free = lacuna._library.lac_dataset_free
 
         class Watched(lacuna._Recording):
             def __del__(self):

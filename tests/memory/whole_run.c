@@ -52,7 +52,7 @@ static lac_status store_run(const lac_case *c, const char *path, lac_error *err)
     def.force = true;
     def.sync_every = 10;
     LAC_TRY(lac_store_create(&def, &store, err));
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     const lac_sink sink = lac_store_sink(store);
     LAC_TRY(lac_simulation_run(simulation, &sink, err));
     LAC_TRY(lac_store_finish(store, of->status, &of->run, 1.0, err));
@@ -78,17 +78,28 @@ out:
     return status;
 }
 
-// Case file to a recording in memory.
+// Case file to a dataset in memory.
 lac_status whole_recording(const char *path, lac_error *err)
 {
-    const char *const sets[] = {"solver.method=bdf", "friction.composite.f0=0.6"};
-    lac_recording *recording = NULL;
+    const lac_override sets[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
+    lac_case_options how = lac_case_options_default();
+    lac_case *c = NULL;
+    lac_simulation *simulation = NULL;
+    lac_dataset *recording = NULL;
+    lac_status status;
     FILE *file = fopen(path, "w");
     if (file == NULL || fputs(text, file) == EOF || fclose(file) != 0) {
         return lac_fail(err, LAC_EIO, "%s: not written", path);
     }
-    lac_status status = lac_record_case(path, 2, sets, NULL, &recording, err);
-    lac_recording_free(recording);
+    how.overrides = sets;
+    how.count = 2;
+    LAC_TRY(lac_case_load(path, &how, &c, err));
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_record(simulation, &recording, err));
+out:
+    lac_dataset_free(recording);
+    lac_simulation_free(simulation);
+    lac_case_free(c);
     return status;
 }
 
@@ -174,7 +185,7 @@ static lac_status run_part(const lac_case *c, const char *path, int left, lac_er
         lac_simulation_resume(simulation, &kept.from);
     }
     LAC_TRY(lac_store_create(&def, &store, err));
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     const lac_sink sink = lac_store_sink(store);
     const lac_status ran = lac_simulation_run(simulation, &sink, err);
     status = ran;

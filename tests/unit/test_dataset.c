@@ -90,7 +90,11 @@ static lac_dataset *make(void)
     const lac_laid laid[] = {{LAC_VARIABLES(of_result, "", 0), &made},
                              {LAC_VARIABLES(of_parts, "row", sizeof(part)), made.part},
                              {LAC_VARIABLES(of_missing, "", 0), NULL}};
-    const lac_named named = {"drawn", "its long name", "s", "its comment", 1};
+    const lac_named named = {.name = "drawn",
+                             .long_name = "its long name",
+                             .unit = "s",
+                             .comment = "its comment",
+                             .which = 1};
     const lac_laid own = {LAC_VARIABLES(beside, "", sizeof(part)), made.part};
     lac_dataset *d = NULL;
     lac_error err;

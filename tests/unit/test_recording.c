@@ -10,22 +10,59 @@
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
 
-static lac_recorded find(const lac_recording *recording, const char *name)
+// A variable of a dataset: what it is, and where its values are.
+typedef struct variable {
+    const char *unit, *dimension;
+    size_t count;
+    const double *values;
+} variable;
+
+static variable find(const lac_dataset *dataset, const char *name)
 {
-    lac_recorded seen = {0};
-    assert_true(lac_recording_find(recording, name, &seen));
-    return seen;
+    const variable v = {lac_dataset_unit(dataset, name), lac_dataset_dim(dataset, name, 0, NULL),
+                        lac_dataset_count(dataset, name), lac_dataset_array(dataset, name)};
+    assert_non_null(v.unit);
+    assert_non_null(v.values);
+    return v;
+}
+
+// A case, in memory where there is a text of it, run into memory.
+static lac_status record(const char *name, const char *text, size_t size,
+                         const lac_case_options *how, const lac_simulation_options *options,
+                         lac_dataset **out, lac_error *err)
+{
+    lac_case *c = NULL;
+    lac_simulation *simulation = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(text == NULL ? lac_case_load(name, how, &c, err)
+                         : lac_case_parse(name, text, size, how, &c, err));
+    LAC_TRY(lac_simulation_create(c, options, &simulation, err));
+    status = lac_simulation_record(simulation, out, err);
+out:
+    lac_simulation_free(simulation);
+    lac_case_free(c);
+    return status;
+}
+
+static lac_case_options overriding(size_t count, const lac_override *set)
+{
+    lac_case_options options = lac_case_options_default();
+    options.overrides = set;
+    options.count = count;
+    return options;
 }
 
 static void test_a_block(void **state)
 {
     (void)state;
-    lac_recording *recording = NULL;
+    lac_dataset *recording = NULL;
     lac_error err = {0};
-    const char *const sets[] = {"friction.aging.dc=2 um", "time.end=1 s"};
-    assert_int_equal(lac_record_case(BLOCK, 2, sets, NULL, &recording, &err), LAC_OK);
-    lac_recorded time = find(recording, "time"), slip = find(recording, "slip"), last;
-    assert_string_equal(time.dimensions, "time");
+    const lac_override sets[] = {{"friction.aging.dc", "2 um"}, {"time.end", "1 s"}};
+    const lac_case_options how = overriding(2, sets);
+    assert_int_equal(record(BLOCK, NULL, 0, &how, NULL, &recording, &err), LAC_OK);
+    const variable time = find(recording, "time"), slip = find(recording, "slip");
+    assert_string_equal(time.dimension, "time");
     assert_string_equal(slip.unit, "m");
     assert_int_equal(time.count, slip.count);
     assert_int_equal(time.count, (size_t)find(recording, "steps").values[0] + 1);
@@ -35,16 +72,19 @@ static void test_a_block(void **state)
     assert_true(find(recording, "failed").values[0] == 0);
     assert_true(isnan(find(recording, "failure_time").values[0]));
     assert_int_equal(find(recording, "pressure").count, 1);
-    assert_false(lac_recording_find(recording, "event_time", &last));
-    assert_false(lac_recording_at(recording, 1000, &last));
-    lac_recording_free(recording);
+    assert_null(lac_dataset_unit(recording, "event_time"));
+    assert_null(lac_dataset_name(recording, 1000));
+    lac_dataset_free(recording);
 }
 
-static void expect_refused(const char *path, const char *set, lac_status status, const char *why)
+static void expect_refused(const char *path, const char *key, const char *value, lac_status status,
+                           const char *why)
 {
-    lac_recording *recording = NULL;
+    const lac_override set = {key, value};
+    const lac_case_options how = overriding(1, &set);
+    lac_dataset *recording = NULL;
     lac_error err = {0};
-    assert_int_equal(lac_record_case(path, 1, &set, NULL, &recording, &err), status);
+    assert_int_equal(record(path, NULL, 0, &how, NULL, &recording, &err), status);
     assert_null(recording);
     if (strstr(err.message, why) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", err.message, why);
@@ -54,12 +94,12 @@ static void expect_refused(const char *path, const char *set, lac_status status,
 static void test_refused(void **state)
 {
     (void)state;
-    expect_refused(BLOCK, "friction.aging.dc=-1 um", LAC_EINPUT, "must be >= 1e-18 m");
-    expect_refused(BLOCK, "friction.aging.dx=1", LAC_EINPUT, "did you mean \"dc\"?");
-    expect_refused(BLOCK, "=1", LAC_EINPUT, "key.path=value");
-    expect_refused(BLOCK, "title", LAC_EINPUT, "key.path=value");
-    expect_refused(BLOCK, "solver.max_steps=3", LAC_ENUMERIC, "3 steps");
-    expect_refused(BLOCK "s", "title=x", LAC_EIO, "block.yamls");
+    expect_refused(BLOCK, "friction.aging.dc", "-1 um", LAC_EINPUT, "must be >= 1e-18 m");
+    expect_refused(BLOCK, "friction.aging.dx", "1", LAC_EINPUT, "did you mean \"dc\"?");
+    expect_refused(BLOCK, "", "1", LAC_EINPUT, "key.path=value");
+    expect_refused(BLOCK, "title", NULL, LAC_EINPUT, "key.path=value");
+    expect_refused(BLOCK, "solver.max_steps", "3", LAC_ENUMERIC, "3 steps");
+    expect_refused(BLOCK "s", "title", "x", LAC_EIO, "block.yamls");
 }
 
 // A case from memory is that from its file; messages name it as the caller does.
@@ -70,17 +110,17 @@ static void test_from_memory(void **state)
         "{\"lacuna\": 1, \"load\": {\"normal\": {\"pressure\": 3e6}}, \"friction\": {\"aging\": "
         "{\"a\": 0.01, \"b\": 0.015, \"dc\": \"5 mm\"}}, \"time\": {\"end\": \"2 s\"}}, left out";
     const size_t size = sizeof text - sizeof ", left out";
-    const char *const sets[] = {"time.end=1 s", "initial={slip_rate: 1 cm/week, state: steady}"};
-    lac_recording *recording = NULL;
+    const lac_override sets[] = {{"time.end", "1 s"},
+                                 {"initial", "{slip_rate: 1 cm/week, state: steady}"}};
+    const lac_case_options how = overriding(2, sets);
+    lac_dataset *recording = NULL;
     lac_error err = {0};
-    assert_int_equal(lac_record_case_text("mine", text, size, 2, sets, NULL, &recording, &err),
-                     LAC_OK);
-    const lac_recorded time = find(recording, "time"), rate = find(recording, "slip_rate");
+    assert_int_equal(record("mine", text, size, &how, NULL, &recording, &err), LAC_OK);
+    const variable time = find(recording, "time"), rate = find(recording, "slip_rate");
     assert_true(time.values[time.count - 1] == 1);
     assert_true(fabs(rate.values[0] - 0.01 / (7 * 86400.0)) < 1e-12 * rate.values[0]);
-    lac_recording_free(recording);
-    assert_int_equal(lac_record_case_text("mine", "a: [", 4, 0, NULL, NULL, &recording, &err),
-                     LAC_EINPUT);
+    lac_dataset_free(recording);
+    assert_int_equal(record("mine", "a: [", 4, NULL, NULL, &recording, &err), LAC_EINPUT);
     assert_null(recording);
     assert_int_equal(strncmp(err.message, "mine:", 5), 0);
 }
@@ -96,12 +136,10 @@ static void test_cells(void **state)
         "friction: {aging: {a: 0.01, b: 0.015, dc: \"5 mm\"}}\n"
         "initial: {slip_rate: \"1 um/s\", state: steady}\n"
         "time: {end: \"1 s\"}\n";
-    lac_recording *recording = NULL;
+    lac_dataset *recording = NULL;
     lac_error err = {0};
-    assert_int_equal(
-        lac_record_case_text("cells", text, sizeof text - 1, 0, NULL, NULL, &recording, &err),
-        LAC_OK);
-    const lac_recorded x = find(recording, "x"), y = find(recording, "y");
+    assert_int_equal(record("cells", text, sizeof text - 1, NULL, NULL, &recording, &err), LAC_OK);
+    const variable x = find(recording, "x"), y = find(recording, "y");
     assert_int_equal(x.count, 8);
     assert_int_equal(y.count, 8);
     for (unsigned c = 0; c < 8; c++) {
@@ -110,7 +148,7 @@ static void test_cells(void **state)
         assert_true(y.values[c] == 3 * (row + 0.5));
         assert_true(find(recording, "pressure").values[c] == 1e6);
     }
-    lac_recording_free(recording);
+    lac_dataset_free(recording);
 }
 
 static bool after_five(void *context)
@@ -124,13 +162,13 @@ static void test_stopped(void **state)
     (void)state;
     int asked = 0;
     lac_simulation_options stop = lac_simulation_options_default();
-    lac_recording *recording = NULL;
+    lac_dataset *recording = NULL;
     stop.interrupted = after_five;
     stop.context = &asked;
-    assert_int_equal(lac_record_case(BLOCK, 0, NULL, &stop, &recording, NULL), LAC_EINTERRUPT);
+    assert_int_equal(record(BLOCK, NULL, 0, NULL, &stop, &recording, NULL), LAC_EINTERRUPT);
     assert_int_equal(find(recording, "steps").values[0], 5);
     assert_int_equal(find(recording, "slip_rate").count, 6);
-    lac_recording_free(recording);
+    lac_dataset_free(recording);
 }
 
 // Runs the block stage by stage, with one more setting.
@@ -174,11 +212,12 @@ static void test_beyond_a_run(void **state)
     }
     // theta_ss = (dc/v) x^-(b/a), times the published time for b/a = 1.35 and x = 0.5
     const double exact = 604800 * pow(2, 1.35) * 0.856272305814;
-    lac_recording *recording = NULL;
-    const char *const sets[] = {"solver.accuracy=1e-6"};
-    assert_int_equal(lac_record_case(BLOCK, 1, sets, NULL, &recording, &err), LAC_OK);
+    lac_dataset *recording = NULL;
+    const lac_override set = {"solver.accuracy", "1e-6"};
+    const lac_case_options how = overriding(1, &set);
+    assert_int_equal(record(BLOCK, NULL, 0, &how, NULL, &recording, &err), LAC_OK);
     assert_true(fabs(find(recording, "failure_time").values[0] / exact - 1) < 1e-6);
-    lac_recording_free(recording);
+    lac_dataset_free(recording);
 }
 
 int main(void)

@@ -45,7 +45,7 @@ static void test_accuracy(void **state)
     lac_case *c = read_block(1, &set);
     const double rtol = c->run.rtol;
     lac_simulation *simulation = create(c, NULL);
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     assert_string_equal(of->status, "running");
     assert_int_equal(lac_simulation_run(simulation, NULL, NULL), LAC_OK);
     assert_string_equal(of->status, "complete");
@@ -105,7 +105,8 @@ static lac_status on_once(void *context, const double *values, lac_error *err)
 
 static lac_sink sink_of(seen *s)
 {
-    return (lac_sink){.context = s,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = s,
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .step = on_step,
@@ -122,7 +123,7 @@ static void test_own_sink(void **state)
                                  {"time.end", "5 day"}};
     lac_case *c = read_block(4, sets);
     lac_simulation *simulation = create(c, NULL);
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     seen s = {0};
     const lac_sink sink = sink_of(&s);
     assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
@@ -151,7 +152,7 @@ static void write_file(lac_simulation *simulation, const char *path)
     def.force = true;
     assert_int_equal(lac_store_create(&def, &store, NULL), LAC_OK);
     const lac_sink sink = lac_store_sink(store);
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
     assert_int_equal(lac_store_finish(store, of->status, &of->run, 1.0, NULL), LAC_OK);
     lac_store_free(store);
@@ -169,20 +170,22 @@ static void test_file(void **state)
     (void)close(fd);
     lac_case *c = read_block(2, sets);
     lac_simulation *to_file = create(c, NULL), *to_memory = create(c, NULL);
-    lac_recording *recording = NULL;
+    lac_dataset *recording = NULL;
     write_file(to_file, path);
     assert_int_equal(lac_simulation_record(to_memory, &recording, NULL), LAC_OK);
-    lac_recorded variable;
+    const char *name;
     size_t compared = 0;
-    for (size_t i = 0; lac_recording_at(recording, i, &variable); i++) {
+    for (size_t i = 0; (name = lac_dataset_name(recording, i)) != NULL; i++) {
+        const char *dim = lac_dataset_dim(recording, name, 0, NULL);
+        const double *kept = lac_dataset_array(recording, name);
         double *values = NULL;
         size_t n = 0;
-        if (strcmp(variable.dimensions, "time") == 0 &&
-            lac_store_read(path, variable.name, &values, &n, NULL) == LAC_OK) {
-            assert_int_equal(n, variable.count);
+        if (dim != NULL && strcmp(dim, "time") == 0 &&
+            lac_dataset_dim(recording, name, 1, NULL) == NULL &&
+            lac_store_read(path, name, &values, &n, NULL) == LAC_OK) {
+            assert_int_equal(n, lac_dataset_count(recording, name));
             for (size_t k = 0; k < n; k++) {
-                assert_true(values[k] == variable.values[k] ||
-                            (isnan(values[k]) && isnan(variable.values[k])));
+                assert_true(values[k] == kept[k] || (isnan(values[k]) && isnan(kept[k])));
             }
             compared++;
         }
@@ -190,10 +193,10 @@ static void test_file(void **state)
     }
     assert_true(compared > 10);
     assert_int_equal(lac_store_read_attribute(path, "accuracy", text, sizeof text, NULL), LAC_OK);
-    assert_string_equal(text, lac_simulation_result(to_file)->accuracy->text);
+    assert_string_equal(text, lac_simulation_outcome(to_file)->accuracy->text);
     assert_int_equal(lac_store_read_attribute(path, "status", text, sizeof text, NULL), LAC_OK);
     assert_string_equal(text, "complete");
-    lac_recording_free(recording);
+    lac_dataset_free(recording);
     lac_simulation_free(to_file);
     lac_simulation_free(to_memory);
     lac_case_free(c);
@@ -231,7 +234,7 @@ static void test_options(void **state)
     simulation = create(c, &options);
     assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_EINTERRUPT);
     assert_int_equal(s.threads, before);
-    assert_string_equal(lac_simulation_result(simulation)->status, "interrupted");
+    assert_string_equal(lac_simulation_outcome(simulation)->status, "interrupted");
     lac_simulation_free(simulation);
 
     const size_t wrong[] = {0, sizeof options + 1};

@@ -5,6 +5,7 @@ set(names)
 foreach(header ${HEADERS})
   # Comments name functions too, also such as are not public.
   file(STRINGS ${header} lines REGEX "lac_[a-z0-9_]+")
+  list(FILTER lines EXCLUDE REGEX "^static inline ") # is in the header itself
   foreach(line ${lines})
     string(REGEX REPLACE "//.*" "" line "${line}")
     # A function: a name, then its parameters. A model's row: a name in an `extern`.

@@ -49,17 +49,21 @@ class _Error(ctypes.Structure):
     _fields_ = [("message", ctypes.c_char * 1024)]
 
 
-class _Recorded(ctypes.Structure):
-    _fields_ = [("name", ctypes.c_char_p), ("unit", ctypes.c_char_p),
-                ("long_name", ctypes.c_char_p), ("dimensions", ctypes.c_char_p),
-                ("values", ctypes.POINTER(ctypes.c_double)), ("count", ctypes.c_size_t)]
+class _Override(ctypes.Structure):
+    _fields_ = [("key", ctypes.c_char_p), ("value", ctypes.c_char_p)]
+
+
+class _CaseOptions(ctypes.Structure):
+    """The first of lac_case_options; its size tells the library that there are no more."""
+    _fields_ = [("size", ctypes.c_size_t), ("purpose", ctypes.c_int), ("overrides", ctypes.POINTER(_Override)),
+                ("count", ctypes.c_size_t)]
 
 
 _INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
 
 
 class _Options(ctypes.Structure):
-    """The first of lac_simulation_options; its size tells the library that there are no more."""
+    """The first of lac_simulation_options, likewise."""
     _fields_ = [("size", ctypes.c_size_t), ("interrupted", _INTERRUPTED), ("context", ctypes.c_void_p)]
 
 
@@ -79,19 +83,26 @@ def _open():
         library = ctypes.CDLL(path)
     except OSError as wrong:
         raise ImportError(f"no library of Lacuna: {wrong}; LACUNA_LIBRARY names it", path=path) from wrong
-    if not hasattr(library, "lac_record_case_text"):
+    if not hasattr(library, "lac_simulation_record"):
         raise ImportError(f"{path}: not the library that this module is of", path=path)
     library.gsl_set_error_handler_off()  # GSL's own would end the process
     library.lac_version.restype = ctypes.c_char_p
-    shared = [ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(_Options),
-              ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Error)]
-    library.lac_record_case.argtypes = [ctypes.c_char_p, *shared]
-    library.lac_record_case_text.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, *shared]
-    library.lac_recording_at.argtypes = [ctypes.c_void_p, ctypes.c_size_t,
-                                         ctypes.POINTER(_Recorded)]
-    library.lac_recording_at.restype = ctypes.c_bool
-    library.lac_recording_free.argtypes = [ctypes.c_void_p]
-    library.lac_recording_free.restype = None
+    void, text, size, handle = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_void_p)
+    how, error = ctypes.POINTER(_CaseOptions), ctypes.POINTER(_Error)
+    for name, gives, takes in (
+            ("case_load", ctypes.c_int, (text, how, handle, error)),
+            ("case_parse", ctypes.c_int, (text, text, size, how, handle, error)),
+            ("simulation_create", ctypes.c_int, (void, ctypes.POINTER(_Options), handle, error)),
+            ("simulation_record", ctypes.c_int, (void, handle, error)),
+            ("dataset_name", text, (void, size)),
+            ("dataset_unit", text, (void, text)),
+            ("dataset_long_name", text, (void, text)),
+            ("dataset_dim", text, (void, text, size, ctypes.POINTER(size))),
+            ("dataset_count", size, (void, text)),
+            ("dataset_array", void, (void, text)),
+            ("case_free", None, (void,)), ("simulation_free", None, (void,)), ("dataset_free", None, (void,))):
+        function = getattr(library, "lac_" + name)
+        function.restype, function.argtypes = gives, takes
     return library
 
 
@@ -128,58 +139,46 @@ class _Stop:
 
 
 class _Recording:
-    """A recording of the library; freed when nothing, no array either, refers to it any more."""
+    """A dataset of the library; freed when nothing, no array either, refers to it any more."""
 
     def __init__(self):
         self.handle = ctypes.c_void_p()
 
     def __del__(self):
-        _library.lac_recording_free(self.handle)
+        _library.lac_dataset_free(self.handle)
 
     def variables(self):
-        """Name, dimensions, values and attributes of each variable."""
-        seen, index = _Recorded(), 0
-        while _library.lac_recording_at(self.handle, index, ctypes.byref(seen)):
-            yield (seen.name.decode(), seen.dimensions.decode().split(), _values(self, seen),
-                   {"units": seen.unit.decode(), "long_name": seen.long_name.decode()})
+        """Name, dimensions with their lengths, values and attributes of each variable."""
+        index = 0
+        while (name := _library.lac_dataset_name(self.handle, index)) is not None:
+            dims, length = {}, ctypes.c_size_t()
+            while dim := _library.lac_dataset_dim(self.handle, name, len(dims), ctypes.byref(length)):
+                dims[dim.decode()] = length.value
+            about = {"units": _library.lac_dataset_unit(self.handle, name).decode(),
+                     "long_name": _library.lac_dataset_long_name(self.handle, name).decode()}
+            yield name.decode(), dims, numpy.asarray(_Memory(self, name)), about
             index += 1
 
 
 class _Memory:
     """Numbers of a recording, which it keeps, as numpy takes them without a copy."""
 
-    def __init__(self, recording, seen):
+    def __init__(self, recording, name):
         self.recording = recording
         self.__array_interface__ = {
-            "version": 3, "shape": (seen.count,), "typestr": numpy.dtype(float).str,
-            "data": (ctypes.cast(seen.values, ctypes.c_void_p).value, False)}
-
-
-def _values(recording, seen):
-    return numpy.asarray(_Memory(recording, seen)) if seen.count else numpy.empty(0)
-
-
-def _shape(dimensions, count, sizes):
-    """Lengths of the dimensions; one that is new has what the others leave of `count`."""
-    known = [sizes.get(d) for d in dimensions]
-    rest = int(numpy.prod([k for k in known if k is not None], dtype=int))
-    return [k if k is not None else count // rest if rest else 0 for k in known]
+            "version": 3, "shape": (_library.lac_dataset_count(recording.handle, name),),
+            "typestr": numpy.dtype(float).str, "data": (_library.lac_dataset_array(recording.handle, name), False)}
 
 
 def _dataset(recording):
     """The Dataset of a recording, whose memory it keeps."""
-    sizes, variables, attributes = {}, {}, {}
-    found = list(recording.variables())
-    # Those of one dimension first: they say how long it is.
-    for name, dimensions, values, about in sorted(found, key=lambda v: len(v[1])):
-        if not dimensions:
+    variables, attributes = {}, {}
+    for name, dims, values, about in recording.variables():
+        if dims:
+            variables[name] = (list(dims), values.reshape(list(dims.values())), about)
+        else:
             unit = about["units"]
-            attributes[name + ("" if unit == "1" else "_" + unit.replace(" ", "_"))] = (
-                float(values[0]) if values.size else float("nan"))
-            continue
-        shape = _shape(dimensions, values.size, sizes)
-        sizes.update(zip(dimensions, shape))
-        variables[name] = (dimensions, values.reshape(shape), about)
+            attributes[name + ("" if unit == "1" else "_" + unit.replace(" ", "_"))] = float(values[0])
     coordinates = [n for n in ("time", "snapshot_time", "x", "y", "block_size", "event_time")
                    if n in variables]
     return xarray.Dataset(variables, attrs=attributes).set_coords(coordinates)
@@ -199,14 +198,24 @@ def _plain(value):
     return os.fspath(value)
 
 
-def _call(case, sets, stop, recording, error):
+def _read(case, sets, handle, error):
     """The library's status for a case as a path or as a mapping."""
-    words = (ctypes.c_char_p * len(sets))(*sets)
-    shared = (len(sets), words, ctypes.byref(stop.request), ctypes.byref(recording.handle), ctypes.byref(error))
+    how = _CaseOptions(ctypes.sizeof(_CaseOptions), 0, (_Override * len(sets))(*sets), len(sets))
     if isinstance(case, collections.abc.Mapping):
         text = json.dumps(dict(case), indent=1, default=_plain).encode()
-        return _library.lac_record_case_text(b"case", text, len(text), *shared)
-    return _library.lac_record_case(os.fsencode(case), *shared)
+        return _library.lac_case_parse(b"case", text, len(text), how, handle, error)
+    return _library.lac_case_load(os.fsencode(case), how, handle, error)
+
+
+def _record(case, sets, stop, recording, error):
+    """The library's status for a run."""
+    read, simulation = ctypes.c_void_p(), ctypes.c_void_p()
+    status = _read(case, sets, read, error)
+    status = status or _library.lac_simulation_create(read, stop.request, simulation, error)
+    status = status or _library.lac_simulation_record(simulation, recording.handle, error)
+    _library.lac_simulation_free(simulation)
+    _library.lac_case_free(read)
+    return status
 
 
 def run(case, overrides=None):
@@ -222,13 +231,13 @@ def run(case, overrides=None):
 
     >>> run("cases/block.yaml", {"friction.aging.dc": "4 cm"}).slip_rate.max()
     """
-    sets = [os.fsencode(f"{key}={_text(value)}") for key, value in (overrides or {}).items()]
+    sets = [(os.fsencode(key), os.fsencode(_text(value))) for key, value in (overrides or {}).items()]
     path = [] if isinstance(case, collections.abc.Mapping) else [os.fsencode(case)]
-    if any(b"\0" in word for word in (*path, *sets)):
+    if any(b"\0" in word for word in (*path, *sum(sets, ()))):
         raise ValueError("embedded null byte")
     recording, error = _Recording(), _Error()
     with _one_at_a_time, _Stop() as stop:
-        status = _call(case, sets, stop, recording, error)
+        status = _record(case, sets, stop, recording, error)
     if status == INTERRUPTED:
         raise KeyboardInterrupt
     if status != 0:

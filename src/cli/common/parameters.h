@@ -2,8 +2,8 @@
 #ifndef LACUNA_CLI_COMMON_PARAMETERS_H
 #define LACUNA_CLI_COMMON_PARAMETERS_H
 
+#include "base/param.h"
 #include "data/json.h"
-#include "lacuna/param.h"
 
 /// Two lines a parameter: key, default, range; what it is.
 void cli_parameters_print(const lac_param *params, size_t count);

@@ -221,7 +221,7 @@ static bool changes_pressure(const lac_history_def *history)
 
 // The history's file is that of the contact too.
 static lac_status follow_history(contact_job *job, const lac_provenance *provenance,
-                                 const lac_dataset *dataset, lac_error *err)
+                                 lac_dataset *dataset, lac_error *err)
 {
     static const lac_history_keep keeps[] = {[LAC_HISTORY_ALL] = LAC_KEEP_ALL,
                                              [LAC_HISTORY_LAST] = LAC_KEEP_LAST,

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/hidden.h"
-#include "base/units.h"
 #include "base/write_text.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
@@ -106,26 +105,11 @@ static lac_status set_columns(fit_job *job, lac_error *err)
 
 static lac_status read_series(fit_job *job, lac_error *err)
 {
-    const lac_fit_def *fit = &job->source->fit;
-    lac_series_def def = {.path = job->request.argument[1],
-                          .time = fit->time,
-                          .time_format = fit->time_format,
-                          .displacement = fit->displacement,
-                          .displacement_unit = fit->displacement_unit,
-                          .velocity = fit->velocity,
-                          .velocity_unit = fit->velocity_unit,
-                          .value = fit->sigma,
-                          .value_unit = fit->sigma_unit,
-                          .value_si = "m"};
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
+    const char *path = job->request.argument[1];
+    const lac_status status = lac_fit_series(job->source, path, &job->series, err);
     if (status == LAC_OK) {
-        status = lac_series_read(&def, units, &job->series, err);
+        cli_series_warn(&job->request, path, job->series);
     }
-    if (status == LAC_OK) {
-        cli_series_warn(&job->request, def.path, job->series);
-    }
-    lac_units_free(units);
     return status;
 }
 
@@ -323,7 +307,7 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
         if (status == LAC_OK) {
-            status = cli_fit_judge(&job.result, err);
+            status = lac_fit_trust(&job.result, err);
         } else if (status == LAC_EINTERRUPT) {
             status = lac_fail(err, status, "interrupted; %s holds the draws up to there", job.path);
         }

@@ -9,8 +9,6 @@
 #include "base/statistics.h"
 #include "store/store_file.h"
 
-enum { SEED = 1, SURROGATES = 199 };
-
 void cli_cells_clear(cli_cells *cells)
 {
     lac_stored_values *const all[] = {
@@ -103,7 +101,7 @@ static void take_slip(cli_cells *c, double start)
 lac_status cli_cells_read(const cli_watched *watched, cli_cells *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (cli_cells){.evidence = {.seed = SEED, .surrogates = SURROGATES}};
+    *out = (cli_cells){.evidence = lac_evidence_default()};
     if (!watched->run) {
         return LAC_OK;
     }

@@ -12,23 +12,30 @@
 
 enum { FEW_READINGS = 30 };
 
+lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path)
+{
+    return (lac_series_def){.path = path,
+                            .time = def->time,
+                            .displacement = def->displacement,
+                            .displacement_unit = def->displacement_unit,
+                            .velocity = def->velocity,
+                            .velocity_unit = def->velocity_unit};
+}
+
+// A series on the run's clock: seconds as written count from the start of the run.
 static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, lac_series **out,
                            lac_error *err)
 {
-    const lac_compare_def *def = &c->compare[i];
-    lac_series_def series = {
-        .path = def->path,
-        .time = def->time,
-        .displacement = def->displacement,
-        .displacement_unit = def->displacement_unit,
-        .velocity = def->velocity,
-        .velocity_unit = def->velocity_unit,
-    };
-    lac_status status = lac_series_read(&series, units, out, err);
+    const char *path = c->compare[i].path;
+    const lac_series_def def = cli_compare_columns(&c->compare[i], path);
+    const lac_status status = lac_series_read(&def, units, out, err);
     if (status == LAC_OK && (*out)->dated && !c->dated) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: has dates, so time.start of %s must be a date to compare", def->path,
-                          c->path);
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: has dates, so time.start of %s must be a date to compare", path,
+                        c->path);
+    }
+    for (size_t k = 0; status == LAC_OK && k < (*out)->n; k++) {
+        (*out)->time[k] += c->dated && !(*out)->dated ? c->start_date : 0;
     }
     return status;
 }
@@ -71,32 +78,10 @@ static const char *name_of(const lac_compare_def *def)
     return def->label != NULL ? def->label : def->path;
 }
 
-// The series' readings on the run's clock: seconds as written count from the start of the run.
-static double reading_time(const cli_compare *compare, size_t i, size_t k)
-{
-    const lac_series *series = compare->series[i];
-    bool from_start = !series->dated && compare->source->dated;
-    return series->time[k] + (from_start ? compare->source->start_date : 0);
-}
-
 static const char *format_time(const cli_compare *compare, double t, char *text, size_t size)
 {
     return compare->source->dated ? lac_date_format(t, text, size)
                                   : lac_units_format(t, "s", text, size);
-}
-
-// The series with its times on the run's clock; nothing else is copied.
-static lac_series *on_run_clock(const cli_compare *compare, size_t i, lac_series *view)
-{
-    *view = *compare->series[i];
-    view->time = malloc((view->n > 0 ? view->n : 1) * sizeof *view->time);
-    if (view->time == NULL) {
-        return NULL;
-    }
-    for (size_t k = 0; k < view->n; k++) {
-        view->time[k] = reading_time(compare, i, k);
-    }
-    return view;
 }
 
 // One line: when, observed, modelled, their ratio.
@@ -115,30 +100,21 @@ static void print_reading(const char *when, double observed, double modelled, co
            right, ratio);
 }
 
-static void print_rates(const cli_compare *compare, const lac_series *series,
-                        const lac_history *run)
+// The readings of a column. @param offset  of the modelled slip; of rates there is none
+static void print_column(const cli_compare *compare, const lac_series *series,
+                         const double *observed, const lac_history *run, double offset)
 {
+    const bool rates = observed == series->velocity;
     for (size_t k = 0; k < series->n; k++) {
-        double slip, rate = NAN;
+        double slip = NAN, rate = NAN;
         char when[32];
-        if (!isnan(series->velocity[k])) {
-            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
-            print_reading(format_time(compare, series->time[k], when, sizeof when),
-                          series->velocity[k], inside ? rate : NAN, "m/s");
-        }
-    }
-}
-
-static void print_slips(const cli_compare *compare, const lac_series *series,
-                        const lac_history *run, double offset)
-{
-    for (size_t k = 0; k < series->n; k++) {
-        double slip = NAN, rate;
-        char when[32];
-        if (!isnan(series->displacement[k])) {
-            bool inside = lac_history_at(run, series->time[k], &slip, &rate);
-            print_reading(format_time(compare, series->time[k], when, sizeof when),
-                          series->displacement[k], inside ? slip + offset : NAN, "m");
+        if (!isnan(observed[k])) {
+            const bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+            print_reading(format_time(compare, series->time[k], when, sizeof when), observed[k],
+                          !inside ? NAN
+                          : rates ? rate
+                                  : slip + offset,
+                          rates ? "m/s" : "m");
         }
     }
 }
@@ -153,11 +129,11 @@ static void print_readings(const cli_compare *compare, const lac_series *series,
     }
     if (series->displacement != NULL) {
         printf(form, when, "slip, observed", "modelled + offset");
-        print_slips(compare, series, run, misfit->displacement_offset);
+        print_column(compare, series, series->displacement, run, misfit->displacement_offset);
     }
     if (series->velocity != NULL) {
         printf(form, when, "rate, observed", "modelled");
-        print_rates(compare, series, run);
+        print_column(compare, series, series->velocity, run, 0.0);
     }
 }
 
@@ -183,21 +159,16 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
 
 static void print_one(const cli_compare *compare, size_t i, const lac_history *run)
 {
-    lac_series view;
+    const lac_series *series = compare->series[i];
     lac_misfit misfit = {0};
-    if (on_run_clock(compare, i, &view) == NULL) {
-        cli_row("  misfit", "none: out of memory");
-        return;
-    }
-    lac_series_compare(&view, run, &misfit);
+    lac_series_compare(series, run, &misfit);
     printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
            compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
-    print_readings(compare, &view, run, &misfit);
-    print_misfit(&view, &misfit);
-    if (view.attribution != NULL && view.attribution[0] != '\0') {
-        cli_wrap("    ", view.attribution);
+    print_readings(compare, series, run, &misfit);
+    print_misfit(series, &misfit);
+    if (series->attribution != NULL && series->attribution[0] != '\0') {
+        cli_wrap("    ", series->attribution);
     }
-    free(view.time);
 }
 
 void cli_compare_print(const cli_compare *compare, const lac_history *run)
@@ -249,23 +220,19 @@ static void write_misfit(lac_json *json, const lac_misfit *misfit)
 static void write_one(lac_json *json, const cli_compare *compare, size_t i, const lac_history *run)
 {
     const lac_compare_def *def = &compare->source->compare[i];
-    lac_series view;
+    const lac_series *series = compare->series[i];
     lac_misfit misfit = {0};
-    if (on_run_clock(compare, i, &view) == NULL) {
-        return;
-    }
-    lac_series_compare(&view, run, &misfit);
+    lac_series_compare(series, run, &misfit);
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "label", name_of(def));
     lac_json_text(json, "path", def->path);
     write_misfit(json, &misfit);
-    lac_json_integer(json, "missing", (int64_t)view.missing);
-    lac_json_integer(json, "duplicates", (int64_t)view.duplicates);
-    cli_series_warnings(json, &view);
-    write_readings(json, compare, &view, run);
-    lac_json_text(json, "attribution", view.attribution);
+    lac_json_integer(json, "missing", (int64_t)series->missing);
+    lac_json_integer(json, "duplicates", (int64_t)series->duplicates);
+    cli_series_warnings(json, series);
+    write_readings(json, compare, series, run);
+    lac_json_text(json, "attribution", series->attribution);
     lac_json_close(json, '}');
-    free(view.time);
 }
 
 void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)

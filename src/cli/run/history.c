@@ -118,7 +118,8 @@ static lac_status on_once(void *context, const double *values, lac_error *err)
 
 lac_sink cli_history_sink(cli_history *history)
 {
-    return (lac_sink){.context = history,
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = history,
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .event = on_event,

@@ -131,8 +131,9 @@ static void on_progress(void *context, const lac_progress *now)
     }
 }
 
-static void on_prepared(void *context, lac_stage stage, const lac_outcome *so_far)
+static void on_prepared(void *context, lac_stage stage, const lac_simulation *simulation)
 {
+    const lac_outcome *so_far = lac_simulation_outcome(simulation);
     run_job *job = context;
     const cli_request *request = job->request;
     if (stage == LAC_STAGE_SCENE) {
@@ -273,7 +274,7 @@ static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, 
 static lac_status compute(run_job *job, lac_error *err)
 {
     cli_outcome outcome = {
-        .of = lac_simulation_result(job->simulation),
+        .of = lac_simulation_outcome(job->simulation),
         .history = &job->history,
         .compare = &job->compare,
         .path = job->path,
@@ -307,7 +308,7 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     cli_say(request, "building the scene of %s", request->argument[0]);
     LAC_TRY(create(&job, err));
     if (goes_on(&job) && !isnan(job.source->accuracy)) {
-        LAC_TRY(read_checkpoint(&job, lac_simulation_result(job.simulation)->source, err));
+        LAC_TRY(read_checkpoint(&job, lac_simulation_outcome(job.simulation)->source, err));
     }
     LAC_TRY(compute(&job, err));
 out:

@@ -37,7 +37,7 @@ static lac_status integrate(const cli_trade_job *job, const lac_case *c, const c
     def.path = file;
     def.force = true;
     LAC_TRY(lac_store_create(&def, &store, err));
-    const lac_outcome *of = lac_simulation_result(simulation);
+    const lac_outcome *of = lac_simulation_outcome(simulation);
     const lac_sink stored = lac_store_sink(store);
     lac_trade_probe probe = lac_trade_probe_create(c, &stored);
     const lac_sink sink = lac_trade_probe_sink(&probe);

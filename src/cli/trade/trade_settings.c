@@ -106,7 +106,7 @@ static lac_status describe(const cli_trade_job *job, const lac_case *c, cli_trad
         out->key = add(add(out->key, sums), end);
         out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
         for (size_t d = 0; d < job->plan.dials; d++) {
-            job->plan.dial[d].dial->current(c, out->label[d]);
+            lac_dial_current(job->plan.dial[d].dial, c, out->label[d]);
         }
     }
     free(text);

@@ -16,17 +16,17 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 75639,
-    "lines that only present results": 23366,
-    "public headers": 46,
-    "exported names": 374,
+    "lines of src and include": 76898,
+    "lines that only present results": 23673,
+    "public headers": 13,
+    "exported names": 43,
     "circles of includes": 4,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 167,
+    "objects that one field more in a record compiles anew": 190,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
-RECORD = "src/run/run.h"  # where lac_record is
+RECORD = "include/lacuna/simulation.h"  # where lac_record is
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 
 

@@ -52,7 +52,7 @@ SHARED = {
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
     "rg": {"rg_map.h", "rg_study.h"},
-    "run": {"sensitivity.h"},
+    "run": {"describe.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
     "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_file.h", "store_map.h"},
@@ -60,10 +60,15 @@ SHARED = {
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
 PUBLIC = {
+    "case": "base",
+    "contact": "scene",
     "dataset": "data",
     "error": "base",
+    "forecast": "fit",
     "linkage": "base",
     "param": "base",
+    "rg": "scene",
+    "simulation": "base",
     "version": "base",
     "lacuna": "cli",
 }

@@ -161,7 +161,7 @@ class Layers(unittest.TestCase):
         self.refuses("src/base/param.c", "#include <udunits2.h>", "src/base/units.c")
         self.refuses("src/contact/solve.c", "#include <fftw3.h>", "src/base/fft.c")
         self.refuses("src/surface/x.c", "#include <Random123/philox.h>", "src/base/rng.c")
-        self.refuses("include/lacuna/case.h", "#include <gsl/gsl_sf.h>", "src/")
+        self.refuses("include/lacuna/rg.h", "#include <gsl/gsl_sf.h>", "src/")
         self.refuses("src/cli/run/run.c", "#include <netcdf.h>", "src/store/")
         self.refuses("src/run/run.c", "#include <curl/curl.h>", "is new")
         self.assertEqual(self.complaints("src/run/x.c", "#include <cvodes/cvodes.h>"), [])
@@ -311,7 +311,8 @@ class Budgets(unittest.TestCase):
         self.assertEqual(self.measure(**one)["circles of includes"], 0)
 
     def test_records(self):
-        found = self.measure(src__run__run_h="\n", src__run__own_h='#include "run/run.h"\n',
+        found = self.measure(include__lacuna__simulation_h="\n",
+                             src__run__own_h='#include "lacuna/simulation.h"\n',
                              src__run__r_c='// SPDX\n// Why.\n#include "own.h"\n',
                              src__run__s_c="// SPDX\n// Why.\n")
         self.assertEqual(found["objects that one field more in a record compiles anew"], 1)

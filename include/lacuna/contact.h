@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_CONTACT_H
+#define LACUNA_CONTACT_H
+
+#include "lacuna/case.h"
+#include "lacuna/dataset.h"
+
+LAC_BEGIN_C
+
+/// How a contact is computed; from lac_contact_options_default.
+typedef struct lac_contact_options {
+    size_t size; ///< of this structure, as the default has it
+    bool quick;  ///< only the contact itself: nothing of clusters, area scaling and size effect
+} lac_contact_options;
+
+/// All that is measured.
+static inline lac_contact_options lac_contact_options_default(void)
+{
+    lac_contact_options options = LAC_ZEROS;
+    options.size = sizeof options;
+    return options;
+}
+
+/// Presses the surface of a case and measures its contact, as `lacuna contact` does; without the
+/// history of loads that the case may have.
+/// @param c        read with LAC_FOR_CONTACT, or for more; must outlive the dataset
+/// @param options  NULL: the default
+/// @param out      its variables are those of docs/format.md; NULL unless LAC_OK
+/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC (no convergence); LAC_ENOMEM
+/// @cost   O(n log n) an iteration; what is measured takes half as much again
+lac_status lac_contact_compute(const lac_case *c, const lac_contact_options *options,
+                               lac_dataset **out, lac_error *err);
+
+LAC_END_C
+
+#endif

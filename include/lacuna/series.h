@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_SERIES_H
+#define LACUNA_SERIES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "lacuna/error.h"
+#include "lacuna/linkage.h"
+
+LAC_BEGIN_C
+
+enum { LAC_SERIES_DOUBTS = 6, LAC_SERIES_DOUBT_TEXT = 160 };
+
+/// How a monitoring file is read; from lac_series_def_default. Texts are borrowed.
+typedef struct lac_series_def {
+    size_t size; ///< of this structure, as the default has it
+    const char *path;
+    const char *time;              ///< name of the time column; NULL: the first, in netCDF "time"
+    const char *time_format;       ///< how its times are written; NULL: ISO 8601, else seconds
+    const char *displacement;      ///< column name; NULL: none
+    const char *displacement_unit; ///< as UDUNITS reads it; NULL: m
+    const char *velocity;          ///< column name; NULL: none
+    const char *velocity_unit;     ///< NULL: m/s
+    const char *sigma;             ///< column of a displacement's standard error; NULL: none
+    const char *sigma_unit;        ///< NULL: m
+    const char *value;             ///< column of any other quantity; NULL: none
+    const char *value_unit;        ///< NULL: value_si
+    const char *value_si;          ///< SI unit of what is kept
+} lac_series_def;
+
+/// The first column as time; the others are the caller's.
+static inline lac_series_def lac_series_def_default(void)
+{
+    lac_series_def def = LAC_ZEROS;
+    def.size = sizeof def;
+    return def;
+}
+
+/// A monitoring series, in the order of time. Only the library makes it: it may grow at its end.
+typedef struct lac_series {
+    size_t n;
+    bool dated;                ///< times are seconds since 1970 UTC; else seconds as written
+    double *time;              ///< [n] strictly increasing [s]
+    double *displacement;      ///< [n] [m], NaN where not given; NULL where no column was asked for
+    double *velocity;          ///< [n] [m/s], same
+    double *value;             ///< [n] [value_si], same
+    double *sigma;             ///< [n] [m], > 0, NaN where not given; NULL where not asked for
+    size_t *line;              ///< [n] line of the file
+    char *attribution;         ///< the file's leading comment lines, joined; may be ""
+    size_t missing;            ///< readings that were NA
+    size_t duplicates;         ///< readings dropped because their time had been seen
+    size_t disordered;         ///< rows earlier than the row before them
+    size_t conflicts;          ///< duplicates whose value differs from the one that is kept
+    double displacement_digit; ///< least difference of two displacements: what the last digit
+                               ///< counts or the step that the sensor counts in [m]; 0: not known
+    double velocity_digit;     ///< the same of a velocity [m/s]
+    double time_unit;          ///< of what the file counts time in [s]; 0: dates
+    char time_name[16];        ///< its name, "day"; "" where dates or not known
+    size_t doubts;             ///< what was taken for want of a word, and should be asked about
+    char doubt[LAC_SERIES_DOUBTS][LAC_SERIES_DOUBT_TEXT];
+} lac_series;
+
+/// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
+/// `#` comments, quoted fields, NA / NaN / empty / - for a missing value. Times are ISO 8601
+/// (without zone: UTC) or seconds, unless `time_format` says otherwise: "unix", "excel", a pattern
+/// such as "%d/%m/%Y %H:%M", or a unit of time ("day", "hours since 2015-06-07"). Or a netCDF file
+/// (known by its first bytes): columns are variables of one dimension that they share, times CF
+/// ("days since 2015-06-07") or a time unit; `units` of the file go before those given here,
+/// `_FillValue` and NaN are missing. Refused, since it is not what it seems: a column without a
+/// unit whose name ends in another one than would be taken ("disp_mm" as metres, "day" as seconds);
+/// a file of which more than a tenth of the rows (and more than one) repeat a time with another
+/// value.
+/// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
+///         LAC_ENOMEM
+lac_status lac_series_create(const lac_series_def *def, lac_series **out, lac_error *err);
+
+/// Frees a series; NULL is fine.
+void lac_series_free(lac_series *series);
+
+/// How velocities come from displacements. None looks ahead.
+typedef enum lac_smoothing {
+    LAC_SMOOTH_NONE = 0, ///< as given; else secants between readings, at the middle of the interval
+    LAC_SMOOTH_AVERAGE,  ///< means of the last `points` of these, at the mean of their times
+    LAC_SMOOTH_WINDOW,   ///< least-squares slope of the readings of the last `window` seconds, at
+                         ///< the mean of their times
+    LAC_SMOOTH_SAVGOL,   ///< slope at its end of the polynomial of `order` through the last
+                         ///< `points` readings (Savitzky-Golay with the window behind)
+} lac_smoothing;
+
+LAC_END_C
+
+#endif

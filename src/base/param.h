@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_BASE_PARAM_H
+#define LACUNA_BASE_PARAM_H
+
+#include "lacuna/param.h"
+
+/// A model chosen in a case, with its parameters.
+typedef struct lac_slot {
+    const lac_descriptor *about; ///< first member of the model's row; NULL: nothing chosen
+    void *params;                ///< owned; about->params_size bytes
+} lac_slot;
+
+/// Fills `params` with the defaults of the table; absent and required ones with the absent mark.
+/// @param params  params_size bytes; overwritten
+/// @return LAC_OK, LAC_ENOMEM (a default text)
+lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err);
+
+/// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
+void lac_param_reset(const lac_param *param, void *params);
+
+/// Checks a parameter's value against its row.
+/// @param value  SI
+/// @param why    [size] set to what is allowed ("must be > 0 m") where the value is refused
+/// @return true where the value is allowed; NaN and infinities never are
+bool lac_param_allows(const lac_param *param, double value, char *why, size_t size);
+
+/// Whether an optional parameter was given.
+bool lac_param_given(const lac_param *param, const void *params);
+
+/// A slot holding the defaults of a model.
+/// @return LAC_OK, LAC_ENOMEM
+lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err);
+
+/// Frees what a slot owns; an empty slot is fine. The slot is empty afterwards.
+void lac_slot_clear(lac_slot *slot);
+
+#endif

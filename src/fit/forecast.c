@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A series to the dataset of its forecasts and indicators, in one call.
+#include "lacuna/forecast.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/ask.h"
+#include "data/dataset.h"
+#include "fit/foresee.h"
+#include "precursor/precursor.h"
+
+// What a dataset is of, which it keeps.
+typedef struct forecast_made {
+    lac_forecast_options options;
+    lac_fit_watch watch;
+    lac_foresight how;
+    lac_forecast_model model;
+    lac_evidence evidence;
+    lac_outlook *outlook;
+    lac_rolling *rolling;
+    lac_precursor_course *course;
+    lac_precursor indicator[LAC_PRECURSORS_MAX];
+    lac_forecast_outcome outcome;
+    lac_made_from made;
+} forecast_made;
+
+static void forecast_free(void *result)
+{
+    forecast_made *f = result;
+    lac_precursor_course_free(f->course);
+    lac_rolling_free(f->rolling);
+    lac_outlook_free(f->outlook);
+    free(f->made.case_text);
+    free(f);
+}
+
+static lac_status take_case(forecast_made *f, bool dated, lac_error *err)
+{
+    const lac_forecast_options *o = &f->options;
+    f->made.provenance.seed = INT64_MIN;
+    if (o->source == NULL) {
+        return LAC_OK;
+    }
+    lac_status status;
+    LAC_TRY(lac_case_serves(o->source, LAC_FOR_FIT, err));
+    LAC_TRY(lac_made_from_case(o->source, &f->made, err));
+    f->made.provenance.seed = o->source->fit.seed;
+    f->how = (lac_foresight){
+        .source = o->source, .dated = dated, .threads = o->threads > 0 ? o->threads : 1};
+    f->model = lac_foresee(&f->how);
+out:
+    return status;
+}
+
+static lac_forecast_def plan(const forecast_made *f)
+{
+    const lac_forecast_options *o = &f->options;
+    lac_forecast_def def = lac_forecast_default();
+    def.motion = (lac_motion_def){o->smoothing, o->points, o->order, o->window, o->raw};
+    def.since = o->since;
+    def.short_run = o->short_run > 0 ? o->short_run : def.short_run;
+    def.long_run = o->long_run > 0 ? o->long_run : def.long_run;
+    def.model = o->source != NULL ? &f->model : NULL;
+    return def;
+}
+
+// Each issue time from what was known then.
+static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_readings *readings,
+                       lac_error *err)
+{
+    const lac_forecast_options *o = &f->options;
+    const size_t most = o->issues < readings->n ? o->issues : readings->n;
+    lac_status status = lac_precursor_course_create(&f->evidence, most, &f->course, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    const lac_rolling_watch watch = {.context = o->context,
+                                     .go_on = o->go_on,
+                                     .seer = f->course,
+                                     .see = lac_precursor_course_see};
+    return lac_rolling_create(def, readings, o->issues, &watch, &f->rolling, err);
+}
+
+static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
+{
+    const lac_forecast_def def = plan(f);
+    lac_readings readings = {.n = s->n,
+                             .time = s->time,
+                             .displacement = s->displacement,
+                             .velocity = s->velocity,
+                             .sigma = s->sigma,
+                             .displacement_digit = s->displacement_digit,
+                             .velocity_digit = s->velocity_digit};
+    while (readings.n > 0 && readings.time[readings.n - 1] > f->options.until) {
+        readings.n--;
+    }
+    size_t indicators = 0;
+    lac_status status;
+    LAC_TRY(readings.n > 0 ? LAC_OK
+                           : lac_fail(err, LAC_EINPUT, "no reading until %g s", f->options.until));
+    LAC_TRY(lac_outlook_create(&def, &readings, &f->outlook, err));
+    f->evidence = lac_evidence_default();
+    LAC_TRY(lac_precursors_at(&f->evidence, f->outlook, f->indicator, &indicators, err));
+    status = f->options.issues > 0 ? roll(f, &def, &readings, err) : LAC_OK;
+    f->outcome = (lac_forecast_outcome){
+        .attribution = s->attribution,
+        .dated = s->dated,
+        .failed_at = f->options.failed_at,
+        .outlook = f->outlook,
+        .rolling = f->rolling,
+        .interrupted = status == LAC_EINTERRUPT,
+        .indicators = f->course != NULL ? f->course->kinds : indicators,
+        .indicator = f->course != NULL ? f->course->found : f->indicator,
+    };
+out:
+    return status;
+}
+
+lac_status lac_forecast_compute(const lac_series *series, const lac_forecast_options *options,
+                                lac_dataset **out, lac_error *err)
+{
+    forecast_made *f = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, series, out));
+    *out = NULL;
+    f = calloc(1, sizeof *f);
+    LAC_TRY(f != NULL ? LAC_OK : lac_fail_memory(err));
+    f->options = lac_forecast_options_default();
+    LAC_TRY(lac_take_options("lac_forecast_options", options, &f->options, sizeof f->options, err));
+    LAC_TRY(take_case(f, series->dated, err));
+    status = look(f, series, err);
+    if (status == LAC_OK || (status == LAC_EINTERRUPT && f->rolling != NULL)) {
+        const lac_status told = lac_forecast_describe(&f->outcome, out, err);
+        if (told == LAC_OK) {
+            lac_dataset_keep(*out, f, forecast_free, &f->made.provenance);
+            f = NULL;
+        }
+        status = told == LAC_OK ? status : told;
+    }
+out:
+    if (f != NULL) {
+        forecast_free(f);
+    }
+    return status;
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a run puts out, as tables: its records, snapshots and events, the cells and levels that they
+// are of, and how it ended. A variable more is a row more.
+#include "run/describe.h"
+
+#include <math.h>
+
+#include "base/date.h"
+#include "data/describe.h"
+
+#define PLACE const lac_run_place *p = of
+#define GRID const lac_grid *g = &((const lac_run_place *)of)->of.domain->grid
+#define G(getter) .value = (getter)
+#define T(getter) .text = (getter)
+#define P(kind, field) LAC_HELD(kind, lac_run_place, field)
+
+LAC_GETTER(double, time_of_record, PLACE, p->record.time_origin + p->record.time_local)
+LAC_GETTER(double, time_of_event, PLACE, p->event.time_origin + p->event.time_local)
+LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
+
+#define MEAN .cell_methods = "time: point area: mean"
+#define POINT .cell_methods = "time: point"
+// Held, though never missing in fact.
+#define SEEN(field) P(REAL, record.seen.field), .flags = LAC_FILLED | LAC_ROUGH
+#define COUNT .flags = LAC_WHOLE | LAC_LONG
+
+static const lac_variable of_record[] = {
+    LAC_ROW("time", NULL, "s", "time since the start of the run", G(time_of_record),
+            .flags = LAC_TIME,
+            .comment = "time_origin + time_local rounded to a double: never decreasing, but two "
+                       "steps may share a value where they are shorter than a double resolves"),
+    LAC_ROW("time_origin", NULL, "s", "origin of the local time, since the start of the run",
+            P(REAL, record.time_origin),
+            .comment = "t = time_origin + time_local; the pair is strictly increasing at full "
+                       "precision"),
+    LAC_ROW("time_local", NULL, "s", "time since time_origin", P(REAL, record.time_local),
+            .comment = "keeps the steps of a failure, milliseconds after years of creep, apart"),
+    LAC_ROW("slip", NULL, "m", "mean slip since the start", SEEN(mean_slip), MEAN,
+            .comment = "mean over the contact cells"),
+    LAC_ROW("slip_rate", NULL, "m s-1", "mean slip rate", SEEN(mean_rate), MEAN,
+            .comment = "mean over the contact cells; failure is its upward crossing of the case's "
+                       "limit"),
+    LAC_ROW("max_slip_rate", NULL, "m s-1", "largest slip rate of any contact cell", SEEN(max_rate),
+            .cell_methods = "time: point area: maximum"),
+    LAC_ROW("shear_force", NULL, "N", "shear force Q on the interface", SEEN(shear_force), POINT,
+            .comment = "applied load, along x"),
+    LAC_ROW("normal_force", NULL, "N", "total normal force P on the interface", SEEN(normal_force),
+            POINT, .comment = "compression is positive; pore pressure not subtracted"),
+    LAC_ROW("effective_normal_force", NULL, "N", "normal force less the force of the pore pressure",
+            SEEN(effective_force), POINT,
+            .comment = "P - u A, with u the pore pressure and A the nominal area"),
+    LAC_ROW("apparent_friction", NULL, "1", "apparent friction coefficient Q/P",
+            P(REAL, apparent_friction), POINT, .flags = LAC_FILLED | LAC_ROUGH,
+            .comment = "shear_force / normal_force, with the total normal force"),
+    LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
+            SEEN(balance_residual), POINT,
+            .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration "
+                       "has drifted from the balance it solves"),
+    LAC_ROW("step_size", NULL, "s", "step of the integrator that ended here",
+            P(REAL, record.step_size), POINT, .flags = LAC_MISSING | LAC_ROUGH,
+            .comment = "missing at the start, where no step has been made"),
+    LAC_ROW("order", NULL, "1", "order of the integrator's method in that step", G(order), POINT,
+            .flags = LAC_MISSING | LAC_WHOLE,
+            .comment = "missing at the start, where no step has been made"),
+    LAC_ROW("rhs_evaluations", NULL, "1", "evaluations of the right-hand side since the start",
+            P(INT64, record.rhs_evaluations), POINT, COUNT),
+};
+
+static const lac_variable of_snapshot[] = {
+    LAC_ROW("snapshot_time", NULL, "s", "time of the snapshot since the start of the run",
+            P(REAL, snapshot.time), .flags = LAC_TIME)};
+
+#define CELLS(field)                                                                  \
+    P(REALS, snapshot.field), .coordinates = "snapshot_time x y",                     \
+                              .flags = LAC_FILLED | LAC_ROUGH | LAC_CELLS | LAC_LATE, \
+                              .cell_measures = "area: cell_area"
+
+// The i-th is asked for by the bit 1 << i.
+static const lac_variable of_fields[] = {
+    LAC_ROW("cell_slip", NULL, "m", "slip of each contact cell since the start", CELLS(slip)),
+    LAC_ROW("cell_slip_rate", NULL, "m s-1", "slip rate v of each contact cell", CELLS(slip_rate)),
+    LAC_ROW("cell_state", NULL, "s", "frictional state theta of each contact cell", CELLS(state),
+            .comment = "rate-and-state friction: the age of the contacts"),
+    LAC_ROW("cell_traction", NULL, "Pa", "shear traction on each contact cell", CELLS(traction),
+            .comment = "the elastic side of the balance, q - K slip"),
+};
+
+#define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"
+static const lac_variable of_event[] = {
+    LAC_ROW("event_time", NULL, "s", "start of the event since the start of the run",
+            G(time_of_event), .flags = LAC_TIME,
+            .comment = "its first cell comes to the slip rate of analysis.events; lines are in the "
+                       "order in which events end"),
+    LAC_ROW("event_duration", NULL, "s",
+            "time from the start of the event to the fall of its last "
+            "cell",
+            E(REAL, duration)),
+    LAC_ROW("event_cells", NULL, "1", "different cells that moved in the event", E(INT64, cells),
+            COUNT),
+    LAC_ROW("event_potency", NULL, "m3",
+            "sum over the event's cells of area times slip while moving", E(REAL, potency)),
+    LAC_ROW("event_moment", NULL, "N m", "shear modulus times potency of the event",
+            E(REAL, moment), .flags = LAC_MISSING,
+            .comment = "missing where the case gives no material.shear_modulus"),
+    LAC_ROW("event_size", NULL, "m", "longest side of the cells that moved in the event",
+            E(REAL, size), .comment = "along x or y, round periodic edges; of a line along it"),
+    LAC_ROW("event_x", NULL, "m", "position along x of the first cell that moved",
+            P(REAL, event.x)),
+    LAC_ROW("event_y", NULL, "m", "position along y of the first cell that moved",
+            P(REAL, event.y)),
+    LAC_ROW("event_max_slip_rate", NULL, "m s-1",
+            "largest slip rate of a cell of the event at the end of a step", E(REAL, max_rate)),
+    LAC_ROW("event_cut", NULL, "1", "ends of the event that lie outside the run", E(INT64, cut),
+            COUNT, .meanings = "whole begun_before unended both",
+            .comment = "where any do, duration, cells, moment and size are at least what is "
+                       "given"),
+};
+
+// The date of a time since the start; NULL: there is none.
+static const char *date_of(bool dated, double seconds, char room[LAC_TEXT_ROOM])
+{
+    return dated ? lac_date_format(seconds, room, LAC_TEXT_ROOM) : NULL;
+}
+
+LAC_TEXT_GETTER(start_date, PLACE, date_of(p->of.dated, p->of.start_date, room))
+static const lac_variable of_start[] = {{.name = "time_coverage_start", T(start_date)}};
+
+LAC_TEXT_GETTER(boundary, GRID, g->periodic ? "periodic" : "free")
+LAC_GETTER(double, grid_nx, GRID, (double)g->nx)
+LAC_GETTER(double, grid_ny, GRID, (double)g->ny)
+LAC_GETTER(double, grid_dx, GRID, g->dx)
+LAC_GETTER(double, grid_dy, GRID, g->dy)
+static const lac_variable of_grid[] = {
+    {.name = "grid_nx", G(grid_nx), .flags = LAC_WHOLE},
+    {.name = "grid_ny", G(grid_ny), .flags = LAC_WHOLE},
+    {.name = "grid_dx_m", G(grid_dx)},
+    {.name = "grid_dy_m", G(grid_dy)},
+    {.name = "boundary", T(boundary)},
+};
+
+static double cell_column(const lac_domain *domain, size_t cell)
+{
+    return (double)(domain->index[cell] % domain->grid.nx);
+}
+
+static double cell_row(const lac_domain *domain, size_t cell)
+{
+    return (double)(domain->index[cell] / domain->grid.nx);
+}
+LAC_GETTER(double, cell_x, PLACE, (cell_column(p->of.domain, at[0]) + 0.5) * p->of.domain->grid.dx)
+LAC_GETTER(double, cell_y, PLACE, (cell_row(p->of.domain, at[0]) + 0.5) * p->of.domain->grid.dy)
+LAC_GETTER(double, cell_pressure, PLACE, p->of.domain->pressure[at[0]])
+LAC_GETTER(double, cell_area, GRID, lac_grid_cell_area(g))
+static const lac_variable of_cells[] = {
+    LAC_ROW("x", NULL, "m", "position of the cell's centre along x", G(cell_x), .flags = LAC_CELLS,
+            .comment = "slip is along x; contact cells stand in hierarchy (Morton) order"),
+    LAC_ROW("y", NULL, "m", "position of the cell's centre along y", G(cell_y), .flags = LAC_CELLS),
+    LAC_ROW("pressure", NULL, "Pa", "normal pressure on each contact cell", G(cell_pressure),
+            .flags = LAC_CELLS, .coordinates = "x y",
+            .comment = "of the contact before pore pressure"),
+    LAC_ROW("cell_area", NULL, "m2", "area of each contact cell", G(cell_area), .flags = LAC_CELLS,
+            .coordinates = "x y", .standard_name = "cell_area"),
+};
+
+// One block holds all: there is nothing that it could resist.
+static double stiffness_of(const lac_run_output *of, size_t level)
+{
+    return level < lac_hierarchy_levels(of->hierarchy)
+               ? of->transfer->kind->stiffness(of->transfer->state, level)
+               : NAN;
+}
+LAC_GETTER(bool, has_stiffness, PLACE,
+           p->of.transfer != NULL && p->of.transfer->kind->blocks != NULL)
+LAC_GETTER(double, level, (void)of, (double)at[0])
+LAC_GETTER(double, block_size, GRID, ldexp(g->dx, (int)at[0]))
+// Blocks of a line or a single row are as wide as the row.
+LAC_GETTER(double, block_width, GRID, g->ny > 1 ? ldexp(g->dy, (int)at[0]) : g->dy)
+LAC_GETTER(double, blocks, PLACE, (double)lac_hierarchy_blocks(p->of.hierarchy, at[0]))
+LAC_GETTER(double, stiffness, PLACE, stiffness_of(&p->of, at[0]))
+static const lac_variable of_levels[] = {
+    LAC_ROW("level", NULL, "1", "level of the hierarchy", G(level), .flags = LAC_WHOLE,
+            .comment = "0: the contact cells; each level up doubles the side of a block; the last "
+                       "one holds everything"),
+    LAC_ROW("block_size", NULL, "m", "side of a block of this level along x", G(block_size)),
+    LAC_ROW("block_width", NULL, "m", "side of a block of this level along y", G(block_width)),
+    LAC_ROW("n_tot", NULL, "1", "blocks of this level that hold a contact cell", G(blocks), COUNT,
+            .coordinates = "block_size"),
+    LAC_ROW("hierarchy_stiffness", NULL, "Pa m-1", "stiffness k_l of the hierarchy at this level",
+            G(stiffness), .has = has_stiffness, .flags = LAC_MISSING, .coordinates = "block_size",
+            .comment = "what slip takes off a cell: sum over l of k_l (P_l - P_l+1) slip, P_l the "
+                       "mean over the contact cells of a block; missing for the block that holds "
+                       "all"),
+};
+
+// What an analysis adds: `which` is the place of its first value among those of its kind.
+LAC_GETTER(double, once, PLACE, p->once != NULL ? p->once[at[0]] : NAN)
+LAC_GETTER(double, in_time, PLACE, p->record.extra != NULL ? p->record.extra[at[1]] : NAN)
+LAC_GETTER(double, of_level, PLACE, p->record.extra != NULL ? p->record.extra[at[2] + at[1]] : NAN)
+
+#define OVER(dims_, getter, more, ...)                                                       \
+    {                                                                                        \
+        {.dims = (dims_), G(getter), .flags = LAC_MISSING | (more), __VA_ARGS__},            \
+        {                                                                                    \
+            .dims = (dims_), G(getter), .flags = LAC_WHOLE | LAC_LONG | (more), __VA_ARGS__, \
+        }                                                                                    \
+    }
+static const lac_variable of_extra[][2] = {
+    [LAC_OVER_NOTHING] = OVER("", once, LAC_SINGLE | LAC_LATE, .has = NULL),
+    [LAC_OVER_TIME] = OVER("time", in_time, 0, .has = NULL),
+    [LAC_OVER_LEVELS] = OVER("time level", of_level, 0, .coordinates = "block_size"),
+};
+
+static lac_status add_extras(lac_dataset *d, const lac_run_place *p, size_t levels, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    size_t next[2] = {0, 0}; // of one value, of records
+    for (size_t i = 0; i < p->of.extras && status == LAC_OK; i++) {
+        const lac_extra *e = &p->of.extra[i];
+        size_t *which = &next[e->over != LAC_OVER_NOTHING];
+        const lac_named named = {e->name,    e->long_name, e->unit,
+                                 e->comment, *which,       e->cell_methods};
+        *which += e->over == LAC_OVER_LEVELS ? levels : 1;
+        status = lac_dataset_add_named(d, &of_extra[e->over][e->count], &named, p, err);
+    }
+    return status;
+}
+
+static lac_status add_fields(lac_dataset *d, const lac_run_place *p, lac_error *err)
+{
+    const lac_laid time = {LAC_VARIABLES(of_snapshot, "snapshot", 0), p};
+    lac_status status = p->of.fields != 0 ? lac_dataset_add(d, &time, 1, err) : LAC_OK;
+    for (size_t i = 0; i < sizeof of_fields / sizeof *of_fields && status == LAC_OK; i++) {
+        const lac_laid field = {{.row = &of_fields[i], .rows = 1, .over = "snapshot cell"}, p};
+        status = (p->of.fields >> i & 1) != 0 ? lac_dataset_add(d, &field, 1, err) : LAC_OK;
+    }
+    return status;
+}
+
+static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err)
+{
+    const lac_run_output *of = &p->of;
+    const bool has_levels = of->hierarchy != NULL && of->domain != NULL;
+    const size_t levels = of->hierarchy != NULL ? lac_hierarchy_levels(of->hierarchy) + 1 : 0;
+    const lac_extent dims[] = {{"time", LAC_GROWS},
+                               {"cell", of->domain != NULL ? of->domain->n : 0},
+                               {"snapshot", LAC_GROWS},
+                               {"level", levels},
+                               {"event", LAC_GROWS}};
+    const lac_laid start[] = {{LAC_VARIABLES(of_start, "", 0), p},
+                              {LAC_VARIABLES(of_record, "time", 0), p}};
+    const lac_laid cells[] = {{LAC_VARIABLES(of_grid, "", 0), p},
+                              {LAC_VARIABLES(of_cells, "cell", 0), p}};
+    const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
+    const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
+    lac_status status;
+    lac_dataset_set_clock(d, of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE, of->start_date);
+    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(d, start, 2, err));
+    LAC_TRY(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);
+    LAC_TRY(of->domain != NULL ? add_fields(d, p, err) : LAC_OK);
+    LAC_TRY(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
+    LAC_TRY(add_extras(d, p, levels, err));
+    LAC_TRY(of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK);
+out:
+    return status;
+}
+
+lac_status lac_run_describe(const lac_run_place *place, lac_dataset **out, lac_error *err)
+{
+    lac_dataset *d = NULL;
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(lac_dataset_create(
+        "Creep of a rough rock joint under rate-and-state friction: means over its contact cells "
+        "against time, one record per line of the time series; fields of every cell where "
+        "snapshots were asked for. The attribute `case` is the whole input; `status` says whether "
+        "the file is whole.",
+        &d, err));
+    LAC_TRY(add_all(d, place, err));
+    *out = d;
+    d = NULL;
+out:
+    lac_dataset_free(d);
+    return status;
+}
+
+void lac_run_place_record(lac_run_place *place, const lac_record *record)
+{
+    place->record = *record;
+    place->apparent_friction = record->seen.shear_force / record->seen.normal_force;
+}
+
+const lac_variable *lac_run_column(size_t index)
+{
+    return index < sizeof of_record / sizeof *of_record ? &of_record[index] : NULL;
+}
+
+#define ENDING const lac_run_ending *e = of
+#define RESULT const lac_run_result *r = of
+#define R(kind, field) LAC_HELD(kind, lac_run_result, field)
+
+static double failure_time(const lac_run_result *r)
+{
+    return r->failed && r->end != LAC_END_ERROR ? r->failure_origin + r->failure_local : NAN;
+}
+
+static const char *failure_day(const lac_run_ending *e, char room[LAC_TEXT_ROOM])
+{
+    const double time = e->result != NULL ? failure_time(e->result) : NAN;
+    return date_of(e->dated && !isnan(time), e->start_date + time, room);
+}
+// After an error nobody knows.
+LAC_GETTER(double, failed, RESULT, r->end != LAC_END_ERROR ? r->failed : NAN)
+LAC_GETTER(double, failure_rate, RESULT, r->end != LAC_END_ERROR ? r->failure.rate : NAN)
+LAC_GETTER(double, failure_slip, RESULT, r->end != LAC_END_ERROR ? r->failure.slip : NAN)
+LAC_GETTER(double, failed_at, RESULT, failure_time(r))
+LAC_TEXT_GETTER(lowered, RESULT,
+                r->end != LAC_END_ERROR && r->failure.lowered
+                    ? "a p/eta at the start: radiation damping holds the joint below "
+                      "time.failure.mean_slip_rate; judged by all cells as one"
+                    : NULL)
+LAC_TEXT_GETTER(ended_by, RESULT, lac_end_name(r->end))
+LAC_TEXT_GETTER(failure_date, ENDING, failure_day(e, room))
+LAC_TEXT_GETTER(end_date, ENDING,
+                date_of(e->dated && e->result != NULL,
+                        e->start_date + (e->result != NULL ? e->result->time : 0.0), room))
+LAC_TEXT_GETTER(modified, ENDING, lac_date_format(e->now + e->wall_time, room, LAC_TEXT_ROOM))
+
+#define SUM(name_, field)                                    \
+    {                                                        \
+        .name = (name_), R(INT64, field), .flags = LAC_WHOLE \
+    }
+static const lac_variable of_failure[] = {
+    {.name = "failed", G(failed), .flags = LAC_WHOLE},
+    {.name = "failure_rate_m_s", G(failure_rate)},
+    {.name = "failure_rate_comment", T(lowered)},
+    {.name = "failure_slip_m", G(failure_slip)},
+    {.name = "failure_time_s", G(failed_at)},
+};
+static const lac_variable of_failure_date[] = {{.name = "failure_date", T(failure_date)}};
+static const lac_variable of_result[] = {
+    {.name = "ended_by", T(ended_by)},
+    {.name = "time_reached_s", R(REAL, time)},
+    {.name = "max_slip_rate_m_s", R(REAL, max_slip_rate)},
+    {.name = "mean_slip_m", R(REAL, mean_slip)},
+    {.name = "balance_residual_max", R(REAL, balance_residual)},
+    SUM("steps", steps),
+    SUM("rhs_evaluations", rhs_evaluations),
+    SUM("newton_iterations", newton_iterations),
+    SUM("linear_solves", linear_solves),
+    SUM("error_test_fails", error_test_fails),
+    SUM("nonlinear_fails", nonlinear_fails),
+    SUM("restarts", restarts),
+};
+static const lac_variable of_end[] = {
+    {.name = "time_coverage_end", T(end_date)},
+    {.name = "wall_time_s", LAC_HELD(REAL, lac_run_ending, wall_time)},
+    {.name = "date_modified", T(modified)},
+    {.name = "status", LAC_HELD(TEXT, lac_run_ending, status)},
+};
+
+lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **out, lac_error *err)
+{
+    const lac_laid laid[] = {{LAC_VARIABLES(of_failure, "", 0), ending->result},
+                             {LAC_VARIABLES(of_failure_date, "", 0), ending},
+                             {LAC_VARIABLES(of_result, "", 0), ending->result},
+                             {LAC_VARIABLES(of_end, "", 0), ending}};
+    lac_status status;
+    LAC_TRY(lac_dataset_create("", out, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+out:
+    if (status != LAC_OK) {
+        lac_dataset_free(*out);
+        *out = NULL;
+    }
+    return status;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LACUNA_STORE_WRITER_H
+#define LACUNA_STORE_WRITER_H
+
+#include "store/columns.h"
+#include "store/nc.h"
+
+/// A dataset on its way into a file: what does not grow at once, the rest place by place.
+typedef struct lac_writer {
+    const lac_nc *file; ///< set by the caller, as are
+    const lac_dataset *dataset;
+    bool single;   ///< LAC_ROUGH ones are written as floats
+    int deflate;   ///< level of LAC_CELLS ones that grow, 0 to 9
+    size_t chunk;  ///< places a chunk along dimensions that grow
+    size_t batch;  ///< places kept in memory at most
+    char unit[64]; ///< of times
+    lac_clock clock;
+    double shift; ///< what the unit's whole second leaves of the start [s]
+    lac_columns columns;
+    size_t pending; ///< given to netCDF and not yet synced [bytes]
+} lac_writer;
+
+/// Defines all variables, and writes those that neither grow nor come late.
+/// @return LAC_OK; LAC_EINPUT (a start that no date can be); LAC_EIO; LAC_ENOMEM
+lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
+
+/// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
+/// name. @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_writer_put(lac_writer *writer, const char *dim, lac_error *err);
+
+/// Writes those of LAC_LATE that do not grow.
+lac_status lac_writer_put_late(lac_writer *writer, lac_error *err);
+
+/// Places along a dimension so far.
+size_t lac_writer_places(const lac_writer *writer, const char *dim);
+
+/// Gives netCDF what is in memory, in the order of the dimensions.
+lac_status lac_writer_flush(lac_writer *writer, lac_error *err);
+
+/// The same, and brings all to the file.
+lac_status lac_writer_sync(lac_writer *writer, lac_error *err);
+
+void lac_writer_clear(lac_writer *writer);
+
+/// The netCDF type of an item.
+nc_type lac_writer_type(const lac_writer *writer, const lac_item *item);
+
+/// Defines one variable with its attributes. @return LAC_OK; LAC_EIO
+lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_error *err);
+
+/// The longest of the texts of an item, at least 1 [bytes].
+size_t lac_item_longest_text(const lac_item *item);
+
+/// Writes the attributes that a dataset has for its file. @return LAC_OK; LAC_EIO
+lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, lac_error *err);
+
+#endif
