@@ -17,8 +17,12 @@ bool lac_netcdf_begins(const void *head, size_t size);
 /// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EINPUT
 lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 
-/// Whether an nc_type is of numbers.
-bool lac_netcdf_is_number(int type);
+/// Whether a variable is numbers over so many dimensions. @param dims  [rank] set where it is
+bool lac_netcdf_runs_over(int id, int var, int rank, int *dims);
+
+/// The coordinates of a dimension. @param name  [NC_MAX_NAME + 1] its own, and the variable's
+/// @return whether there are any
+bool lac_netcdf_axis(int id, int dim, char *name, int *var);
 
 /// A text attribute, of characters or one string; "" where there is none or it is too long.
 /// @param text  [size] overwritten

@@ -102,8 +102,7 @@ lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_e
     }
     LAC_TRY(read_before(out, err));
     LAC_TRY(read_columns(out, err));
-    out->dated = lac_stored_file_attribute(out->file, "time_coverage_start", text, sizeof text,
-                                           NULL) == LAC_OK &&
+    out->dated = lac_stored_file_text(out->file, NULL, "time_coverage_start", text, sizeof text) &&
                  lac_date_parse(text, &out->start);
 out:
     return status;

@@ -39,15 +39,11 @@ static lac_status check(const series_file *file, int code, const char *what, lac
 // The variable of a column: numbers over the one dimension.
 static lac_status find_column(series_file *file, const char *name, int *var, lac_error *err)
 {
-    int dims = 0;
     int dim = -1;
-    nc_type type = NC_NAT;
     if (nc_inq_varid(file->id, name, var) != NC_NOERR) {
         return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"", file->path, name);
     }
-    if (nc_inq_varndims(file->id, *var, &dims) != NC_NOERR || dims != 1 ||
-        nc_inq_vardimid(file->id, *var, &dim) != NC_NOERR ||
-        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || !lac_netcdf_is_number(type)) {
+    if (!lac_netcdf_runs_over(file->id, *var, 1, &dim)) {
         return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
                         name);
     }

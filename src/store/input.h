@@ -20,6 +20,9 @@ typedef struct lac_input {
 /// @return LAC_OK; LAC_EIO; LAC_ENOMEM
 lac_status lac_input_open(lac_input *in, const char *path, lac_error *err);
 
+/// The same of any netCDF file.
+lac_status lac_input_open_any(lac_input *in, const char *path, lac_error *err);
+
 void lac_input_close(lac_input *in);
 
 /// `path: cannot read NAME: why`, from what netCDF returned. @return LAC_EIO
@@ -33,11 +36,6 @@ double lac_input_fill(const lac_input *in, int id, nc_type type);
 
 /// Whether a global attribute is this text, of at most 15 bytes.
 bool lac_input_says(const lac_input *in, const char *name, const char *expected);
-
-/// A global attribute as text.
-/// @return LAC_OK; LAC_EIO
-lac_status lac_input_attribute(const lac_input *in, const char *name, char *text, size_t size,
-                               lac_error *err);
 
 /// Numbers of a variable; nothing where there is none of that name.
 /// @param row  one place along its first dimension, or all

@@ -71,7 +71,7 @@ out:
     return status;
 }
 
-lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
+lac_status lac_input_open_any(lac_input *in, const char *path, lac_error *err)
 {
     char *copy = NULL;
     int code = NC_NOERR;
@@ -91,11 +91,17 @@ lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
         return fail_open(in, code, err);
     }
     in->open = true;
-    size_t length = 0;
-    if (nc_inq_attlen(in->id, NC_GLOBAL, "lacuna_format_version", &length) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
-    }
     return LAC_OK;
+}
+
+lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
+{
+    int id = 0;
+    const lac_status status = lac_input_open_any(in, path, err);
+    return status != LAC_OK ||
+                   nc_inq_attid(in->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR
+               ? status
+               : lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
 }
 
 bool lac_input_may_hold(const lac_input *in, size_t values)
@@ -149,40 +155,43 @@ lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row
                             lac_stored_values *out, lac_error *err)
 {
     size_t start[NC_MAX_VAR_DIMS] = {0}, length[NC_MAX_VAR_DIMS] = {0};
+    lac_stored_values read = {0};
     int id = 0;
     nc_type type = NC_NAT;
+    *out = read;
     if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
         return LAC_OK;
     }
-    lac_status status = measure(in, id, name, length, out, err);
+    lac_status status = measure(in, id, name, length, &read, err);
     if (status != LAC_OK) {
         return status;
     }
     if (row != LAC_INPUT_ALL) {
-        if ((size_t)row >= out->n) {
+        if ((size_t)row >= read.n) {
             return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
-                            out->n);
+                            read.n);
         }
-        out->n = 1;
         start[0] = (size_t)row;
-        length[0] = 1;
+        read.n = length[0] = 1;
     }
-    const size_t count = out->n * out->width;
-    out->value = malloc((count > 0 ? count : 1) * sizeof *out->value);
-    if (out->value == NULL) {
+    const size_t count = read.n * read.width;
+    read.value = malloc((count > 0 ? count : 1) * sizeof *read.value);
+    if (read.value == NULL) {
         return lac_fail_memory(err);
     }
     int code = nc_inq_vartype(in->id, id, &type);
     if (code == NC_NOERR && count > 0) {
-        code = nc_get_vara_double(in->id, id, start, length, out->value);
+        code = nc_get_vara_double(in->id, id, start, length, read.value);
     }
     if (code != NC_NOERR) {
+        free(read.value);
         return lac_input_fail(in, code, err, name);
     }
     const double fill = lac_input_fill(in, id, type);
     for (size_t i = 0; i < count; i++) {
-        out->value[i] = out->value[i] == fill ? NAN : out->value[i];
+        read.value[i] = read.value[i] == fill ? NAN : read.value[i];
     }
+    *out = read;
     return LAC_OK;
 }
 
@@ -258,42 +267,22 @@ out:
     return status;
 }
 
-lac_status lac_input_attribute(const lac_input *in, const char *name, char *text, size_t size,
-                               lac_error *err)
-{
-    nc_type type = NC_NAT;
-    size_t length = 0;
-    double value = 0.0;
-    text[0] = '\0';
-    if (nc_inq_att(in->id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: has no attribute %s", in->path, name);
-    }
-    if (type != NC_CHAR && length != 1) {
-        return lac_fail(err, LAC_EIO, "%s: the attribute %s is not one value", in->path, name);
-    }
-    if (type == NC_CHAR || type == NC_STRING) {
-        return lac_netcdf_text(in->id, NC_GLOBAL, name, text, size)
-                   ? LAC_OK
-                   : lac_fail(err, LAC_EIO,
-                              "%s: the attribute %s is longer than %zu bytes or damaged", in->path,
-                              name, size - 1);
-    }
-    const int code = nc_get_att_double(in->id, NC_GLOBAL, name, &value);
-    if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, name);
-    }
-    (void)snprintf(text, size, "%.17g", value);
-    return LAC_OK;
-}
-
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err)
 {
     lac_input in;
     lac_status status = lac_input_open(&in, path, err);
     text[0] = '\0';
-    if (status == LAC_OK) {
-        status = lac_input_attribute(&in, name, text, size, err);
+    if (status == LAC_OK && !lac_netcdf_text(in.id, NC_GLOBAL, name, text, size)) {
+        const double value = lac_netcdf_number(in.id, NC_GLOBAL, name, NAN);
+        status = isnan(value)
+                     ? lac_fail(err, LAC_EIO,
+                                "%s: has no attribute %s of one number or at most %zu bytes", path,
+                                name, size - 1)
+                     : LAC_OK;
+        if (status == LAC_OK) {
+            (void)snprintf(text, size, "%.17g", value);
+        }
     }
     lac_input_close(&in);
     return status;

@@ -76,13 +76,13 @@ lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable
 lac_status lac_stored_file_series(const lac_stored_file *file, const char *variable,
                                   lac_stored_values *out, lac_error *err);
 
-/// Any attribute of a variable as text; "" where there is none, or where it is longer than the
-/// room.
-void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+/// A text attribute of a variable, or with NULL of the file.
+/// @param text  "" where there is none, or where it is longer than the room
+/// @return whether there is one
+bool lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size);
 
-/// An attribute of one number of a variable, or with NULL of the file; NaN where there is none, as
-/// of the variables of a run in memory.
+/// An attribute of one number, the same; NaN where there is none.
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute);
 
@@ -90,10 +90,5 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 /// @param index  from 0
 /// @return false past the last one, or where the name is longer than the room for it
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
-
-/// A global attribute as text, as lac_store_read_attribute.
-/// @return LAC_OK; LAC_EIO
-lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
-                                     size_t size, lac_error *err);
 
 #endif

@@ -60,6 +60,7 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
                               lac_stored_values *out, lac_error *err)
 {
     lac_recorded seen;
+    *out = (lac_stored_values){0};
     if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
         return LAC_OK;
     }
@@ -68,32 +69,21 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     if (row >= 0 && (size_t)row >= n) {
         return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
     }
-    const size_t first = row >= 0 ? (size_t)row : 0;
-    *out = (lac_stored_values){.n = row >= 0 ? 1 : n, .width = width};
-    out->value = malloc((out->n * width + 1) * sizeof *out->value);
-    if (out->value == NULL) {
+    const size_t first = row >= 0 ? (size_t)row : 0, rows = row >= 0 ? 1 : n;
+    double *value = malloc((rows * width + 1) * sizeof *value);
+    if (value == NULL) {
         return lac_fail_memory(err);
     }
-    memcpy(out->value, seen.values + first * width, out->n * width * sizeof *out->value);
+    memcpy(value, seen.values + first * width, rows * width * sizeof *value);
+    *out = (lac_stored_values){value, rows, width};
     return LAC_OK;
-}
-
-// Clears what was read where that fails.
-static lac_status settle(lac_status status, lac_stored_values *out)
-{
-    if (status != LAC_OK) {
-        lac_stored_values_clear(out);
-    }
-    return status;
 }
 
 lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err)
 {
-    *out = (lac_stored_values){0};
-    return settle(file->recording != NULL ? copy_values(file->recording, variable, row, out, err)
-                                          : lac_input_values(&file->in, variable, row, out, err),
-                  out);
+    return file->recording != NULL ? copy_values(file->recording, variable, row, out, err)
+                                   : lac_input_values(&file->in, variable, row, out, err);
 }
 
 lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
@@ -106,25 +96,8 @@ lac_status lac_stored_file_series(const lac_stored_file *file, const char *varia
                                   lac_stored_values *out, lac_error *err)
 {
     *out = (lac_stored_values){0};
-    return settle(file->recording != NULL
-                      ? copy_values(file->recording, variable, LAC_INPUT_ALL, out, err)
-                      : lac_input_series(&file->in, variable, out, err),
-                  out);
-}
-
-lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
-                          lac_error *err)
-{
-    lac_stored_file *file = NULL;
-    lac_stored_values read = {0};
-    lac_status status;
-    LAC_TRY(lac_stored_file_open(path, &file, err));
-    LAC_TRY(lac_stored_file_series(file, variable, &read, err));
-out:
-    lac_stored_file_close(file);
-    *values = read.value;
-    *n = read.n;
-    return status;
+    return file->recording != NULL ? copy_values(file->recording, variable, LAC_INPUT_ALL, out, err)
+                                   : lac_input_series(&file->in, variable, out, err);
 }
 
 // An attribute of a recording's variable; NULL where there is none.
@@ -141,34 +114,33 @@ static const char *text_of(const lac_recording *recording, const char *variable,
                                                  : NULL;
 }
 
-void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+bool lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size)
 {
-    int id = 0;
+    int id = NC_GLOBAL;
     text[0] = '\0';
     if (file->recording != NULL) {
-        const char *found = text_of(file->recording, variable, attribute);
-        if (found != NULL && strlen(found) < size) {
-            memcpy(text, found, strlen(found) + 1);
-        }
-        return;
+        const char *found = variable != NULL ? text_of(file->recording, variable, attribute)
+                                             : lac_recording_text_of(file->recording, attribute);
+        const bool fits = found != NULL && strlen(found) < size;
+        (void)memcpy(text, fits ? found : "", fits ? strlen(found) + 1 : 1);
+        return fits;
     }
-    if (nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) {
-        (void)lac_netcdf_text(file->in.id, id, attribute, text, size);
-    }
+    return (variable == NULL || nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) &&
+           lac_netcdf_text(file->in.id, id, attribute, text, size);
 }
 
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute)
 {
     char text[64];
-    int id = 0;
-    if (variable == NULL) {
-        return lac_stored_file_attribute(file, attribute, text, sizeof text, NULL) == LAC_OK
+    int id = NC_GLOBAL;
+    if (file->recording != NULL) {
+        return lac_stored_file_text(file, variable, attribute, text, sizeof text)
                    ? strtod(text, NULL)
                    : NAN;
     }
-    return file->recording == NULL && nc_inq_varid(file->in.id, variable, &id) == NC_NOERR
+    return variable == NULL || nc_inq_varid(file->in.id, variable, &id) == NC_NOERR
                ? lac_netcdf_number(file->in.id, id, attribute, NAN)
                : NAN;
 }
@@ -186,19 +158,4 @@ bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *n
     }
     (void)memcpy(name, seen.name, strlen(seen.name) + 1);
     return true;
-}
-
-lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
-                                     size_t size, lac_error *err)
-{
-    text[0] = '\0';
-    if (file->recording != NULL) {
-        const char *found = lac_recording_text_of(file->recording, name);
-        if (found == NULL || strlen(found) >= size) {
-            return lac_fail(err, LAC_EIO, "no %s", name);
-        }
-        memcpy(text, found, strlen(found) + 1);
-        return LAC_OK;
-    }
-    return lac_input_attribute(&file->in, name, text, size, err);
 }
