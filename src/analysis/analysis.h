@@ -107,11 +107,8 @@ lac_analysis_rg *lac_analysis_cascade(const lac_slot *indicator);
 typedef struct lac_analysis lac_analysis;
 
 /// @param slots  [count] kinds and their parameters
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, const lac_slot *slots,
                                lac_analysis **out, lac_error *err);
-
-/// Frees an analysis; NULL is fine.
 void lac_analysis_free(lac_analysis *analysis);
 
 /// A sink that has the indicators look at each record and passes it on with their values; it asks
@@ -130,7 +127,6 @@ size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra
 
 /// Lets the indicators sum up when the run is over, however it ended. The last events go to the
 /// sink's `next`.
-/// @return LAC_OK; LAC_ENOMEM; what the sink returns
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result,
                                lac_error *err);
 

@@ -19,26 +19,22 @@ lac_status lac_catalogue_create(const lac_domain *domain, double rise, double fa
     *out = (lac_catalogue){
         .domain = domain, .rise = rise, .fall = fall, .modulus = modulus, .vacant = none};
     out->neighbour = lac_neighbours_find(domain);
-    out->rate = calloc(n, sizeof *out->rate);
-    out->slip = calloc(n, sizeof *out->slip);
-    out->slip_at_rise = calloc(n, sizeof *out->slip_at_rise);
+    out->rate = calloc(3 * n, sizeof *out->rate);
     out->moves = calloc(n, sizeof *out->moves);
-    out->event = malloc(n * sizeof *out->event);
-    out->active = calloc(n, sizeof *out->active);
-    out->place = calloc(n, sizeof *out->place);
+    out->event = calloc(4 * n + domain->grid.nx + domain->grid.ny, sizeof *out->event);
     out->change = malloc(n * sizeof *out->change);
-    out->cell_mark = calloc(n, sizeof *out->cell_mark);
-    out->x_mark = calloc(domain->grid.nx, sizeof *out->x_mark);
-    out->y_mark = calloc(domain->grid.ny, sizeof *out->y_mark);
-    const void *const made[] = {out->neighbour, out->rate,   out->slip,   out->slip_at_rise,
-                                out->moves,     out->event,  out->active, out->place,
-                                out->change,    out->x_mark, out->y_mark, out->cell_mark};
-    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
-        if (made[i] == NULL) {
-            lac_catalogue_clear(out);
-            return lac_fail_memory(err);
-        }
+    if (out->neighbour == NULL || out->rate == NULL || out->moves == NULL || out->event == NULL ||
+        out->change == NULL) {
+        lac_catalogue_clear(out);
+        return lac_fail_memory(err);
     }
+    out->slip = out->rate + n;
+    out->slip_at_rise = out->slip + n;
+    out->active = out->event + n;
+    out->place = out->active + n;
+    out->cell_mark = out->place + n;
+    out->x_mark = out->cell_mark + n;
+    out->y_mark = out->x_mark + domain->grid.nx;
     memset(out->event, 0xff, n * sizeof *out->event);
     return LAC_OK;
 }
@@ -51,16 +47,9 @@ void lac_catalogue_clear(lac_catalogue *c)
     free(c->open);
     free(c->neighbour);
     free(c->rate);
-    free(c->slip);
-    free(c->slip_at_rise);
     free(c->moves);
     free(c->event);
-    free(c->active);
-    free(c->place);
     free(c->change);
-    free(c->cell_mark);
-    free(c->x_mark);
-    free(c->y_mark);
     *c = (lac_catalogue){0};
 }
 

@@ -33,11 +33,12 @@ typedef struct lac_catalogue {
     double modulus;      ///< G [Pa]; NaN: none
     uint32_t *neighbour; ///< [8 n]
     bool begun;
-    double origin, local;     ///< of the last step [s]
-    double *rate, *slip;      ///< [n] then, |v| [m/s] and slip [m]
-    double *slip_at_rise;     ///< [n] of cells that move [m]
-    uint8_t *moves;           ///< [n]
-    uint32_t *event;          ///< [n] place of the open event it belongs to; UINT32_MAX: none
+    double origin, local; ///< of the last step [s]
+    double *rate, *slip;  ///< [n] then, |v| [m/s] and slip [m]
+    double *slip_at_rise; ///< [n] of cells that move [m]
+    uint8_t *moves;       ///< [n]
+    uint32_t *event; ///< [n] and the arrays of its kind below: place of the open event it belongs
+                     ///< to; UINT32_MAX: none
     uint32_t *active, *place; ///< [n] cells that move; where each of them stands there
     size_t actives;           ///< of them
     lac_open_event *open;     ///< [places]
@@ -50,17 +51,12 @@ typedef struct lac_catalogue {
     uint32_t mark;
 } lac_catalogue;
 
-/// @param rise     slip rate at which a cell begins to move [m/s]
-/// @param fall     at which it ceases, at most rise [m/s]
 /// @param modulus  G [Pa]; NaN: none
 lac_status lac_catalogue_create(const lac_domain *domain, double rise, double fall, double modulus,
                                 lac_catalogue *out, lac_error *err);
 void lac_catalogue_clear(lac_catalogue *c);
 
 /// Follows a step; events that end within it go to the sink.
-/// @return LAC_OK; LAC_ENOMEM; what the sink returns
-/// @cost   two copies of n where nothing moves; else a look at n cells and 8 neighbours of each
-///         that begins to move
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err);
 

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "analysis/catalogue.h"
 #include "analysis/kinds.h"
@@ -103,9 +104,7 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
         {"event_moment_max_N_m", c->modulus * area * c->largest_slip, NULL},
         {"event_size_max_m", c->largest_size, NULL},
     };
-    for (size_t i = 0; i < RESULTS; i++) {
-        e->result[i] = rows[i];
-    }
+    memcpy(e->result, rows, sizeof rows);
     set_line(e, e->line);
     self->results = RESULTS;
     self->result = e->result;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "analysis/kinds.h"
 #include "analysis/run_map.h"
@@ -71,59 +72,38 @@ typedef struct rg {
     lac_analysis_line line[LINES];
 } rg;
 
+#define ONE(name, words, remark)                                \
+    {                                                           \
+        name, "1", words, remark, NULL, LAC_OVER_NOTHING, false \
+    }
+
 // What a file says of each quantity; those after XI are over nothing, in the order of `once`.
 static const lac_extra table[EXTRAS] = {
-    {.name = "n_slip",
-     .unit = "1",
-     .long_name = "blocks of this level all of whose contact cells slip",
-     .over = LAC_OVER_LEVELS,
-     .count = true},
-    {.name = "slip_fraction",
-     .unit = "1",
-     .long_name = "part of the contact cells that slip",
-     .cell_methods = "time: point",
-     .over = LAC_OVER_TIME},
-    {.name = "criticality",
-     .unit = "1",
-     .long_name = "slip_fraction over critical_fraction",
-     .comment = "1: as many cells slip as at the fixed point; missing where there is none",
-     .cell_methods = "time: point",
-     .over = LAC_OVER_TIME},
-    {.name = "correlation_length",
-     .unit = "m",
-     .long_name = "longest side of a connected cluster of slipping cells",
-     .comment =
-         "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for "
-         "some records where many cells slip and others stick again all the time",
-     .cell_methods = "time: point",
-     .over = LAC_OVER_TIME},
-    {.name = "critical_fraction",
-     .unit = "1",
-     .long_name = "slipped fraction at the unstable fixed point of the renormalization map"},
-    {.name = "critical_fraction_low",
-     .unit = "1",
-     .long_name = "lower end of the 95 % interval of critical_fraction"},
-    {.name = "critical_fraction_high",
-     .unit = "1",
-     .long_name = "upper end of the 95 % interval of critical_fraction"},
-    {.name = "run_critical_fraction",
-     .unit = "1",
-     .long_name = "fixed point of the map fitted to the run's own slipped fractions",
-     .comment = "pairs of neighbouring levels as slip_fraction first comes to each 1/64; missing "
-                "where that map does not cross the diagonal, and until the run is over"},
-    {.name = "run_critical_fraction_low",
-     .unit = "1",
-     .long_name = "lower end of the 95 % interval of run_critical_fraction"},
-    {.name = "run_critical_fraction_high",
-     .unit = "1",
-     .long_name = "upper end of the 95 % interval of run_critical_fraction"},
-    {.name = "run_lambda", .unit = "1", .long_name = "slope of the run's own map in logits"},
-    {.name = "run_lambda_low",
-     .unit = "1",
-     .long_name = "lower end of the 95 % interval of run_lambda"},
-    {.name = "run_lambda_high",
-     .unit = "1",
-     .long_name = "upper end of the 95 % interval of run_lambda"},
+    {"n_slip", "1", "blocks of this level all of whose contact cells slip", NULL, NULL,
+     LAC_OVER_LEVELS, true},
+    {"slip_fraction", "1", "part of the contact cells that slip", NULL, "time: point",
+     LAC_OVER_TIME, false},
+    {"criticality", "1", "slip_fraction over critical_fraction",
+     "1: as many cells slip as at the fixed point; missing where there is none", "time: point",
+     LAC_OVER_TIME, false},
+    {"correlation_length", "m", "longest side of a connected cluster of slipping cells",
+     "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for "
+     "some records where many cells slip and others stick again all the time",
+     "time: point", LAC_OVER_TIME, false},
+    ONE("critical_fraction",
+        "slipped fraction at the unstable fixed point of the renormalization map", NULL),
+    ONE("critical_fraction_low", "lower end of the 95 % interval of critical_fraction", NULL),
+    ONE("critical_fraction_high", "upper end of the 95 % interval of critical_fraction", NULL),
+    ONE("run_critical_fraction", "fixed point of the map fitted to the run's own slipped fractions",
+        "pairs of neighbouring levels as slip_fraction first comes to each 1/64; missing "
+        "where that map does not cross the diagonal, and until the run is over"),
+    ONE("run_critical_fraction_low", "lower end of the 95 % interval of run_critical_fraction",
+        NULL),
+    ONE("run_critical_fraction_high", "upper end of the 95 % interval of run_critical_fraction",
+        NULL),
+    ONE("run_lambda", "slope of the run's own map in logits", NULL),
+    ONE("run_lambda_low", "lower end of the 95 % interval of run_lambda", NULL),
+    ONE("run_lambda_high", "upper end of the 95 % interval of run_lambda", NULL),
 };
 
 static void destroy(lac_indicator *self)
@@ -142,9 +122,7 @@ static void destroy(lac_indicator *self)
 static void describe(rg *r, lac_indicator *self)
 {
     (void)lac_slipping_describe(&r->slipping, r->definition, sizeof r->definition);
-    for (size_t i = 0; i < EXTRAS; i++) {
-        r->extra[i] = table[i];
-    }
+    memcpy(r->extra, table, sizeof table);
     for (size_t i = 0; i < EXTRAS - ONCE; i++) {
         r->once[i] = NAN;
     }
@@ -293,9 +271,7 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
         {"run_lambda_high", fit.lambda.high, NULL},
         {"run_map_points", (double)fit.map.points, NULL},
     };
-    for (size_t i = 0; i < RESULTS; i++) {
-        r->result[i] = rows[i];
-    }
+    memcpy(r->result, rows, sizeof rows);
     set_lines(r, lead);
     self->results = RESULTS;
     self->result = r->result;

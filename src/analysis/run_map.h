@@ -29,7 +29,6 @@ void lac_run_map_keep(lac_run_map *map, lac_tape *tape);
 
 /// Fits the map, its intervals by resampling stretches of four states: neighbouring states of one
 /// run hang together.
-/// @return LAC_OK, also where the pairs tell no map; LAC_ENOMEM
 lac_status lac_run_map_fit(const lac_run_map *map, lac_rg_fit *fit, lac_error *err);
 
 #endif

@@ -12,25 +12,12 @@ static size_t number_tiers(const lac_hierarchy *h, lac_slip_blocks *b)
     b->tier[0] = 0;
     for (size_t level = 1; level <= b->levels; level++) {
         if (lac_hierarchy_blocks(h, level) < lac_hierarchy_blocks(h, level - 1)) {
-            entries += lac_hierarchy_blocks(h, level - 1) + lac_hierarchy_blocks(h, level);
+            entries += lac_hierarchy_blocks(h, level);
             b->tiers++;
         }
         b->tier[level] = b->tiers - 1;
     }
     return entries;
-}
-
-// Parents of the blocks of a level, and how many children each block of the next has.
-static void link_tiers(const lac_hierarchy *h, size_t level, uint32_t *parent, uint32_t *children)
-{
-    const uint32_t *fine = lac_hierarchy_offsets(h, level);
-    const uint32_t *coarse = lac_hierarchy_offsets(h, level + 1);
-    uint32_t at = 0;
-    for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
-        at += fine[b] == coarse[at + 1];
-        parent[b] = at;
-        children[at]++;
-    }
 }
 
 lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, lac_error *err)
@@ -54,10 +41,12 @@ lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, 
         if (out->tier[level + 1] == t) {
             continue;
         }
-        out->parent[t] = next;
-        out->sticking[t + 1] = next + lac_hierarchy_blocks(h, level);
-        next = out->sticking[t + 1] + lac_hierarchy_blocks(h, level + 1);
-        link_tiers(h, level, out->parent[t], out->sticking[t + 1]);
+        out->parent[t] = lac_hierarchy_parents(h, level);
+        out->sticking[t + 1] = next;
+        next += lac_hierarchy_blocks(h, level + 1);
+        for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
+            out->sticking[t + 1][out->parent[t][b]]++;
+        }
     }
     return LAC_OK;
 }

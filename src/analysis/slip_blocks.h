@@ -7,20 +7,19 @@
 /// Blocks of each level all of whose contact cells slip, kept up to date cell by cell. Levels
 /// between which no blocks merge share a tier.
 typedef struct lac_slip_blocks {
-    size_t levels, tiers; ///< levels above the cells; distinct ones, the cells' included
-    size_t *tier;         ///< [levels + 1] of each level
-    size_t *slipping;     ///< [tiers] blocks that slip as a whole
-    uint32_t **parent;    ///< [tiers - 1] of [blocks]: block of the next tier
-    uint32_t **sticking;  ///< [tiers]; [0] is NULL, else of [blocks]: children that do not slip
+    size_t levels, tiers;    ///< levels above the cells; distinct ones, the cells' included
+    size_t *tier;            ///< [levels + 1] of each level
+    size_t *slipping;        ///< [tiers] blocks that slip as a whole
+    const uint32_t **parent; ///< [tiers - 1] of [blocks]: block of the next tier; the hierarchy's
+    uint32_t **sticking;     ///< [tiers]; [0] is NULL, else of [blocks]: children that do not slip
     uint32_t *memory;
 } lac_slip_blocks;
 
-/// All cells stick.
+/// All cells stick. The hierarchy must outlive them.
 lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, lac_error *err);
 void lac_slip_blocks_clear(lac_slip_blocks *b);
 
 /// A cell begins to slip or ceases.
-/// @cost  as many levels as change with it
 void lac_slip_blocks_change(lac_slip_blocks *b, uint32_t cell, bool slips);
 
 /// N_slip of a level.

@@ -39,10 +39,8 @@ lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters 
 void lac_slip_clusters_clear(lac_slip_clusters *c);
 
 /// Brings the clusters up to date at a record.
-/// @param slips    [n]
 /// @param slipping how many slip
 /// @param changed  [changes] cells where it differs from before
-/// @cost  8 neighbours of each cell that began; 4 of each that slips where any ceased
 void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t slipping,
                               const uint32_t *changed, size_t changes);
 

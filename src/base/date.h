@@ -5,10 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Reads an ISO 8601 date or date and time: 1963-10-09, 1963-10-09T22:39, ...T22:39:05.25,
-/// with Z, +01:00 or no zone (read as UTC). A space may stand for the T.
-/// @param seconds  since 1970-01-01T00:00:00Z, proleptic Gregorian
-/// @return false where the text is anything else, a date that does not exist included
+/// Reads an ISO 8601 date or date and time, with Z, +01:00 or no zone (UTC), as seconds since 1970;
+/// a space may stand for the T. False where the text is anything else, a date that does not exist
+/// included.
 bool lac_date_parse(const char *text, double *seconds);
 
 /// Writes YYYY-MM-DDThh:mm:ssZ, rounded to a second.

@@ -10,13 +10,6 @@
 
 enum { BLOCK = 16 }; // columns at a time
 
-static void destroy_plan(void *plan)
-{
-    if (plan != NULL) {
-        fftw_destroy_plan(plan);
-    }
-}
-
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
 {
     *out = NULL;
@@ -51,12 +44,13 @@ void lac_fft_free(lac_fft *fft)
     if (fft == NULL) {
         return;
     }
-    destroy_plan(fft->forward);
-    destroy_plan(fft->inverse);
-    destroy_plan(fft->rows_forward);
-    destroy_plan(fft->rows_inverse);
-    destroy_plan(fft->block_forward);
-    destroy_plan(fft->block_inverse);
+    void *plans[] = {fft->forward,      fft->inverse,       fft->rows_forward,
+                     fft->rows_inverse, fft->block_forward, fft->block_inverse};
+    for (size_t i = 0; i < sizeof plans / sizeof *plans; i++) {
+        if (plans[i] != NULL) {
+            fftw_destroy_plan(plans[i]);
+        }
+    }
     fftw_free(fft->block);
     fftw_free(fft->real);
     fftw_free(fft->spectrum);

@@ -24,10 +24,7 @@ typedef struct lac_fft {
 } lac_fft;
 
 /// Plans transforms of an ny x nx grid (x fastest).
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err);
-
-/// Frees plans and buffers; NULL is fine.
 void lac_fft_free(lac_fft *fft);
 
 /// real -> spectrum, unnormalised.
@@ -38,7 +35,6 @@ void lac_fft_inverse(lac_fft *fft);
 
 /// Plans lac_fft_filter and lac_fft_power for data in the first rows only, zeros below. Overwrites
 /// the buffers.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err);
 
 /// real -> F^-1 (table F real) in the planned rows, unnormalised; table [nkx * ny], by columns.
@@ -48,11 +44,8 @@ void lac_fft_filter(lac_fft *fft, const double *table);
 /// Sum over all wavenumbers of table |F real|^2; the inner columns stand for their mirror images.
 double lac_fft_power(lac_fft *fft, const double *table);
 
-/// Fourier transform of a real even field of 2 (n0 - 1) x 2 (n1 - 1) cells, from the quarter of it
-/// that holds its origin and both middle lines to the same quarter of the transform, unnormalised.
-/// A side of n = 1 is one cell long.
-/// @param quarter  [n0 * n1] n1 fastest; overwritten
-/// @return LAC_OK; LAC_ENOMEM
+/// Fourier transform of a real even field of 2 (n0 - 1) x 2 (n1 - 1) cells, unnormalised: from its
+/// quarter [n0 * n1], with its origin and both middle lines, to the same quarter of the transform.
 lac_status lac_fft_even(size_t n0, size_t n1, double *quarter, lac_error *err);
 
 /// Signed index of wavenumber j of n: 0, 1 ... n/2, -(n/2 - 1) ... -1.

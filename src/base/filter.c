@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 enum {
     BLOCK = 16,          // columns at a time
     LINE = 64,           // bytes of a cache line; everything begins at one
@@ -309,9 +311,5 @@ double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *con
                 (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
         }
     }
-    double total = 0.0;
-    for (size_t k = 0; k < f->nkx; k++) {
-        total += f->column_power[k];
-    }
-    return total;
+    return lac_sum(f->nkx, f->column_power);
 }

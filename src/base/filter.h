@@ -27,11 +27,8 @@ typedef void (*lac_filter_symbol)(const void *context, size_t k, void *factor);
 /// Plans (ESTIMATE: reproducible) for ny rows of nx in a transform of my rows of mx.
 /// Uses as many threads as omp_get_max_threads says, one on small grids.
 /// @pre   mx >= nx, my >= ny
-/// @return LAC_OK; LAC_EINPUT (too long to transform); LAC_ENOMEM
 lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_filter **out,
                              lac_error *err);
-
-/// Frees; NULL is fine.
 void lac_filter_free(lac_filter *f);
 
 /// Fills all rows and transforms them along x. Each row begins undefined.

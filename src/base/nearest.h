@@ -5,7 +5,6 @@
 #include <stddef.h>
 
 /// The known word that takes the fewest letters added, dropped, changed or swapped.
-/// @param known  [count]
 /// @return NULL where none is near: more than a third of the letters differ
 const char *lac_nearest(const char *word, const char *const *known, size_t count);
 

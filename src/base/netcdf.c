@@ -90,28 +90,23 @@ double lac_netcdf_number(int id, int var, const char *name, double fallback)
 // What netCDF itself leaves where nothing was written; bytes have no such value.
 static double default_fill(int id, int var)
 {
+    static const struct {
+        nc_type type;
+        double fill;
+    } fills[] = {
+        {NC_SHORT, NC_FILL_SHORT},         {NC_INT, NC_FILL_INT},
+        {NC_FLOAT, (double)NC_FILL_FLOAT}, {NC_DOUBLE, NC_FILL_DOUBLE},
+        {NC_USHORT, NC_FILL_USHORT},       {NC_UINT, NC_FILL_UINT},
+        {NC_INT64, (double)NC_FILL_INT64}, {NC_UINT64, (double)NC_FILL_UINT64},
+    };
     nc_type type = NC_NAT;
     (void)nc_inq_vartype(id, var, &type);
-    switch (type) {
-    case NC_SHORT:
-        return NC_FILL_SHORT;
-    case NC_INT:
-        return NC_FILL_INT;
-    case NC_FLOAT:
-        return (double)NC_FILL_FLOAT;
-    case NC_DOUBLE:
-        return NC_FILL_DOUBLE;
-    case NC_USHORT:
-        return NC_FILL_USHORT;
-    case NC_UINT:
-        return NC_FILL_UINT;
-    case NC_INT64:
-        return (double)NC_FILL_INT64;
-    case NC_UINT64:
-        return (double)NC_FILL_UINT64;
-    default:
-        return (double)NAN;
+    for (size_t i = 0; i < sizeof fills / sizeof *fills; i++) {
+        if (fills[i].type == type) {
+            return fills[i].fill;
+        }
     }
+    return (double)NAN;
 }
 
 void lac_netcdf_unpack(int id, int var, double *x, size_t n)

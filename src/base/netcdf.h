@@ -14,7 +14,6 @@
 bool lac_netcdf_begins(const void *head, size_t size);
 
 /// What a call of netCDF returned, as an error: `path: netCDF cannot read WHAT: why`.
-/// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EINPUT
 lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 
 /// Whether a variable is numbers over so many dimensions. @param dims  [rank] set where it is
@@ -34,7 +33,6 @@ double lac_netcdf_number(int id, int var, const char *name, double fallback);
 
 /// Stored numbers of a variable to values: missing ones (_FillValue, missing_value, and what netCDF
 /// leaves where nothing was written) to NaN, packed ones (scale_factor, add_offset) unpacked.
-/// @param x  [n]
 void lac_netcdf_unpack(int id, int var, double *x, size_t n);
 
 #endif

@@ -65,6 +65,15 @@ bool lac_param_allows(const lac_param *param, double value, char *why, size_t si
     return true;
 }
 
+const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key)
+{
+    size_t i = 0;
+    while (i < count && strcmp(params[i].key, key) != 0) {
+        i++;
+    }
+    return i < count ? &params[i] : NULL;
+}
+
 bool lac_param_given(const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;

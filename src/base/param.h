@@ -34,4 +34,7 @@ lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_erro
 /// Frees what a slot owns; an empty slot is fine. The slot is empty afterwards.
 void lac_slot_clear(lac_slot *slot);
 
+/// The row of a key among `count`, NULL where there is none.
+const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key);
+
 #endif

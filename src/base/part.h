@@ -2,6 +2,8 @@
 #ifndef LACUNA_BASE_PART_H
 #define LACUNA_BASE_PART_H
 
+#include "lacuna/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -20,11 +22,9 @@ bool lac_part_write(int fd, const void *bytes, size_t size);
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_part_sync_folder(const char *path);
 
-/// Holds a file whose name is to be taken, so that one process at a time does so. It is no lock
-/// that who reads or writes the file would see. Another that holds it is waited for, at most a
-/// second.
-/// @param held  to be given to lac_part_let_go
-/// @return false where another goes on holding it
+/// Holds a file whose name is to be taken, so that one process at a time does so; no lock that
+/// readers or writers would see. Another that holds it is waited for, at most a second; false where
+/// it goes on.
 bool lac_part_hold(const char *path, int *held);
 void lac_part_let_go(int held);
 
@@ -40,5 +40,10 @@ int lac_part_publish(const char *part, const char *path, bool force);
 /// Whether somebody writes a file: HDF5 then holds a lock on it.
 /// @param folder  that the path is relative to, or AT_FDCWD
 bool lac_part_locked(int folder, const char *path);
+
+/// Writes a text as a file that is never half there: under another name first, as a netCDF file.
+/// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.
+/// @param force  replaces a file that is there
+lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err);
 
 #endif

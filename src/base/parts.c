@@ -24,12 +24,3 @@ size_t lac_parts_run(size_t n, lac_parts_body *body, void *context)
     }
     return LAC_PARTS;
 }
-
-double lac_parts_sum(size_t count, const double *x)
-{
-    double total = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        total += x[i];
-    }
-    return total;
-}

@@ -19,7 +19,4 @@ typedef void lac_parts_body(void *context, size_t part, size_t first, size_t end
 /// @return how many parts there were
 size_t lac_parts_run(size_t n, lac_parts_body *body, void *context);
 
-/// Sum of the first `count` of x, in order.
-double lac_parts_sum(size_t count, const double *x);
-
 #endif

@@ -19,11 +19,8 @@ typedef enum lac_stream {
     LAC_STREAM_SAMPLER, // new ones last, for the numbers of the others must stay
 } lac_stream;
 
-/// Counter-based random numbers (Philox4x64-10; Salmon et al. 2011, doi 10.1145/2063384.2063405):
-/// the same key and counter give the same numbers, in any order and on any thread.
-/// @param seed, stream  key
-/// @param c0, c1        counter (a wavenumber, a cell ...)
-/// @param out           four independent 64-bit numbers
+/// Four numbers of 64 bits from seed, stream and counter, in any order and on any thread:
+/// Philox4x64-10 (Salmon et al. 2011, doi 10.1145/2063384.2063405).
 void lac_random(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, uint64_t out[4]);
 
 /// Uniform in (0, 1), never 0 or 1.

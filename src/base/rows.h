@@ -40,9 +40,9 @@
 #define LAC_ROWS(rows, holder)                                                                    \
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0], .params_size = sizeof(holder)
 
-/// A descriptor; after its rows what else it says (.fault = ...).
-#define LAC_ABOUT(title, text, source, rows, ...)                                                 \
-    {.name = (title), .summary = (text), .reference = (source), rows, __VA_ARGS__}
+/// A descriptor; behind what all say of themselves LAC_ROWS, .fault ...
+#define LAC_ABOUT(title, text, source, ...)                                                       \
+    {.name = (title), .summary = (text), .reference = (source), __VA_ARGS__}
 // clang-format on
 
 #endif

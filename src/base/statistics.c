@@ -7,6 +7,33 @@
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 
+double lac_sum(size_t n, const double *x)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i];
+    }
+    return sum;
+}
+
+double lac_mean(size_t n, const double *x)
+{
+    double mean = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean += x[i] / (double)n;
+    }
+    return mean;
+}
+
+double lac_dot(size_t n, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i] * y[i];
+    }
+    return sum;
+}
+
 double lac_median(size_t n, double *values)
 {
     gsl_sort(values, 1, n);
@@ -67,11 +94,7 @@ double lac_line_error(const lac_line *l)
 
 lac_line lac_line_fit(size_t n, const double *x, const double *y)
 {
-    lac_line l = {.n = (double)n};
-    for (size_t i = 0; i < n; i++) {
-        l.x += x[i] / l.n;
-        l.y += y[i] / l.n;
-    }
+    lac_line l = {.n = (double)n, .x = lac_mean(n, x), .y = lac_mean(n, y)};
     for (size_t i = 0; i < n; i++) {
         l.xx += (x[i] - l.x) * (x[i] - l.x);
         l.xy += (x[i] - l.x) * (y[i] - l.y);

@@ -4,6 +4,11 @@
 
 #include <stddef.h>
 
+/// Sum of x, of x_i/n and of x_i y_i, in order.
+double lac_sum(size_t n, const double *x);
+double lac_mean(size_t n, const double *x);
+double lac_dot(size_t n, const double *x, const double *y);
+
 /// Median of n values, which are put in order; NaN where n = 0.
 double lac_median(size_t n, double *values);
 

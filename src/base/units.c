@@ -15,8 +15,6 @@
 #include <udunits2.h>
 #include <unistd.h>
 
-#include "base/units_usual.h"
-
 enum { MAX_QUANTITY = 128, MAX_UNIT = 64, MAX_NAME = 32, MAX_EXPONENT_DIGITS = 2 };
 
 // UDUNITS' database, read where a unit is not among the usual ones.
@@ -65,94 +63,64 @@ static lac_status refuse(lac_error *err, const char *unit, const char *why)
                     why[0] == '\0' ? "" : "; ", why);
 }
 
-static bool one_of(const char *word, const char *const *list)
+// Whether a word is one of a list, between blanks.
+static bool one_of(const char *word, const char *list)
 {
-    for (; *list != NULL; list++) {
-        if (strcmp(word, *list) == 0) {
+    size_t n = strlen(word);
+    for (const char *at = list; (at = strstr(at, word)) != NULL; at += n) {
+        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0')) {
             return true;
         }
     }
     return false;
 }
 
-static bool ends_with(const char *word, const char *tail)
-{
-    size_t n = strlen(word);
-    size_t m = strlen(tail);
-    return n >= m && strcmp(word + n - m, tail) == 0;
-}
-
 static bool is_angle_name(const char *name)
 {
-    static const char *const names[] = {"rad",
-                                        "radian",
-                                        "radians",
-                                        "degree",
-                                        "degrees",
-                                        "arcdeg",
-                                        "\xc2\xb0",
-                                        "arc_min",
-                                        "arcmin",
-                                        "arcminute",
-                                        "arc_minute",
-                                        "arcsec",
-                                        "arc_second",
-                                        "arcsecond",
-                                        "angular_degree",
-                                        "angular_minute",
-                                        "angular_second",
-                                        "circle",
-                                        "turn",
-                                        "revolution",
-                                        "grade",
-                                        "cycle",
-                                        "sr",
-                                        "steradian",
-                                        NULL};
-    return one_of(name, names) || (ends_with(name, "rad") && strlen(name) == 4);
+    size_t n = strlen(name);
+    return one_of(name,
+                  "rad radian radians degree degrees arcdeg \xc2\xb0 arc_min arcmin arcminute "
+                  "arc_minute arcsec arc_second arcsecond angular_degree angular_minute "
+                  "angular_second circle turn revolution grade cycle sr steradian") ||
+           (n == 4 && strcmp(name + 1, "rad") == 0);
 }
 
 // A prefix on a calendar unit is legal UDUNITS and never meant: "dday" is a deci-day.
 static bool is_prefixed_calendar(const char *name)
 {
-    static const char *const units[] = {"day",     "days",      "hour",       "hours",
-                                        "week",    "weeks",     "min",        "minute",
-                                        "minutes", "fortnight", "fortnights", NULL};
-    static const char *const plain[] = {
-        "arc_minute",   "arcminute",     "arcminutes", "angular_minute",  "arcmin",
-        "sidereal_day", "sidereal_hour", "arc_min",    "sidereal_minute", NULL};
-    static const char *const symbols[] = {"dd", "md",  "hd",  "kd", "mh", "dh", "hh",
-                                          "kh", "dad", "dah", "ud", "uh", NULL};
-    if (one_of(name, plain)) {
+    const size_t n = strlen(name);
+    size_t length = 0;
+    if (one_of(name, "arc_minute arcminute arcminutes angular_minute arcmin sidereal_day "
+                     "sidereal_hour arc_min sidereal_minute")) {
         return false;
     }
-    for (const char *const *unit = units; *unit != NULL; unit++) {
-        if (ends_with(name, *unit) && strcmp(name, *unit) != 0) {
+    for (const char *unit =
+             "day days hour hours week weeks min minute minutes fortnight fortnights";
+         *unit != '\0'; unit += length + strspn(unit + length, " ")) {
+        length = strcspn(unit, " ");
+        if (n > length && strncmp(name + n - length, unit, length) == 0) {
             return true;
         }
     }
-    return one_of(name, symbols);
+    return one_of(name, "dd md hd kd mh dh hh kh dad dah ud uh");
 }
 
 // Why a unit's name is refused although UDUNITS may know it; NULL where it isn't.
 static const char *name_refused(const char *name)
 {
-    static const char *const time_stamps[] = {"since", "after", "from", "ref", "at", NULL};
-    static const char *const ares[] = {"a", "ka", "Ma", "Ga", "are", "ares", NULL};
-    static const char *const tons[] = {"ton", "tons", NULL};
-    if (one_of(name, ares)) {
+    if (one_of(name, "a ka Ma Ga are ares")) {
         return "\"a\" is the are, an area: write year";
     }
     if (strstr(name, "month") != NULL) {
         return "a month has no fixed length: write days";
     }
-    if (one_of(name, tons)) {
+    if (one_of(name, "ton tons")) {
         return "\"ton\" is ambiguous: write tonne";
     }
     if (is_prefixed_calendar(name)) {
         return "days, hours, minutes and weeks take no prefix";
     }
-    return one_of(name, time_stamps) ? "a unit is needed, not a point in time" : NULL;
+    return one_of(name, "since after from ref at") ? "a unit is needed, not a point in time" : NULL;
 }
 
 static bool starts_name(char c)

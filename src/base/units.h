@@ -12,10 +12,7 @@
 typedef struct lac_units lac_units;
 
 /// Finds the database.
-/// @return LAC_OK; LAC_EIO where it is not installed; LAC_ENOMEM
 lac_status lac_units_create(lac_units **out, lac_error *err);
-
-/// Frees the database; NULL is fine.
 void lac_units_free(lac_units *units);
 
 /// Reads "0.1 mm" (or a bare number, which is SI) as a quantity of the dimension of `unit`.
@@ -24,20 +21,16 @@ void lac_units_free(lac_units *units);
 /// @param text   as the user wrote it
 /// @param unit   SI unit of the result; "1" where dimensionless
 /// @param value  the quantity in `unit`; set only on success
-/// @return LAC_OK; LAC_EINPUT, with in `err` what is allowed ("must be a length, such as \"1 m\"");
-///   LAC_EIO where the database is damaged
 lac_status lac_units_parse(const lac_units *units, const char *text, const char *unit,
                            double *value, lac_error *err);
 
 /// Factor and offset that take a number in unit `from` to unit `to`: y = scale x + offset.
-/// @return LAC_OK; LAC_EINPUT; LAC_EIO
 lac_status lac_units_convert(const lac_units *units, const char *from, const char *to,
                              double *scale, double *offset, lac_error *err);
 
 /// Factor and offset that take times in a file's unit to seconds: y = scale x + offset.
 /// @param text   "day" or, as CF has it, "days since 2015-06-07 12:00"
 /// @param dated  set where it counts from a date: seconds are then since 1970-01-01 UTC
-/// @return LAC_OK; LAC_EINPUT; LAC_EIO
 lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
                           bool *dated, lac_error *err);
 
@@ -53,5 +46,19 @@ const char *lac_number_exact(double value, int fewest, char *text, size_t size);
 /// Writes a value in its SI unit with as many digits as read back to the same number
 /// ("0.0001 m"; the number alone where the unit is "1").
 const char *lac_units_exact(double value, const char *unit, char *text, size_t size);
+
+/// A unit that most cases are written in, and what takes it to SI: the factor that UDUNITS-2
+/// gives, to the last bit. It is there because reading UDUNITS' database costs as much as a small
+/// run.
+typedef struct lac_usual_unit {
+    const char *from, *to;
+    double scale;
+} lac_usual_unit;
+
+/// All of them. @param count  how many
+const lac_usual_unit *lac_units_usual(size_t *count);
+
+/// That of a pair, spelt exactly so; NULL where it is not among them.
+const lac_usual_unit *lac_units_usual_find(const char *from, const char *to);
 
 #endif

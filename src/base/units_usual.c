@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Units that most cases use, with the factors of UDUNITS-2: its database takes long to read.
-#include "base/units_usual.h"
+#include "base/units.h"
 
 #include <string.h>
 

@@ -4,34 +4,16 @@
 
 #include "base/vmath_kernels.h"
 
-LAC_CLONES void lac_vexp(size_t n, const double *x, double *y)
-{
-    LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
-        y[i] = lac_exp_one(x[i]);
+#define EACH(name, result)                                     \
+    LAC_CLONES void name(size_t n, const double *x, double *y) \
+    {                                                          \
+        LAC_INDEPENDENT                                        \
+        for (size_t i = 0; i < n; i++) {                       \
+            y[i] = (result);                                   \
+        }                                                      \
     }
-}
 
-LAC_CLONES void lac_vexp_minus(size_t n, const double *x, double *y)
-{
-    LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
-        y[i] = lac_exp_one(-x[i]);
-    }
-}
-
-LAC_CLONES void lac_vlog(size_t n, const double *x, double *y)
-{
-    LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
-        y[i] = lac_log_one(x[i]);
-    }
-}
-
-LAC_CLONES void lac_vasinh(size_t n, const double *x, double *y)
-{
-    LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
-        y[i] = lac_asinh_one(x[i]);
-    }
-}
+EACH(lac_vexp, lac_exp_one(x[i]))
+EACH(lac_vexp_minus, lac_exp_one(-x[i]))
+EACH(lac_vlog, lac_log_one(x[i]))
+EACH(lac_vasinh, lac_asinh_one(x[i]))

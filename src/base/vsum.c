@@ -64,3 +64,13 @@ LAC_CLONES void lac_vabs(size_t n, const double *x, double *y)
         y[i] = fabs(x[i]);
     }
 }
+
+double lac_vdot(size_t n, const double *x, const double *y)
+{
+    double sum = 0;
+#pragma omp simd safelen(2) reduction(+ : sum)
+    for (size_t i = 0; i < n; i++) {
+        sum += x[i] * y[i];
+    }
+    return sum;
+}

@@ -10,6 +10,8 @@
 
 /// Sum of x.
 double lac_vsum(size_t n, const double *x);
+/// Sum of x_i y_i.
+double lac_vdot(size_t n, const double *x, const double *y);
 /// Largest |x|, numbers that are none left out; 0 of nothing.
 double lac_vmost(size_t n, const double *x);
 /// y_i = |x_i|

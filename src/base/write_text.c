@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A text file that is never half there: it is written under another name, then takes its place.
-#include "base/write_text.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -228,6 +228,9 @@ typedef struct lac_case_value {
 /// @return false where there is none
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 
+/// The seed among a slot's parameters; NULL where it has none.
+int64_t *lac_slot_seed(const lac_slot *slot);
+
 /// The row of a key of a section ("solver.rtol"), whose offset is in lac_case; NULL where there is
 /// none.
 const lac_param *lac_case_row(const char *key);
@@ -235,6 +238,9 @@ const lac_param *lac_case_row(const char *key);
 /// Whether the models' parameters, taken together, are sound: what no single range says.
 /// @return NULL, or what is wrong
 const char *lac_case_fault(const lac_case *c);
+
+/// The index-th file that a case names, a path from the working folder; NULL past the end.
+char **lac_case_file(const lac_case *c, size_t index);
 
 /// Whether a case was read so that it serves a purpose.
 /// @return LAC_OK; LAC_EINPUT

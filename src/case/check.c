@@ -304,13 +304,13 @@ static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
     return beyond;
 }
 
-static bool is_map(const lac_node *node) { return node != NULL && node->kind == LAC_NODE_MAP; }
+static bool maps(const lac_node *node) { return node != NULL && node->kind == LAC_NODE_MAP; }
 
 void lac_check_case(lac_reader *reader, lac_case *c)
 {
     bool material_read = lac_clean(reader, "material");
-    c->rg.named = is_map(lac_node_at(reader->root, "rg"));
-    c->fit.named = is_map(lac_node_at(reader->root, "fit"));
+    c->rg.named = maps(lac_node_at(reader->root, "rg"));
+    c->fit.named = maps(lac_node_at(reader->root, "fit"));
     if (HAS("initial.slip_rate") && !HAS("initial.state")) {
         c->initial.state = LAC_STATE_FROM_LOAD;
     }

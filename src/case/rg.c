@@ -51,17 +51,6 @@ void lac_read_betas(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-// Whether a slot's model has a seed.
-static bool seeded(const lac_slot *slot)
-{
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        if (strcmp(slot->about->params[i].key, "seed") == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void check_interface(lac_reader *reader, const lac_case *c)
 {
     (void)lac_refuse(
@@ -69,9 +58,9 @@ static void check_interface(lac_reader *reader, const lac_case *c)
         "is a single block, which has no cells to hand load on: rg needs surface or domain");
     (void)lac_refuse(reader, c->rg.field == LAC_RG_ELASTIC && HAS("interface.domain"), "rg.field",
                      "needs interface.surface to press; a domain goes with equal or uniform");
-    bool random = seeded(&c->surface) || seeded(&c->domain);
+    bool random = lac_slot_seed(&c->surface) != NULL || lac_slot_seed(&c->domain) != NULL;
     for (size_t i = 0; i < c->interface_spread.count; i++) {
-        random = random || seeded(&c->interface_spread.item[i].slot);
+        random = random || lac_slot_seed(&c->interface_spread.item[i].slot) != NULL;
     }
     (void)lac_refuse(reader, c->rg.seeds > 1 && !random, "rg.seeds",
                      "must be 1: the interface does not depend on a seed");

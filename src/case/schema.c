@@ -160,16 +160,6 @@ static void read_column(lac_reader *reader, const lac_node *node, const char *si
     }
 }
 
-static const lac_param *find(const lac_table *table, const char *key)
-{
-    for (size_t i = 0; i < table->count; i++) {
-        if (strcmp(table->params[i].key, key) == 0) {
-            return &table->params[i];
-        }
-    }
-    return NULL;
-}
-
 // The index-th key that a table's caller reads beside its rows, NULL past the end.
 static const char *more_key(const lac_table *table, size_t index)
 {
@@ -178,7 +168,7 @@ static const char *more_key(const lac_table *table, size_t index)
 
 bool lac_table_owns(const lac_table *table, const char *key)
 {
-    const lac_param *param = find(table, key);
+    const lac_param *param = lac_param_find(table->params, table->count, key);
     const unsigned mine = LAC_OWN_FLAG | LAC_COLUMN_FLAG;
     bool owns = (param != NULL && (param->flags & mine) != 0) ||
                 (table->own != NULL && strcmp(table->own, key) == 0);
@@ -227,7 +217,8 @@ bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *k
 {
     for (size_t i = 0; i < map->count; i++) {
         const char *given = map->child[i]->key;
-        bool known = find(table, given) != NULL || lac_table_owns(table, given);
+        bool known = lac_param_find(table->params, table->count, given) != NULL ||
+                     lac_table_owns(table, given);
         if (!known && lac_nearest(given, &key, 1) != NULL) {
             return true;
         }
@@ -254,7 +245,7 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *ta
 {
     for (size_t i = 0; i < map->count; i++) {
         const lac_node *node = map->child[i];
-        const lac_param *param = find(table, node->key);
+        const lac_param *param = lac_param_find(table->params, table->count, node->key);
         if (node->ignored || node->bad || lac_table_owns(table, node->key)) {
             continue;
         }

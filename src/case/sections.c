@@ -415,15 +415,12 @@ lac_table lac_part_table(const lac_section *about)
 
 const lac_param *lac_case_row(const char *key)
 {
-    const char *rest;
-    for (size_t i = 0; i < COUNT(parts); i++) {
+    const lac_param *row = NULL;
+    for (size_t i = 0; row == NULL && i < COUNT(parts); i++) {
         const lac_section *about = &parts[i].about;
-        rest = parts[i].kind == LAC_PART_RECORD ? lac_key_behind(key, about->name) : NULL;
-        for (size_t k = 0; rest != NULL && k < about->param_count; k++) {
-            if (strcmp(about->params[k].key, rest) == 0) {
-                return &about->params[k];
-            }
-        }
+        const char *rest =
+            parts[i].kind == LAC_PART_RECORD ? lac_key_behind(key, about->name) : NULL;
+        row = rest != NULL ? lac_param_find(about->params, about->param_count, rest) : NULL;
     }
-    return NULL;
+    return row;
 }

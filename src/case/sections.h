@@ -63,6 +63,13 @@ extern const char *const lac_field_names[];
 enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4, LAC_INERTIA_ROWS = 3 };
 extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS];
 
+/// What `describe` says of options that are chosen by the value of a key; NULL past the end.
+const lac_descriptor *lac_momentum_at(size_t index);
+const lac_descriptor *lac_fidelity_at(size_t index);
+const lac_descriptor *lac_method_at(size_t index);
+const lac_descriptor *lac_formulation_at(size_t index);
+const lac_descriptor *lac_rule_at(size_t index);
+
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
 

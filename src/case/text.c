@@ -9,7 +9,15 @@
 #include "base/date.h"
 #include "base/hidden.h"
 #include "case/sections.h"
-#include "case/writer.h"
+
+// A text that grows; `failed` once memory was short.
+typedef struct lac_writer {
+    char *text;
+    size_t used, size;
+    bool failed;
+    size_t folder; // length of the folder that relative paths start from
+    const char *name;
+} lac_writer;
 
 static void put_bytes(lac_writer *w, const char *bytes, size_t n)
 {
@@ -27,7 +35,8 @@ static void put_bytes(lac_writer *w, const char *bytes, size_t n)
     }
 }
 
-void lac_put(lac_writer *w, const char *format, ...)
+// At most 511 characters.
+__attribute__((format(printf, 2, 3))) static void put(lac_writer *w, const char *format, ...)
 {
     char line[512];
     va_list args;
@@ -60,32 +69,32 @@ static bool is_printable(unsigned c)
 
 static void put_quoted(lac_writer *w, const char *text)
 {
-    lac_put(w, "\"");
+    put(w, "\"");
     while (*text != '\0') {
         size_t n;
         unsigned c = decode((const unsigned char *)text, &n);
         if (is_printable(c) && lac_hidden_length(text, n) == 0) {
             put_bytes(w, text, n);
         } else {
-            lac_put(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
+            put(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
         }
         text += n;
     }
-    lac_put(w, "\"");
+    put(w, "\"");
 }
 
 static void put_key(lac_writer *w, int depth, const char *key)
 {
-    lac_put(w, "%*s%s:", 2 * depth, "", key);
+    put(w, "%*s%s:", 2 * depth, "", key);
 }
 
 static void put_text(lac_writer *w, int depth, const char *key, const char *text)
 {
     if (text != NULL) {
         put_key(w, depth, key);
-        lac_put(w, " ");
+        put(w, " ");
         put_quoted(w, text);
-        lac_put(w, "\n");
+        put(w, "\n");
     }
 }
 
@@ -95,7 +104,7 @@ static void put_number(lac_writer *w, int depth, const char *key, double value, 
     bool plain = strcmp(unit, "1") == 0;
     put_key(w, depth, key);
     (void)lac_units_exact(value, unit, text, sizeof text);
-    lac_put(w, plain ? " %s\n" : " \"%s\"\n", text);
+    put(w, plain ? " %s\n" : " \"%s\"\n", text);
 }
 
 // A path as the case names it: from the case's folder.
@@ -116,11 +125,11 @@ static void put_param(lac_writer *w, int depth, const lac_param *param, const vo
         break;
     case LAC_INTEGER:
         put_key(w, depth, param->key);
-        lac_put(w, " %lld\n", (long long)*(const int64_t *)at);
+        put(w, " %lld\n", (long long)*(const int64_t *)at);
         break;
     case LAC_CHOICE:
         put_key(w, depth, param->key);
-        lac_put(w, " %s\n", param->choices[*(const int *)at]);
+        put(w, " %s\n", param->choices[*(const int *)at]);
         break;
     case LAC_TEXT:
     case LAC_PATH:
@@ -135,12 +144,12 @@ static void put_column(lac_writer *w, int depth, const lac_param *param, const v
     const char *const *column = (const void *)((const char *)params + param->offset);
     const char *unit = column[1] != NULL ? column[1] : param->unit;
     put_key(w, depth, param->key);
-    lac_put(w, " ");
+    put(w, " ");
     put_quoted(w, column[0]);
     if (!w->failed) {
         w->used--; // the unit goes inside the quotes
     }
-    lac_put(w, ":%s\"\n", unit);
+    put(w, ":%s\"\n", unit);
 }
 
 // The values of a table that were given or have a default.
@@ -164,13 +173,13 @@ static void put_table(lac_writer *w, int depth, const lac_table *table, const vo
 static void put_model(lac_writer *w, int depth, const lac_slot *slot)
 {
     const lac_table table = {.params = slot->about->params, .count = slot->about->param_count};
-    lac_put(w, "%s:", slot->about->name);
+    put(w, "%s:", slot->about->name);
     size_t before = w->used;
-    lac_put(w, "\n");
+    put(w, "\n");
     put_table(w, depth + 1, &table, slot->params);
     if (w->used == before + 1 && !w->failed) {
         w->used = before;
-        lac_put(w, " {}\n");
+        put(w, " {}\n");
     }
 }
 
@@ -178,7 +187,7 @@ static void put_slot(lac_writer *w, int depth, const char *key, const lac_slot *
 {
     if (slot->about != NULL) {
         put_key(w, depth, key);
-        lac_put(w, "\n%*s", 2 * (depth + 1), "");
+        put(w, "\n%*s", 2 * (depth + 1), "");
         put_model(w, depth + 1, slot);
     }
 }
@@ -187,10 +196,10 @@ static void put_slots(lac_writer *w, int depth, const char *key, const lac_slot_
 {
     if (list->count > 0) {
         put_key(w, depth, key);
-        lac_put(w, "\n");
+        put(w, "\n");
     }
     for (size_t i = 0; i < list->count; i++) {
-        lac_put(w, "%*s- ", 2 * (depth + 1), "");
+        put(w, "%*s- ", 2 * (depth + 1), "");
         put_model(w, depth + 2, &list->item[i]);
     }
 }
@@ -205,7 +214,7 @@ static void put_spreads(lac_writer *w, const lac_spread_list *list)
 {
     if (list->count > 0) {
         put_key(w, 1, "spread");
-        lac_put(w, "\n");
+        put(w, "\n");
     }
     for (size_t i = 0; i < list->count; i++) {
         const lac_spread *spread = &list->item[i];
@@ -216,9 +225,9 @@ static void put_spreads(lac_writer *w, const lac_spread_list *list)
         }
         if (!begun) {
             put_key(w, 2, spread->key);
-            lac_put(w, "\n");
+            put(w, "\n");
         }
-        lac_put(w, "%*s- ", 2 * 3, "");
+        put(w, "%*s- ", 2 * 3, "");
         put_model(w, 4, &spread->slot);
     }
 }
@@ -227,11 +236,11 @@ void lac_put_state(lac_writer *w, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
     if (initial->state == LAC_STATE_STEADY) {
-        lac_put(w, "  state: steady\n");
+        put(w, "  state: steady\n");
     } else if (initial->state == LAC_STATE_TIME) {
         put_number(w, 1, "state", initial->state_value, "s");
     } else if (initial->state == LAC_STATE_RATIO) {
-        lac_put(w, "  state:\n");
+        put(w, "  state:\n");
         put_number(w, 2, "ratio_to_steady", initial->state_value, "1");
     }
 }
@@ -248,36 +257,36 @@ void lac_put_start(lac_writer *w, const lac_case *c)
     double whole = floor(c->start_date);
     (void)lac_date_format(whole, text, sizeof text);
     if (c->start_date == whole) {
-        lac_put(w, "  start: \"%s\"\n", text);
+        put(w, "  start: \"%s\"\n", text);
         return;
     }
     text[strlen(text) - 1] = '\0';
     (void)snprintf(fraction, sizeof fraction, "%.15f", c->start_date - whole);
-    lac_put(w, "  start: \"%s.%sZ\"\n", text, fraction + strlen(fraction) - 15);
+    put(w, "  start: \"%s.%sZ\"\n", text, fraction + strlen(fraction) - 15);
 }
 
 void lac_put_fields(lac_writer *w, const lac_case *c)
 {
     const char *comma = "";
-    lac_put(w, "  fields: [");
+    put(w, "  fields: [");
     for (unsigned k = 0; lac_field_names[k] != NULL; k++) {
         if ((c->fields & (1u << k)) != 0) {
-            lac_put(w, "%s%s", comma, lac_field_names[k]);
+            put(w, "%s%s", comma, lac_field_names[k]);
             comma = ", ";
         }
     }
-    lac_put(w, "]\n");
+    put(w, "]\n");
 }
 
 // A step holds only what it names, so that the longest history stays within what is read.
 void lac_put_steps(lac_writer *w, const lac_case *c)
 {
     const lac_table table = lac_section_table("load.history.steps");
-    lac_put(w, "    steps:\n");
+    put(w, "    steps:\n");
     for (size_t i = 0; i < c->history.count; i++) {
         lac_history_step step = c->history.step[i];
         step.count = step.count == 1 ? INT64_MIN : step.count;
-        lac_put(w, "      -\n");
+        put(w, "      -\n");
         put_table(w, 4, &table, &step);
     }
 }
@@ -286,10 +295,10 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
 {
     const lac_table table = lac_section_table("compare");
     if (c->compare_count > 0) {
-        lac_put(w, "compare:\n");
+        put(w, "compare:\n");
     }
     for (size_t i = 0; i < c->compare_count; i++) {
-        lac_put(w, "  -\n");
+        put(w, "  -\n");
         put_table(w, 2, &table, &c->compare[i]);
     }
 }
@@ -297,27 +306,27 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
 void lac_put_betas(lac_writer *w, const lac_case *c)
 {
     put_key(w, 1, "beta");
-    lac_put(w, c->rg.betas == 0 ? " from-friction" : " [");
+    put(w, c->rg.betas == 0 ? " from-friction" : " [");
     for (size_t i = 0; i < c->rg.betas; i++) {
         char text[100];
         (void)lac_units_exact(c->rg.beta[i], "1", text, sizeof text);
-        lac_put(w, i > 0 ? ", %s" : "%s", text);
+        put(w, i > 0 ? ", %s" : "%s", text);
     }
-    lac_put(w, c->rg.betas == 0 ? "\n" : "]\n");
+    put(w, c->rg.betas == 0 ? "\n" : "]\n");
 }
 
 void lac_put_analysis(lac_writer *w, const lac_case *c)
 {
     if (c->analysis.count > 0) {
-        lac_put(w, "analysis:\n");
+        put(w, "analysis:\n");
     }
     for (size_t i = 0; i < c->analysis.count; i++) {
         const lac_slot *slot = &c->analysis.item[i];
-        lac_put(w, "  ");
+        put(w, "  ");
         put_model(w, 1, slot);
         const lac_analysis_rg *rg = lac_analysis_cascade(slot);
         if (rg != NULL && rg->beta_from_friction) {
-            lac_put(w, "    beta: from-friction\n");
+            put(w, "    beta: from-friction\n");
         }
     }
 }
@@ -333,23 +342,23 @@ static const char *quoted(double value, const char *unit, char *text, size_t siz
 static void put_parameter(lac_writer *w, const lac_fit_parameter *p)
 {
     char low[90], high[90];
-    lac_put(w, "    %s: {", p->key);
+    put(w, "    %s: {", p->key);
     if (p->ranged) {
-        lac_put(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
-                quoted(p->high, p->unit, high, sizeof high));
+        put(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
+            quoted(p->high, p->unit, high, sizeof high));
     }
     if (p->prior == LAC_PRIOR_FLAT) {
-        lac_put(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
+        put(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
     } else {
-        lac_put(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
-                p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
-                quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
+        put(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
+            p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
+            quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
     }
 }
 
 void lac_put_fitted(lac_writer *w, const lac_case *c)
 {
-    lac_put(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
+    put(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
     for (size_t i = 0; i < c->fit.count; i++) {
         put_parameter(w, &c->fit.parameter[i]);
     }
@@ -366,7 +375,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     }
     if (part->kind == LAC_PART_RECORD && table.more == NULL) {
         put_key(w, depth++, key);
-        lac_put(w, "\n");
+        put(w, "\n");
     }
     if (part->put != NULL) {
         part->put(w, c);
@@ -382,7 +391,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     } else if (part->kind == LAC_PART_CADENCE) {
         const lac_table cadence = lac_section_table("output.every");
         put_key(w, depth, key);
-        lac_put(w, "\n");
+        put(w, "\n");
         put_table(w, depth + 1, &cadence, at);
     }
 }
@@ -392,7 +401,7 @@ char *lac_case_text(const lac_case *c)
     const lac_part *part;
     const char *absent = NULL; // what is below it is left out too
     lac_writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
-    lac_put(&w, "lacuna: 1\n");
+    put(&w, "lacuna: 1\n");
     for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
         if (absent != NULL && lac_key_behind(part->about.name, absent) != NULL) {
             continue;

@@ -14,15 +14,12 @@ const char *lac_key_behind(const char *key, const char *part)
 static bool find_in(const lac_param *params, size_t count, const char *key, void *at,
                     lac_case_value *out)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (params[i].type == LAC_REAL && strcmp(params[i].key, key) == 0 &&
-            lac_param_given(&params[i], at)) {
-            out->at = (double *)(void *)((char *)at + params[i].offset);
-            out->param = &params[i];
-            return true;
-        }
+    const lac_param *param = lac_param_find(params, count, key);
+    bool found = param != NULL && param->type == LAC_REAL && lac_param_given(param, at);
+    if (found) {
+        *out = (lac_case_value){(double *)(void *)((char *)at + param->offset), param};
     }
-    return false;
+    return found;
 }
 
 static bool find_in_slot(const lac_slot *slot, const char *key, lac_case_value *out)
@@ -118,42 +115,50 @@ const char *lac_case_fault(const lac_case *c)
     return fault;
 }
 
-static lac_status rebase(char **path, const char *folder, lac_error *err)
+// The index-th of the files that a model's parameters name; their number is taken off the index.
+static char **path_in(const lac_slot *slot, size_t *index)
 {
-    if (*path == NULL || (*path)[0] == '/') {
-        return LAC_OK;
-    }
-    char *whole = lac_path_below(folder, strlen(folder), *path);
-    if (whole == NULL) {
-        return lac_fail_memory(err);
-    }
-    free(*path);
-    *path = whole;
-    return LAC_OK;
-}
-
-static lac_status rebase_slot(const lac_slot *slot, const char *folder, lac_error *err)
-{
-    lac_status status = LAC_OK;
     for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
         const lac_param *param = &slot->about->params[i];
-        if (param->type == LAC_PATH && status == LAC_OK) {
-            status = rebase((char **)(void *)((char *)slot->params + param->offset), folder, err);
+        char **path = (char **)(void *)((char *)slot->params + param->offset);
+        if (param->type == LAC_PATH && *path != NULL && (*index)-- == 0) {
+            return path;
         }
     }
-    return status;
+    return NULL;
+}
+
+char **lac_case_file(const lac_case *c, size_t index)
+{
+    const lac_slot *slot;
+    for (size_t i = 0; (slot = slot_at(c, true, i)) != NULL; i++) {
+        char **path = path_in(slot, &index);
+        if (path != NULL) {
+            return path;
+        }
+    }
+    return index < c->compare_count ? &c->compare[index].path : NULL;
 }
 
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err)
 {
-    const lac_slot *slot;
-    lac_status status = LAC_OK;
-    for (size_t i = 0; (slot = slot_at(c, true, i)) != NULL; i++) {
-        LAC_TRY(rebase_slot(slot, folder, err));
+    char **path;
+    for (size_t i = 0; (path = lac_case_file(c, i)) != NULL; i++) {
+        char *whole =
+            (*path)[0] == '/' ? strdup(*path) : lac_path_below(folder, strlen(folder), *path);
+        if (whole == NULL) {
+            return lac_fail_memory(err);
+        }
+        free(*path);
+        *path = whole;
     }
-    for (size_t i = 0; i < c->compare_count; i++) {
-        LAC_TRY(rebase(&c->compare[i].path, folder, err));
-    }
-out:
-    return status;
+    return LAC_OK;
+}
+
+int64_t *lac_slot_seed(const lac_slot *slot)
+{
+    const lac_descriptor *about = slot->about;
+    const lac_param *seed =
+        about != NULL ? lac_param_find(about->params, about->param_count, "seed") : NULL;
+    return seed != NULL ? (int64_t *)(void *)((char *)slot->params + seed->offset) : NULL;
 }

@@ -44,9 +44,6 @@ lac_contact_def lac_contact_default(void);
 /// u_hat = 2 p_hat / (E* |q|); free: u = sum of Love's solution; docs/theory/contact.md.
 /// @param pressure  [ny * nx] [Pa]; overwritten; exactly 0 outside the contact
 /// @param gap       [ny * nx] [m], 0 in contact within the tolerance; NULL if not wanted
-/// @return LAC_OK; LAC_EINPUT (not finite, load or start < 0); LAC_ENUMERIC (no convergence);
-/// LAC_ENOMEM
-/// @cost   O(N log N) an iteration
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
                              lac_contact_report *report, lac_error *err);
 
@@ -60,11 +57,8 @@ typedef struct lac_domain {
 
 /// Collects the cells with p > 0.
 /// @param pressure  [ny * nx] [Pa]
-/// @return LAC_OK; LAC_EINPUT where no cell touches or a pressure is not finite; LAC_ENOMEM
 lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **domain,
                              lac_error *err);
-
-/// Frees a domain; NULL is fine.
 void lac_domain_free(lac_domain *domain);
 
 /// Morton code of a grid cell: the bits of iy and ix interleaved, x lowest.
@@ -104,8 +98,6 @@ extern const lac_domain_source lac_domain_from_file;
 const lac_domain_source *lac_domain_source_at(size_t index);
 
 /// A domain from a source, every contact cell at the same pressure so that the load is held.
-/// @param mean_pressure  over the nominal area [Pa]
-/// @return LAC_OK; LAC_EINPUT (empty domain, a source that is a file); LAC_ENOMEM
 lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
                                   lac_domain **domain, lac_error *err);
 

@@ -2,7 +2,7 @@
 // The shear load at which some cell first reaches its friction limit, while none has slipped yet.
 #include <math.h>
 
-#include "contact/tangential_state.h"
+#include "contact/tangential_solve.h"
 
 // The contact cells of one problem without limits
 static lac_status gather_contact(const lac_tangential_def *def, const double *pressure, size_t n,

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "contact/contact.h"
 #include "contact/solve.h"
 
@@ -100,10 +101,7 @@ static lac_status scale_heights(const lac_contact_def *def, double least, proble
                                 lac_error *err)
 {
     size_t n = lac_grid_cells(&def->grid);
-    double mean = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        mean += def->heights[i] / (double)n;
-    }
+    double mean = lac_mean(n, def->heights);
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
         p->h[i] = def->heights[i] - mean;
@@ -241,13 +239,8 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
         return false;
     }
     size_t n = lac_grid_cells(&def->grid);
-    double mean = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        mean += def->heights[i] / (double)n;
-    }
-    for (size_t i = 0; i < n; i++) {
-        pressure[i] = 0.0;
-    }
+    double mean = lac_mean(n, def->heights);
+    memset(pressure, 0, n * sizeof *pressure);
     for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] = def->approach + mean - def->heights[i];
     }

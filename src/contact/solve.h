@@ -30,10 +30,7 @@ typedef struct lac_half_space {
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
 
-/// @return LAC_OK; LAC_EINPUT (a grid too long to transform); LAC_ENOMEM
 lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out, lac_error *err);
-
-/// Frees; NULL is fine.
 void lac_half_space_free(lac_half_space *s);
 
 /// What s->filter was filled with, in either precision, becomes S times it, to be taken from
@@ -69,19 +66,14 @@ typedef struct lac_descent {
 /// Constrained conjugate gradients on the pressures from a first guess.
 /// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
 /// @param gap       [ny * nx] gap of the result; overwritten; NULL if not wanted
-/// @return LAC_OK, also where the iterations ran out (see residual); LAC_ENOMEM
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err);
 
 /// Whether a residual is within the tolerance.
 bool lac_residual_holds(const lac_residual *r, double tolerance);
 
-/// First guess of the pressures: the solution on the next coarser grid, roughly; uniform on the
-/// coarsest. Any sides will do.
-/// @param h         [ny * nx] heights
-/// @param fine      what is asked of the finest grid
-/// @param pressure  [ny * nx] overwritten; load control: with the given mean
-/// @return LAC_OK; LAC_ENOMEM
+/// First guess of the pressures, from ever coarser grids of any sides; load control: of the given
+/// mean.
 lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
                             double *pressure, lac_error *err);
 

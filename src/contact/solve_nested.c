@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "contact/solve.h"
 
 // First guesses from coarser grids. A coarse grid has about half the cells a side, as many as a
@@ -85,11 +86,8 @@ static void inject(const lac_extent *coarse, const double *from, const lac_exten
 // Brings pressures to the load where that is given.
 static void rescale(const lac_descent *d, size_t n, double *pressure)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += pressure[i];
-    }
-    double scale = d->control == LAC_CONTROL_LOAD ? d->mean_pressure * (double)n / sum : 1.0;
+    double scale =
+        d->control == LAC_CONTROL_LOAD ? d->mean_pressure * (double)n / lac_sum(n, pressure) : 1.0;
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= scale;
     }

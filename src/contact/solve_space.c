@@ -18,53 +18,26 @@ static double column_start(const lac_half_space *s, size_t k)
 
 static double cells_of(const lac_half_space *s) { return (double)s->mx * (double)s->my; }
 
-static void stiffness_single(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    const double *restrict qy2 = s->qy2;
-    float *restrict w = factor;
-    double qx2 = column_start(s, k);
-    float over = (float)(1.0 / cells_of(s));
-    for (size_t j = 0; j <= s->my / 2; j++) {
-        w[j] = over * sqrtf((float)(qx2 + qy2[j]));
+// of q2, the square of kappa; nothing at kappa = 0
+#define SYMBOL(name, real, result)                                \
+    static void name(const void *context, size_t k, void *factor) \
+    {                                                             \
+        const lac_half_space *s = context;                        \
+        const double *restrict qy2 = s->qy2;                      \
+        real *restrict w = factor;                                \
+        const double qx2 = column_start(s, k);                    \
+        const double cells = cells_of(s);                         \
+        for (size_t j = 0; j <= s->my / 2; j++) {                 \
+            const double q2 = qx2 + qy2[j];                       \
+            w[j] = (result);                                      \
+        }                                                         \
+        w[0] = k > 0 ? w[0] : (real)0;                            \
     }
-}
 
-static void stiffness_double(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    const double *restrict qy2 = s->qy2;
-    double *restrict w = factor;
-    double qx2 = column_start(s, k);
-    for (size_t j = 0; j <= s->my / 2; j++) {
-        w[j] = sqrt(qx2 + qy2[j]) / cells_of(s);
-    }
-}
-
-static void periodic_single(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    const double *restrict qy2 = s->qy2;
-    float *restrict w = factor;
-    double qx2 = column_start(s, k);
-    float over = (float)(1.0 / cells_of(s));
-    for (size_t j = 0; j <= s->my / 2; j++) {
-        w[j] = over / sqrtf((float)(qx2 + qy2[j]));
-    }
-    w[0] = k > 0 ? w[0] : 0.0F;
-}
-
-static void periodic_double(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    const double *restrict qy2 = s->qy2;
-    double *restrict w = factor;
-    double qx2 = column_start(s, k);
-    for (size_t j = 0; j <= s->my / 2; j++) {
-        w[j] = 1.0 / (sqrt(qx2 + qy2[j]) * cells_of(s));
-    }
-    w[0] = k > 0 ? w[0] : 0.0;
-}
+SYMBOL(stiffness_single, float, (float)(1.0 / cells) * sqrtf((float)q2))
+SYMBOL(stiffness_double, double, sqrt(q2) / cells)
+SYMBOL(periodic_single, float, (float)(1.0 / cells) / sqrtf((float)q2))
+SYMBOL(periodic_double, double, 1.0 / (sqrt(q2) * cells))
 
 static void free_single(const void *context, size_t k, void *factor)
 {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/roots.h"
 #include "base/rows.h"
 #include "contact/contact.h"
 
@@ -39,12 +40,8 @@ static double keep_probability(double dimension, int children)
     double wanted = exp2(dimension);
     double low = 0, high = 1;
     for (int i = 0; i < 60; i++) {
-        double q = (low + high) / 2;
-        if (children * q + pow(1 - q, children) < wanted) {
-            low = q;
-        } else {
-            high = q;
-        }
+        double q = 0.5 * (low + high);
+        lac_halve(&low, &high, children * q + pow(1 - q, children) < wanted);
     }
     return high;
 }

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "contact/tangential_solve.h"
-#include "contact/tangential_state.h"
 
 #define PI 3.1415926535897932384626433832795
 

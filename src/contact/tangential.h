@@ -52,19 +52,14 @@ typedef struct lac_tangential lac_tangential;
 lac_tangential_def lac_tangential_default(void);
 
 /// Starts a history: no tractions, no shift.
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential **out,
                                  lac_error *err);
-
-/// Frees; NULL is fine.
 void lac_tangential_free(lac_tangential *t);
 
 /// Goes on to the next load, in one step: displacements of the step before are the memory. Cells
 /// that come into contact start without traction; where pressures change, many small steps follow
 /// the history more closely.
 /// @param pressure  [ny * nx] normal pressures at its end [Pa], >= 0
-/// @return LAC_OK; LAC_EINPUT (not finite, no contact, |Q| >= f P, which friction cannot hold);
-/// LAC_ENUMERIC (no convergence; the history stays where it was); LAC_ENOMEM
 lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
                                const lac_tangential_target *target, lac_tangential_report *report,
                                lac_error *err);
@@ -96,7 +91,6 @@ typedef struct lac_first_slip {
 /// @param direction  of the load; any length but 0
 /// @param traction   [2 * ny * nx] tractions at first slip, all x then all y [Pa]; NULL if not
 /// wanted
-/// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC (no convergence); LAC_ENOMEM
 lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
                                      const double direction[2], double *traction,
                                      lac_first_slip *result, lac_error *err);

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "base/statistics.h"
 #include "contact/tangential_solve.h"
 
 // lambda is the minimum of the convex function of two variables
@@ -92,10 +93,7 @@ static void spread(const lac_shear_problem *p, const double *y, double lambda[2]
 static void find_lambda(const lac_shear_problem *p, const double *y, double lambda[2])
 {
     enum { MOST = 200 };
-    double strength = 0.0;
-    for (size_t i = 0; i < p->n; i++) {
-        strength += p->limit[i];
-    }
+    double strength = lac_sum(p->n, p->limit);
     if (!isfinite(strength)) {
         spread(p, y, lambda);
         return;

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vsum.h"
+
 // Conjugate gradients on what is free to move: both components of cells that stick, the direction
 // of those that slip. docs/theory/tangential.md, "Solver".
 //
@@ -70,16 +72,6 @@ static void displace(const lac_shear_problem *p, const double *tau, double *u)
 }
 
 static bool moves(const iteration *it, size_t i) { return it->tx[i] == 0.0 && it->ty[i] == 0.0; }
-
-static double dot(size_t n, const double *restrict x, const double *restrict y)
-{
-    double sum = 0.0;
-#pragma omp simd safelen(2) reduction(+ : sum)
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i] * y[i];
-    }
-    return sum;
-}
 
 static double largest(size_t n, const double *restrict x)
 {
@@ -291,11 +283,11 @@ static double direction(iteration *it)
     const size_t n = it->p->n;
     precondition(it);
     project_free(it, it->t, false, it->t);
-    double G = dot(2 * n, it->z, it->phi);
-    double pt = dot(2 * n, it->t, it->phi);
+    double G = lac_vdot(2 * n, it->z, it->phi);
+    double pt = lac_vdot(2 * n, it->t, it->phi);
     double beta = 0.0;
     if (it->G_old > 0.0) {
-        beta = fmax(0.0, (G - dot(2 * n, it->z, it->phi_old)) / it->G_old);
+        beta = fmax(0.0, (G - lac_vdot(2 * n, it->z, it->phi_old)) / it->G_old);
     }
     // beta > 2 or a direction that does not descend: start afresh
     if (!(beta <= 2.0) || !(G + beta * pt > 0.0)) {

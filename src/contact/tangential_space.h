@@ -22,11 +22,8 @@ typedef struct lac_shear_space {
     double most;       ///< no traction is displaced by more than this times itself
 } lac_shear_space;
 
-/// @return LAC_OK; LAC_EINPUT (a grid too long to transform); LAC_ENOMEM
 lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shear_space **out,
                                   lac_error *err);
-
-/// Frees; NULL is fine.
 void lac_shear_space_free(lac_shear_space *s);
 
 /// real -> C real of both axes; periodic: with the mean left out. All of real is read: nothing

@@ -53,35 +53,26 @@ lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size
     if (n == 0) {
         return LAC_OK;
     }
-    lac_dim *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
+    lac_extent *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
     if (grown == NULL) {
         return lac_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        grown[dataset->dims++] = (lac_dim){.extent = extent[i]};
+        grown[dataset->dims++] = extent[i];
     }
     dataset->dim = grown;
     return LAC_OK;
 }
 
-static lac_dim *find_dim(const lac_dataset *dataset, const char *name, size_t size)
+static lac_extent *find_dim(const lac_dataset *dataset, const char *name, size_t size)
 {
     for (size_t i = 0; i < dataset->dims; i++) {
-        const char *own = dataset->dim[i].extent.name;
+        const char *own = dataset->dim[i].name;
         if (strlen(own) == size && memcmp(own, name, size) == 0) {
             return &dataset->dim[i];
         }
     }
     return NULL;
-}
-
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label, const void *of)
-{
-    lac_dim *found = find_dim(dataset, dim, strlen(dim));
-    if (found != NULL) {
-        found->label = label;
-        found->of = of;
-    }
 }
 
 void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
@@ -198,7 +189,7 @@ void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
 }
 
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
-                      const lac_dim *dim[LAC_MOST_DIMS])
+                      const lac_extent *dim[LAC_MOST_DIMS])
 {
     const char *at = dims_of(entry);
     size_t rank = 0;
@@ -312,7 +303,7 @@ static void step(const lac_item *item, size_t *at)
 // Whether an entry is there for a file; if so, what it is.
 static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_item *out)
 {
-    const lac_dim *dim[LAC_MOST_DIMS];
+    const lac_extent *dim[LAC_MOST_DIMS];
     size_t first[LAC_MOST_DIMS + 1] = {0};
     const size_t next = out->next;
     const lac_variable *row = entry->row;
@@ -333,10 +324,10 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
                       .next = next,
                       .entry = entry};
     for (size_t d = 0; d < out->rank; d++) {
-        out->dim[d] = dim[d]->extent.name;
-        out->length[d] = dim[d]->extent.length;
-        out->count *= dim[d]->extent.length != LAC_GROWS ? dim[d]->extent.length : 1;
-        there = there && (dim[d]->extent.length > 0 || (row->flags & LAC_EMPTY) != 0);
+        out->dim[d] = dim[d]->name;
+        out->length[d] = dim[d]->length;
+        out->count *= dim[d]->length != LAC_GROWS ? dim[d]->length : 1;
+        there = there && (dim[d]->length > 0 || (row->flags & LAC_EMPTY) != 0);
     }
     first[out->rank] = entry->named.which;
     return out->name != NULL && there && lac_entry_has(entry, first);

@@ -10,7 +10,7 @@
 
 enum {
     LAC_MOST_DIMS = 3,  ///< of a variable
-    LAC_TEXT_ROOM = 256 ///< bytes that a text made on demand may take
+    LAC_TEXT_ROOM = 512 ///< bytes that a text made on demand may take
 };
 
 /// One value of a result. NaN and infinity are missing.
@@ -48,7 +48,8 @@ enum {
     LAC_LONG = 512,    ///< with LAC_WHOLE: of 64 bits
     LAC_ROUGH = 1024,  ///< may be written as floats
     LAC_CELLS = 2048,  ///< over many cells: compressed, and written place by place, not in batches
-    LAC_LATE = 4096    ///< its values are known only after it is defined
+    LAC_LATE = 4096,   ///< its values are known only after it is defined
+    LAC_NUMERAL = 8192 ///< texts that may be numbers, and are written as such in JSON
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -65,8 +66,9 @@ typedef struct lac_variable {
     lac_getter value;     ///< either of these, or what is held
     lac_text_getter text; ///< of a text
     lac_held held;
-    unsigned flags;                                ///< LAC_MISSING | ...
-    size_t offset;                                 ///< of what is held [bytes]
+    unsigned flags;        ///< LAC_MISSING | ...
+    size_t offset;         ///< of what is held [bytes]
+    lac_text_getter label; ///< names the places of its last dimension, where `json` ends in {}
     bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
                                                    ///< the first of an object in JSON; NULL: true
 } lac_variable;
@@ -98,10 +100,6 @@ typedef struct lac_extent {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err);
-
-/// Names the places of a dimension that was added, for objects in JSON.
-void lac_dataset_label(lac_dataset *dataset, const char *dim, lac_text_getter label,
-                       const void *of);
 
 /// What times count from in a file.
 typedef enum lac_clock {
@@ -195,12 +193,6 @@ enum {
     LAC_JSON_NAME = 64   ///< bytes of a part of a path in JSON
 };
 
-typedef struct lac_dim {
-    lac_extent extent;
-    lac_text_getter label; ///< NULL: its places have no names
-    const void *of;
-} lac_dim;
-
 /// A row and what it is laid on.
 typedef struct lac_entry {
     const lac_variable *row;
@@ -218,7 +210,7 @@ struct lac_dataset {
     lac_clock clock;
     double start;
     size_t dims, entries, room;
-    lac_dim *dim;
+    lac_extent *dim;
     lac_entry *entry;
     void *result; ///< that it is of, if it is its own
     void (*release)(void *result);
@@ -232,7 +224,7 @@ void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *
 
 /// Its dimensions. @return how many
 size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
-                      const lac_dim *dim[LAC_MOST_DIMS]);
+                      const lac_extent *dim[LAC_MOST_DIMS]);
 
 /// One value, text, and whether it is there. @param place  of all its values
 double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place);

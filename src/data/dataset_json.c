@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as members of a JSON object: each row says by its path where its values stand.
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/dataset.h"
@@ -45,20 +46,20 @@ static bool shares(const char *path, const char *with, const part *p)
     return strncmp(path, with, p->length) == 0 && path[p->length] == with[p->length];
 }
 
-static const lac_dim *next_dim(const group *g)
+static const lac_extent *next_dim(const group *g)
 {
-    const lac_dim *dim[LAC_MOST_DIMS] = {NULL};
+    const lac_extent *dim[LAC_MOST_DIMS] = {NULL};
     (void)lac_entry_dims(g->dataset, g->entry[0], dim);
     return dim[g->rank];
 }
 
 static size_t place_of(const group *g, const lac_entry *entry)
 {
-    const lac_dim *dim[LAC_MOST_DIMS];
+    const lac_extent *dim[LAC_MOST_DIMS];
     const size_t own = entry->stride > 0 || entry->pointers ? 1 : 0; // not of the array
     size_t place = 0;
     for (size_t d = own, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
-        place = place * dim[d]->extent.length + g->at[d];
+        place = place * dim[d]->length + g->at[d];
     }
     return place;
 }
@@ -67,7 +68,15 @@ static void write_value(const group *g, const lac_entry *entry, const char *key,
 {
     char room[LAC_TEXT_ROOM];
     if (lac_entry_is_text(entry)) {
-        lac_json_text(json, key, lac_entry_text(entry, g->at, room));
+        const char *text = lac_entry_text(entry, g->at, room);
+        char *end = "";
+        const bool may = (entry->row->flags & LAC_NUMERAL) != 0 && text != NULL && *text != '\0';
+        const double number = may ? strtod(text, &end) : NAN;
+        if (may && *end == '\0') {
+            lac_json_number(json, key, number);
+        } else {
+            lac_json_text(json, key, text);
+        }
     } else if (entry->of == NULL) {
         lac_json_null(json, key);
     } else if (entry->row->held == LAC_HELD_BOOL || (entry->row->flags & LAC_TRUTH) != 0) {
@@ -86,6 +95,10 @@ static void write_leaf(const group *g, const char *key, lac_json *json)
         }
         return;
     }
+    if (g->entry[0]->of != NULL && !lac_entry_has(g->entry[0], g->at)) {
+        lac_json_null(json, key);
+        return;
+    }
     lac_json_open(json, key, '[');
     for (size_t i = 0; i < g->count; i++) {
         write_value(g, g->entry[i], NULL, json);
@@ -95,12 +108,15 @@ static void write_leaf(const group *g, const char *key, lac_json *json)
 
 static void write_labelled(group *g, const char *key, lac_json *json)
 {
-    const lac_dim *dim = next_dim(g);
+    const lac_entry *entry = g->entry[0];
+    const size_t length = next_dim(g)->length;
     char room[LAC_TEXT_ROOM];
     lac_json_open(json, key, '{');
-    for (size_t i = 0; i < dim->extent.length; i++) {
+    for (size_t i = 0; i < length; i++) {
         g->at[g->rank] = i;
-        write_value(g, g->entry[0], dim->label(dim->of, &i, room), json);
+        if (lac_entry_has(entry, g->at)) {
+            write_value(g, entry, entry->row->label(entry->of, g->at, room), json);
+        }
     }
     lac_json_close(json, '}');
 }
@@ -123,7 +139,7 @@ static void write_part(const group *g, const part *p, size_t lists, const char *
 {
     group inner = *g;
     if (lists > 0) {
-        const size_t length = next_dim(g)->extent.length;
+        const size_t length = next_dim(g)->length;
         inner.rank++;
         lac_json_open(json, key, '[');
         for (size_t i = 0; i < length; i++) {

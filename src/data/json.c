@@ -204,3 +204,12 @@ void lac_json_bytes(lac_json *json, const char *key, const uint8_t *bytes, size_
     }
     put(json, "\"");
 }
+
+void lac_json_texts(lac_json *json, const char *const *pair)
+{
+    lac_json_open(json, NULL, '{');
+    for (; pair[0] != NULL; pair += 2) {
+        lac_json_text(json, pair[0], pair[1]);
+    }
+    lac_json_close(json, '}');
+}

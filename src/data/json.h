@@ -36,6 +36,10 @@ size_t lac_utf8_length(const unsigned char *s);
 /// Text in quotes, escaped; bytes that are no UTF-8 become U+FFFD; null where NULL.
 void lac_json_text(lac_json *json, const char *key, const char *text);
 
+/// An object of texts, in a list or at the top: keys and texts in turn, NULL at the end.
+void lac_json_texts(lac_json *json, const char *const *pair);
+#define LAC_JSON_TEXTS(json, ...) lac_json_texts(json, (const char *const[]){__VA_ARGS__, NULL})
+
 /// Bytes in base 64.
 void lac_json_bytes(lac_json *json, const char *key, const uint8_t *bytes, size_t n);
 

@@ -34,6 +34,7 @@ LAC_GETTER(double, best_power, RESULT, r->axis[r->parameters - 1].power[at[0]])
 LAC_GETTER(double, best_sigma, RESULT, r->axis[r->parameters - 1].sigma)
 LAC_GETTER(double, least_power, RESULT, r->axis[0].power[at[0]])
 LAC_GETTER(double, least_sigma, RESULT, r->axis[0].sigma)
+LAC_TEXT_GETTER(key_of, RESULT, r->unknown[at[0]].key)
 LAC_TEXT_GETTER(formula, RESULT; (void)r, "(m/dc)(1 - x^(m-1))")
 
 LAC_GETTER(bool, is_log, UNKNOWN, x->log)
@@ -115,9 +116,9 @@ static const lac_variable of_data[] = {
 
 static const lac_variable of_result[] = {
     {.json = "correlation[][]", .dims = "parameter parameter", .value = correlation},
-    {.json = "known_best/powers{}", .dims = "parameter", .value = best_power},
+    {.json = "known_best/powers{}", .dims = "parameter", .value = best_power, .label = key_of},
     {.json = "known_best/sigma_of_logarithm", .value = best_sigma},
-    {.json = "known_least/powers{}", .dims = "parameter", .value = least_power},
+    {.json = "known_least/powers{}", .dims = "parameter", .value = least_power, .label = key_of},
     {.json = "known_least/sigma_of_logarithm", .value = least_sigma},
     {.json = "shape/formula", .text = formula, .has = is_one_block},
     {.json = "shape/median_1_m", R(REAL, shape.quantile[2])},
@@ -187,12 +188,6 @@ static void name_of(const char *key, char name[NAME])
     }
 }
 
-static const char *key_of(const void *of, const size_t *at, char room[LAC_TEXT_ROOM])
-{
-    (void)room;
-    return ((const lac_fit_result *)of)->unknown[at[0]].key;
-}
-
 // A variable an unknown: its draws over (chain, draw), or its best value alone.
 static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *err)
 {
@@ -241,7 +236,6 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     lac_dataset_set_clock(d, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
                           o->source->start_date);
     LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    lac_dataset_label(d, "parameter", key_of, r);
     LAC_TRY(add_draws(d, r, err));
     LAC_TRY(lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err));
     *out = d;

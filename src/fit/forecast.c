@@ -17,6 +17,7 @@ typedef struct forecast_made {
     lac_foresight how;
     lac_forecast_model model;
     lac_evidence evidence;
+    lac_readings readings;
     lac_outlook *outlook;
     lac_rolling *rolling;
     lac_precursor_course *course;
@@ -101,10 +102,12 @@ static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
                            : lac_fail(err, LAC_EINPUT, "no reading until %g s", f->options.until));
     LAC_TRY(lac_outlook_create(&def, &readings, &f->outlook, err));
     f->evidence = lac_evidence_default();
+    f->readings = readings;
     LAC_TRY(lac_precursors_at(&f->evidence, f->outlook, f->indicator, &indicators, err));
     status = f->options.issues > 0 ? roll(f, &def, &readings, err) : LAC_OK;
     f->outcome = (lac_forecast_outcome){
-        .attribution = s->attribution,
+        .series = s,
+        .readings = &f->readings,
         .dated = s->dated,
         .failed_at = f->options.failed_at,
         .outlook = f->outlook,

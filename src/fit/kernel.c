@@ -41,24 +41,22 @@ void lac_kernels_clear(lac_kernels *k)
     *k = (lac_kernels){0};
 }
 
-// Cholesky's lower triangle in the place of a matrix; GSL's own ends the program where there is
-// none. @return whether there is one
-static bool factor(size_t d, double *a)
+bool lac_fit_factor(size_t d, size_t stride, double *a)
 {
+    bool full = true;
     for (size_t j = 0; j < d; j++) {
-        double whole = a[j * d + j];
+        double *pivot = &a[j * stride + j];
+        double whole = *pivot;
         for (size_t i = j; i < d; i++) {
-            double sum = a[i * d + j];
+            double sum = a[i * stride + j];
             for (size_t k = 0; k < j; k++) {
-                sum -= a[i * d + k] * a[j * d + k];
+                sum -= a[i * stride + k] * a[j * stride + k];
             }
-            if (i == j && !(sum > 1e-12 * whole)) {
-                return false;
-            }
-            a[i * d + j] = i == j ? sqrt(sum) : sum / a[j * d + j];
+            full = full && (i != j || sum > 1e-12 * whole);
+            a[i * stride + j] = i == j ? sqrt(fmax(sum, 0.0)) : *pivot > 0.0 ? sum / *pivot : 0.0;
         }
     }
-    return true;
+    return full;
 }
 
 // x = L^-1 x
@@ -117,7 +115,7 @@ static bool set_places(lac_kernels *k, const double *x)
     for (size_t i = 0; i < d * d; i++) {
         k->root[i] /= (double)k->count;
     }
-    if (!factor(d, k->root)) {
+    if (!lac_fit_factor(d, d, k->root)) {
         return false;
     }
     for (size_t i = 0; i < k->count * d; i++) {
@@ -155,7 +153,7 @@ static bool set_spread(lac_kernels *k, size_t which)
         s[i] *= (1.0 - alike) * share;
         s[i] += i % (d + 1) == 0 ? alike * trace / (double)d : 0.0;
     }
-    if (!factor(d, s)) {
+    if (!lac_fit_factor(d, d, s)) {
         return false;
     }
     k->log_scale[which] = 0.0;

@@ -7,6 +7,12 @@
 
 #include "lacuna/error.h"
 
+/// Cholesky's lower triangle in the place of a matrix; GSL's own ends the program where there is
+/// none. What depends on the rows before it gets 0.
+/// @param stride  from row to row
+/// @return whether the matrix is positive definite, with twelve digits
+bool lac_fit_factor(size_t d, size_t stride, double *a);
+
 /// A density made of walkers: about each a Student t with four degrees of freedom, whose spread is
 /// that of the walkers next to it. So it follows valleys that bend and widen, and reaches far. It
 /// turns and stretches with the walkers: an affine map of them maps it.

@@ -9,6 +9,7 @@
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "fit/internal.h"
+#include "fit/kernel.h"
 
 enum { TRIES = 200 };
 
@@ -27,17 +28,12 @@ static void find_spread(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_F
 {
     size_t n = fit->def->count;
     double scale = 1.0;
+    memcpy(l, fit->covariance, sizeof fit->covariance);
+    (void)lac_fit_factor(n, LAC_MOST_FITTED, &l[0][0]);
     for (size_t i = 0; i < n; i++) {
         double width = fit->high[i] - fit->low[i];
         double most = isfinite(width) ? 0.2 * width : 1.0;
         scale = fmin(scale, most / sqrt(fmax(fit->covariance[i][i], 1e-300)));
-        for (size_t j = 0; j <= i; j++) {
-            double sum = fit->covariance[i][j];
-            for (size_t k = 0; k < j; k++) {
-                sum -= l[i][k] * l[j][k];
-            }
-            l[i][j] = i == j ? sqrt(fmax(sum, 0.0)) : l[j][j] > 0.0 ? sum / l[j][j] : 0.0;
-        }
     }
     for (size_t i = 0; i < n; i++) {
         double width = fit->high[i] - fit->low[i];
@@ -78,7 +74,7 @@ static void draw_start(const lac_fit *fit, double l[LAC_MOST_FITTED][LAC_MOST_FI
 
 static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
 {
-    double l[LAC_MOST_FITTED][LAC_MOST_FITTED] = {{0}};
+    double l[LAC_MOST_FITTED][LAC_MOST_FITTED];
     size_t walkers = (size_t)fit->def->walkers;
     find_spread(fit, l);
     for (size_t w = 0; w < walkers; w++) {

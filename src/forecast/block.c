@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "forecast/posterior.h"
+#include "forecast/project.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
 static const double first_s = -12.0, last_s = 12.0;
@@ -184,10 +184,9 @@ out:
 }
 
 const lac_forecast_kind lac_forecast_block = {
-    .about = {.name = "block",
-              .summary = "one block of rate-and-state friction",
-              .reference = "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi "
-                           "10.1029/2002JB002160"},
+    .about = LAC_ABOUT(
+        "block", "one block of rate-and-state friction",
+        "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi 10.1029/2002JB002160"),
     .estimator =
         "the exact displacement of an aging-law block with b/a in {1.1, 1.2, 1.35, 1.6, 2, "
         "3}: tc and theta_ss by nonlinear least squares over all displacements of the "

@@ -50,11 +50,9 @@ static lac_status fit_all(const lac_window *w, lac_finding *fit, lac_error *err)
 }
 
 const lac_forecast_kind lac_forecast_inv8 = {
-    .about = {.name = "inv8",
-              .summary = "inverse velocity, the last eight",
-              .reference =
-                  "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, "
-                  "145-150"},
+    .about = LAC_ABOUT(
+        "inv8", "inverse velocity, the last eight",
+        "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "1/v on t by ordinary least squares over the last eight velocities; tc where the "
                  "line meets 0",
     .least = LAST,
@@ -64,11 +62,9 @@ const lac_forecast_kind lac_forecast_inv8 = {
 };
 
 const lac_forecast_kind lac_forecast_inv = {
-    .about = {.name = "inv",
-              .summary = "inverse velocity, the whole window",
-              .reference =
-                  "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, "
-                  "145-150"},
+    .about = LAC_ABOUT(
+        "inv", "inverse velocity, the whole window",
+        "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,

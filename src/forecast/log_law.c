@@ -32,10 +32,9 @@ out:
 }
 
 const lac_forecast_kind lac_forecast_log = {
-    .about = {.name = "log",
-              .summary = "log law of displacement",
-              .reference = "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi "
-                           "10.1029/2002JB002160"},
+    .about = LAC_ABOUT(
+        "log", "log law of displacement",
+        "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi 10.1029/2002JB002160"),
     .estimator = "d = A - B ln(tc - t) by least squares over all displacements of the window",
     .least = 6,
     .displacements = true,

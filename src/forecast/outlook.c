@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forecast/window.h"
+#include "forecast/kinds.h"
 
 enum { LONGEST_RUN = 1000, INTEGRABLE = 20 };
 static const double vaguest = 1.5; // standard error of ln remaining that still is a forecast

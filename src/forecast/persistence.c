@@ -18,9 +18,8 @@ static lac_status fit_nothing(const lac_window *w, lac_finding *fit, lac_error *
 
 // ln of 1/19, 1/3, 3, 19
 const lac_forecast_kind lac_forecast_persistence = {
-    .about = {.name = "persistence",
-              .summary = "baseline: goes on as long as it has",
-              .reference = "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"},
+    .about = LAC_ABOUT("persistence", "baseline: goes on as long as it has",
+                       "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"),
     .estimator = "as long again as the window has lasted; below r with the chance r/(t + r)",
     .least = 1,
     .baseline = true,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The posterior of the time of failure: every shape of the fitted curve counts by its weight.
-#include "forecast/posterior.h"
+#include "forecast/project.h"
 
 #include <math.h>
 #include <stdlib.h>

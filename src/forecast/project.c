@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 enum { STARTS = 4, ITERATIONS = 100 };
 static const double farthest = 20.0; // remaining time over the window's length
 static const double most_alike = 0.95;
@@ -126,13 +128,8 @@ static double alike(const lac_projection *self)
 {
     const size_t n = self->window->n;
     const double *r = self->residual;
-    double square = r[0] * r[0];
-    double product = 0.0;
-    for (size_t i = 1; i < n; i++) {
-        square += r[i] * r[i];
-        product += r[i] * r[i - 1];
-    }
-    return square > 0.0 ? fmin(most_alike, fmax(0.0, product / square)) : 0.0;
+    const double square = lac_dot(n, r, r);
+    return square > 0.0 ? fmin(most_alike, fmax(0.0, lac_dot(n - 1, r, r + 1) / square)) : 0.0;
 }
 
 static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,

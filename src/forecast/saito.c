@@ -6,6 +6,7 @@
 //     (d3 - d1)/(d2 - d1) = ln((tc - t1)/(tc - t3)) / ln((tc - t1)/(tc - t2)).
 #include <math.h>
 
+#include "base/roots.h"
 #include "forecast/kinds.h"
 
 enum { HALVINGS = 200 };
@@ -27,12 +28,7 @@ static double solve(double t1, double t2, double d1, double d2, double d3)
         return NAN;
     }
     for (int i = 0; i < HALVINGS && high - low > 0.0; i++) {
-        const double middle = 0.5 * (low + high);
-        if (excess(exp(middle), t1, t2) > ratio) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        lac_halve(&low, &high, excess(exp(0.5 * (low + high)), t1, t2) > ratio);
     }
     return exp(0.5 * (low + high));
 }
@@ -99,10 +95,9 @@ static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *er
 }
 
 const lac_forecast_kind lac_forecast_saito = {
-    .about = {.name = "saito",
-              .summary = "three points of equal displacement",
-              .reference = "Saito (1969), Proc. 7th Int. Conf. Soil Mech. Found. Eng., Mexico, 2, "
-                           "677-683"},
+    .about =
+        LAC_ABOUT("saito", "three points of equal displacement",
+                  "Saito (1969), Proc. 7th Int. Conf. Soil Mech. Found. Eng., Mexico, 2, 677-683"),
     .estimator = "the log law through the first and the last reading of the window and the one "
                  "nearest to half of the displacement",
     .least = 5,

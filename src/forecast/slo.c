@@ -36,10 +36,9 @@ static lac_status fit_slope(const lac_window *w, lac_finding *fit, lac_error *er
 }
 
 const lac_forecast_kind lac_forecast_slo = {
-    .about = {.name = "slo",
-              .summary = "slope of t v against v",
-              .reference = "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
-                           "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"},
+    .about = LAC_ABOUT("slo", "slope of t v against v",
+                       "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
+                       "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"),
     .estimator = "t v on v by ordinary least squares over all velocities of the window; tc is the "
                  "slope",
     .least = 5,

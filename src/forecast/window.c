@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The readings that methods are fitted to, and whether the slope accelerates beyond its noise.
-#include "forecast/window.h"
+#include "forecast/kinds.h"
 
 #include <float.h>
 #include <math.h>

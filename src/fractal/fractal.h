@@ -32,7 +32,6 @@ lac_box_def lac_box_default(void);
 /// Box-counting dimension of a contact domain.
 /// N(s) ~ s^-D; least squares of ln N on ln s; the error covers the spread over origins and over
 /// sub-ranges of the fit and the bias of boxes that cover loosely, not the regression alone.
-/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where fewer than three box sides fit the grid
 lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
                              lac_box_count *result, lac_error *err);
 
@@ -45,17 +44,11 @@ typedef struct lac_dyadic {
 } lac_dyadic;
 
 /// Counts the blocks of every level.
-/// @cost O(n levels); allocates nothing; cannot fail
 lac_dyadic lac_dyadic_count(const lac_domain *domain);
 
-/// Solves the contact at the normal load at which lac_dyadic has a given dimension, as near as the
-/// jumps by single cells allow: within 1e-4 where they do, else at most 0.02 away.
-/// @param def        e_star, grid, heights, tolerance and iterations count; the load does not
-/// @param dimension  [1] > 0, below that of full contact
-/// @param pressure   [ny * nx] as lac_contact_solve gives at report->mean_pressure; overwritten
-/// @param gap        [ny * nx] likewise; NULL if not wanted
-/// @return LAC_OK; LAC_EINPUT also where no load gives this dimension; as lac_contact_solve
-/// @cost   6 to 30 solutions, all but the first and the last from the one before
+/// Solves the contact at the normal load at which lac_dyadic has a given dimension, > 0 and below
+/// that of full contact: to 1e-4, or 0.02 where single cells jump further. The load of `def` does
+/// not count.
 lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
                                double *gap, lac_contact_report *report, lac_error *err);
 
@@ -71,11 +64,7 @@ typedef struct lac_clusters {
 } lac_clusters;
 
 /// Finds the clusters, across the edges where the grid is periodic.
-/// @return LAC_OK; LAC_EINPUT where no cell is in contact; LAC_ENOMEM
-/// @cost   O(grid cells); 4 bytes a cell of the grid and 12 a contact cell while it works
 lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **clusters, lac_error *err);
-
-/// Frees clusters; NULL is fine.
 void lac_clusters_free(lac_clusters *clusters);
 
 /// Linear extent of one cluster: the longer of its two extents, on a line its length [m].
@@ -141,12 +130,9 @@ typedef struct lac_scaling {
     double fractal_pressure; ///< p* = P / A* [N m^-Delta_S]
 } lac_scaling;
 
-/// Fits Delta_S = 2 - d ln A_r / d ln r, docs/theory/fractal.md.
-/// The finest resolution of a surface is its own cut-off, where the area stops falling: leave it
-/// out where it belongs to the series.
-/// @param scaling  n and cell, area and pressure of each resolution given; the rest is filled in
-/// @param left_out finest resolutions to leave out of the fit; at least three must stay
-/// @return LAC_OK; LAC_EINPUT (too few, not finer from one to the next, areas or pressures not > 0)
+/// Fits Delta_S = 2 - d ln A_r / d ln r: docs/theory/fractal.md. At least three resolutions must
+/// stay; the finest of a surface is its own cut-off, and left out. Cell, area and pressure are
+/// given.
 lac_status lac_scaling_fit(lac_scaling *scaling, size_t left_out, lac_error *err);
 
 /// Contact area without what whole cells add along its boundary: A - (pi - 1 + ln 2)/24 r boundary.
@@ -166,11 +152,8 @@ typedef struct lac_scaling_def {
 /// From 64 cells by point sampling, the finest resolution left out of the fit.
 lac_scaling_def lac_scaling_default(void);
 
-/// Solves the contact of one interface at its own resolution and at 2, 4, 8 ... times its cell and
-/// fits the areas. Each resolution is solved on its own, from a flat start.
-/// @param contact  the finest resolution, under load control; its sides divide by two as often as
-///                 it is coarsened; `start` is not used
-/// @return LAC_OK; what lac_contact_solve or lac_scaling_fit return; LAC_ENOMEM
+/// Solves the contact of one interface, under load control, at its own resolution and at 2, 4, 8
+/// ... times its cell, each from a flat start, and fits the areas.
 lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling_def *def,
                                lac_scaling *scaling, lac_error *err);
 
@@ -189,12 +172,8 @@ typedef struct lac_size_strength {
     double low, high; ///< relative, at Delta_S a standard error lower and higher [1]; low <= high
 } lac_size_strength;
 
-/// The size effect: q_crit ~ p_0 ~ p* b^-(2 - Delta_S).
-/// Two interfaces that exchange the same p* behave alike; docs/theory/fractal.md eq. 6.
-/// @param n     specimens
-/// @param size  [n] their sides [m]
-/// @param rows  [n] overwritten
-/// @return LAC_OK; LAC_EINPUT (a size or pressure not > 0, Delta_S not in (0, 2], error < 0)
+/// The size effect of n specimens: q_crit ~ p_0 ~ p* b^-(2 - Delta_S); docs/theory/fractal.md
+/// eq. 6.
 /// @source Borri-Brunetto, Carpinteri and Chiaia (2004), eq. 2 and 3
 lac_status lac_size_effect(const lac_size_def *def, size_t n, const double *size,
                            lac_size_strength *rows, lac_error *err);

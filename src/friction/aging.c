@@ -70,16 +70,13 @@ static const lac_friction_lone lone = {.change = change, .step = step};
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_aging = {
-    .about = {.name = "aging",
-              .summary = "state grows with time at rest: dtheta/dt = 1 - v theta/dc",
-              .reference =
-                  "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Ruina "
-                  "(1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: "
-                  "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
-                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
-                  "10.1029/2000JB900250",
-              LAC_ROWS(params, lac_friction_params),
-              .fault = lac_law_fault},
+    .about = LAC_ABOUT(
+        "aging", "state grows with time at rest: dtheta/dt = 1 - v theta/dc",
+        "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Ruina (1983) J. "
+        "Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: Rice & Ben-Zion (1996) "
+        "Proc. Natl. Acad. Sci. 93, 3811, doi 10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. "
+        "Geophys. Res. 105, 23765, doi 10.1029/2000JB900250",
+        LAC_ROWS(params, lac_friction_params), .fault = lac_law_fault),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,

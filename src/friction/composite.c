@@ -72,16 +72,13 @@ static const lac_param params[] = {
 };
 
 const lac_friction_law lac_friction_composite = {
-    .about = {.name = "composite",
-              .summary =
-                  "heals with time below vc, else only with slip: dtheta/dt = exp(-v/vc) - (v "
-                  "theta/dc) ln(v theta/dc)",
-              .reference =
-                  "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi "
-                  "10.1029/2000GL012060; regularised: Rice & Ben-Zion (1996) Proc. Natl. Acad. "
-                  "Sci. 93, 3811, doi 10.1073/pnas.93.9.3811",
-              LAC_ROWS(params, composite_params),
-              .fault = lac_law_fault},
+    .about = LAC_ABOUT(
+        "composite",
+        "heals with time below vc, else only with slip: dtheta/dt = exp(-v/vc) - (v theta/dc) ln(v "
+        "theta/dc)",
+        "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi 10.1029/2000GL012060; regularised: "
+        "Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi 10.1073/pnas.93.9.3811",
+        LAC_ROWS(params, composite_params), .fault = lac_law_fault),
     .evolve = evolve,
     .steady_state = steady_state,
 };

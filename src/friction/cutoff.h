@@ -41,4 +41,26 @@ double lac_cutoff_rate_of(const lac_friction *friction, size_t cell, double soft
 /// w with W(w) = `softened`; NaN where that is dc/v2 or younger.
 double lac_cutoff_state_of(const lac_friction *friction, size_t cell, double softened);
 
+/// Strength over cells first ... first + n - 1; docs/theory/friction.md eqs. 1 to 4.
+/// @param values  f, f_u and f_w are set; g is left alone
+/// @param slopes  f_uu, f_uw and f_ww are set, g_u and g_w left alone; NULL where not wanted
+void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, const double *u,
+                       const double *w, const lac_friction_values *values,
+                       const lac_friction_slopes *slopes);
+
+/// The plain coefficient that goes with coefficient f of the form in use.
+/// @return a ln(2 sinh(f/a)) where regularised, NaN if f <= 0; f itself where plain
+double lac_form_plain_of(const lac_friction *friction, size_t cell, double f);
+
+/// Rates of all cells of a balance at once, where no cell has a cut-off.
+/// @param u       [n] where to begin, then ln|v| of those that settled
+/// @param v       [n] v of those that settled
+/// @param settled [n] 1 where u and v are the root's; 0: nothing is known
+/// @return how many did not settle
+size_t lac_friction_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
+                           double *v, double *settled);
+
+/// How many of the u are no place to begin: 0, beyond the bounds, NaN.
+size_t lac_friction_count_cold(size_t n, const double *u);
+
 #endif

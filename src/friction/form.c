@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The friction coefficient of rate and state, plain or regularised, in forms that never overflow.
-#include "friction/form.h"
+#include "friction/cutoff.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/clones.h"
 #include "base/vmath.h"
-#include "friction/cutoff.h"
 #include "friction/law.h"
 
 // Both forms are one: with F = constant + a U + b W the plain coefficient (U = u and W = w but for

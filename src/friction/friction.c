@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "friction/cutoff.h"
-#include "friction/form.h"
 #include "friction/law.h"
 
 static size_t count_columns(const lac_descriptor *about)

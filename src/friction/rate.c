@@ -5,7 +5,6 @@
 #include <stdbool.h>
 
 #include "friction/cutoff.h"
-#include "friction/form.h"
 
 // Without a cut-off of the direct effect every residual below is convex and increasing in u = ln v,
 // and every start lies at or right of its root. There Newton's method falls monotonically onto the

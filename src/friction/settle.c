@@ -12,7 +12,7 @@
 // All derivatives by s come from v and v_s = e^(s - shift) (1 + e^(-2 s)), and Householder's
 // iteration with three of them is of fourth order: after a step d the error is below 0.006 d^4, as
 // every derivative of kappa v is below 1 + kappa v_s. v follows the last step by its series.
-#include "friction/settle.h"
+#include "friction/cutoff.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -45,15 +45,12 @@ static const lac_friction_lone lone = {.change = change, .step = step};
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_slip = {
-    .about = {.name = "slip",
-              .summary = "state changes only with slip: dtheta/dt = -(v theta/dc) ln(v theta/dc)",
-              .reference =
-                  "Ruina (1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; "
-                  "regularised: Rice & Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi "
-                  "10.1073/pnas.93.9.3811; Lapusta et al. (2000) J. Geophys. Res. 105, 23765, doi "
-                  "10.1029/2000JB900250",
-              LAC_ROWS(params, lac_friction_params),
-              .fault = lac_law_fault},
+    .about = LAC_ABOUT(
+        "slip", "state changes only with slip: dtheta/dt = -(v theta/dc) ln(v theta/dc)",
+        "Ruina (1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: Rice & "
+        "Ben-Zion (1996) Proc. Natl. Acad. Sci. 93, 3811, doi 10.1073/pnas.93.9.3811; Lapusta et "
+        "al. (2000) J. Geophys. Res. 105, 23765, doi 10.1029/2000JB900250",
+        LAC_ROWS(params, lac_friction_params), .fault = lac_law_fault),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,

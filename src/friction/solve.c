@@ -4,10 +4,9 @@
 #include <assert.h>
 #include <math.h>
 
+#include "base/roots.h"
 #include "base/vmath.h"
 #include "friction/cutoff.h"
-#include "friction/form.h"
-#include "friction/settle.h"
 
 // h(u) = p f(u, w) + eta e^u - |tau| rises with u = ln|v|. Newton's method on a block of cells at
 // once, no step longer than LONGEST: where h bends upwards a step from the left may be far too
@@ -78,11 +77,7 @@ static double bisect(const lac_friction *friction, const lac_friction_balance *e
     for (int k = 0; k < MOST_HALVINGS; k++) {
         double u = 0.5 * (low + high), f, f_u;
         strength(friction, eq->first + i, 1, &u, eq->w + i, &f, &f_u);
-        if (p * f + eq->damping * exp(u) > fabs(eq->traction[i])) {
-            high = u;
-        } else {
-            low = u;
-        }
+        lac_halve(&low, &high, p * f + eq->damping * exp(u) <= fabs(eq->traction[i]));
     }
     return 0.5 * (low + high);
 }

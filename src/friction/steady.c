@@ -2,6 +2,7 @@
 // Steady states, and states told by how far they are from one.
 #include <math.h>
 
+#include "base/roots.h"
 #include "friction/cutoff.h"
 #include "friction/law.h"
 
@@ -49,11 +50,10 @@ static double steady_rate(const aged *c, double near)
             continue;
         }
         for (int i = 0; i < 100; i++) {
-            double middle = low + (high - low) / 2;
-            bool same = (excess(c, middle) > 0) == (at_low > 0);
-            *(same ? &low : &high) = middle;
+            double middle = 0.5 * (low + high);
+            lac_halve(&low, &high, (excess(c, middle) > 0) == (at_low > 0));
         }
-        return low + (high - low) / 2;
+        return 0.5 * (low + high);
     }
     return (double)NAN;
 }

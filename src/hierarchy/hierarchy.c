@@ -167,3 +167,8 @@ const uint32_t *lac_hierarchy_offsets(const lac_hierarchy *h, size_t level)
 {
     return h->part[h->of_level[level]].first;
 }
+
+const uint32_t *lac_hierarchy_parents(const lac_hierarchy *h, size_t level)
+{
+    return h->part[h->of_level[level]].parent;
+}

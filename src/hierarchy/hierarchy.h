@@ -10,10 +10,7 @@ typedef struct lac_hierarchy lac_hierarchy;
 
 /// Builds the blocks over a domain; level 0 is the contact cells, level m the one root.
 /// 2^m is the smallest power of two that covers the grid.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err);
-
-/// Frees a hierarchy; NULL is fine.
 void lac_hierarchy_free(lac_hierarchy *h);
 
 /// Contact cells n.
@@ -31,30 +28,21 @@ size_t lac_hierarchy_rank(const lac_hierarchy *h, size_t level);
 /// First contact cell of each block of a level, and n at the end: [blocks(level) + 1].
 const uint32_t *lac_hierarchy_offsets(const lac_hierarchy *h, size_t level);
 
+/// Block of the next level that each block of a level lies in, where the two levels differ:
+/// [blocks(level)].
+const uint32_t *lac_hierarchy_parents(const lac_hierarchy *h, size_t level);
+
 /// Doubles of scratch that apply and solve need.
 size_t lac_hierarchy_work(const lac_hierarchy *h);
 
-/// y = K x with K = sum_l k_l (P_l - P_{l+1}); docs/theory/transfer.md.
-/// @param k     [m] stiffness of each level [Pa/m]
-/// @param x     [n] slip [m]
-/// @param y     [n] stress taken off each cell [Pa]; overwritten
-/// @param work  [lac_hierarchy_work] scratch
-/// @pre   x and y do not overlap
-/// @cost  O(n): one pass up, one pass down; allocates nothing; cannot fail
+/// y = K x with K = sum_l k_l (P_l - P_{l+1}); docs/theory/transfer.md. x and y do not overlap.
 void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *x, double *y,
                          double *work);
 
-/// Solves (D + K + k_mean P_m) x = y exactly.
-/// @param k         [m] stiffness of each level [Pa/m]
-/// @param k_mean    stiffness of the mean mode (springs) [Pa/m]
-/// @param diagonal  [n] D [Pa/m]; may be negative where K makes up for it
-/// @param y         [n] right-hand side
-/// @param x         [n] solution; overwritten; may be y itself
-/// @param work      [lac_hierarchy_work] scratch
-/// @return false where a pivot is not finite and positive, x is then undefined. Where true, the
-///         matrix is positive definite; the converse holds where k falls with the level down to
-///         k_mean, else a positive definite matrix with D_i <= -k_l may be refused as well
-/// @cost   O(n): one pass up, one pass down; allocates nothing
+/// Solves (D + K + k_mean P_m) x = y exactly; x may be y, D negative where K makes up for it.
+/// @return false where a pivot is not finite and positive. Where true, the matrix is positive
+/// definite;
+///         the converse holds where k falls with the level down to k_mean
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "load/table.h"
+#include "load/kinds.h"
 
 // One column of one file, on the clock of the run, without offset; or a doubt about a file.
 typedef struct kept {

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "load/kinds.h"
-#include "load/table.h"
 
 enum { LINEAR, SMOOTH };
 enum { REFUSE, HOLD, ZERO };

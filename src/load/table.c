@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings of one column of a file, in SI units and on the clock of the run, for loads to use.
-#include "load/table.h"
+#include "load/kinds.h"
 
+#include <gsl/gsl_interp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,17 +164,7 @@ void lac_readings_clear(lac_readings *readings)
 
 size_t lac_readings_before(const double *t, size_t n, double at)
 {
-    size_t low = 0;
-    size_t high = n;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (t[middle] <= at) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low == 0 ? SIZE_MAX : low - 1;
+    return n > 0 && t[0] <= at ? gsl_interp_bsearch(t, at, 0, n) : SIZE_MAX;
 }
 
 double lac_readings_next(const double *t, size_t n, double at)

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "load/kinds.h"
-#include "load/table.h"
 
 enum { REFUSE }; // the first of what `outside` may say
 enum { END };    // of `stamp`

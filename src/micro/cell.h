@@ -43,10 +43,8 @@ typedef struct lac_micro_span {
     double skew;                 // mean of A over the span less that of its ends [Pa]
 } lac_micro_span;
 
-// Takes u, w, v and slip over a span, in as many steps as the tolerance asks for.
-// @param z      slip over dc of the last step that passed, and the one that the next may take
-// @param steps  counts them
-// @return false where no slip rate balances the traction
+// Takes u, w, v and slip over a span, in as many steps as the tolerance asks for, which it counts.
+// False where no slip rate balances the traction.
 bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *span,
                             lac_micro_cell *cell, int64_t *steps);
 

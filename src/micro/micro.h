@@ -61,27 +61,19 @@ typedef struct lac_micro_counts {
 
 /// Whether friction of this law can be followed, whatever its parameters.
 /// @param cut_off  some cell has a v1, v2 or alpha
-/// @return LAC_OK; LAC_EINPUT: says what is not
 lac_status lac_micro_follows(const lac_descriptor *law, bool cut_off, lac_error *err);
 
 /// Whether the cells' friction is one that this can follow: its law, and a > 0 everywhere.
-/// @return LAC_OK; LAC_EINPUT: says what is not
 lac_status lac_micro_supports(const lac_friction *friction, lac_error *err);
 
-/// @return LAC_OK; LAC_EINPUT as lac_micro_supports; LAC_ENOMEM
 lac_status lac_micro_create(const lac_micro_def *def, lac_micro **out, lac_error *err);
-
-/// Frees; NULL is fine.
 void lac_micro_free(lac_micro *micro);
 
 /// Begins at t = 0 from a state. @param traction  [n] [Pa]
-/// @cost  O(n)
 void lac_micro_start(lac_micro *micro, const lac_micro_load *load, const double *traction,
                      const lac_micro_state *state);
 
 /// Updates cells one after the other, whichever is due, up to a limit.
-/// @return LAC_OK; LAC_ENUMERIC: a cell's traction is balanced by no slip rate; what `seen` returns
-/// @cost  an update O(log n), and a look at every block that is opened
 lac_status lac_micro_advance(lac_micro *micro, const lac_micro_limits *limits, lac_error *err);
 
 /// Time reached since the last start or shift [s], and what the steps left of the digits of a
@@ -92,8 +84,6 @@ double lac_micro_shift(lac_micro *micro);
 
 /// The state at the time reached, every cell taken there from its own time; nothing is changed by
 /// looking.
-/// @return LAC_OK; LAC_ENUMERIC
-/// @cost   O(n)
 lac_status lac_micro_look(const lac_micro *micro, const lac_micro_state *state, lac_error *err);
 
 /// Whether the last advance ended at a limit of rate or slip.

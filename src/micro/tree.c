@@ -13,7 +13,6 @@
 typedef struct forest {
     uint32_t *item, *first;
     uint32_t count, children;
-    const double *k;
 } forest;
 
 static lac_micro_node *node_of(const lac_micro_tree *tree, uint32_t item)
@@ -77,8 +76,7 @@ lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_mi
     out->child = calloc(2 * n, sizeof *out->child);
     forest f = {.item = calloc(n, sizeof *f.item),
                 .first = calloc(n, sizeof *f.first),
-                .count = (uint32_t)n,
-                .k = k};
+                .count = (uint32_t)n};
     bool made = out->cell != NULL && out->node != NULL && out->child != NULL && f.item != NULL &&
                 f.first != NULL;
     if (made) {

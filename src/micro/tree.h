@@ -60,10 +60,8 @@ typedef struct lac_micro_view {
 
 lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t);
 
-// A cell that was updated at time t: its slip is `slip` more than it had told, and from now on it
-// tells a rate that is `rate` more.
-// Adds that to all its blocks, hands down what they have pending, so that nothing of it is left
-// for the cell, and renews their bounds.
+// A cell was updated at time t: its slip is `slip` more than told, and it tells a rate `rate` more
+// from now on. Its blocks take that, hand down what they have pending, and renew their bounds.
 void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double slip, double rate);
 
 // Hands down what a block has pending to its children; cells that this wakes are due at t.

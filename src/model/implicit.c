@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Newton's system where v is solved for: ln theta and the balance are eliminated beforehand.
-#include "model/implicit.h"
+#include "model/internal.h"
 
 #include <math.h>
 

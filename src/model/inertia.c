@@ -8,7 +8,6 @@
 
 #include "base/vmath.h"
 #include "base/vsum.h"
-#include "model/implicit.h"
 #include "model/internal.h"
 
 // Where regularised friction turns linear in v, less what healing may take off it: the x of a cell

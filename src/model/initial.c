@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "base/roots.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
@@ -38,12 +39,7 @@ static double steady_rate(const start_cell *c)
         int at_high = steady_excess(c, high);
         if (at_low * at_high < 0) {
             for (int i = 0; i < 100; i++) {
-                double middle = 0.5 * (low + high);
-                if (steady_excess(c, middle) == at_low) {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
+                lac_halve(&low, &high, steady_excess(c, 0.5 * (low + high)) == at_low);
             }
             return 0.5 * (low + high);
         }

@@ -242,4 +242,27 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
                           const lac_motion *motion, const double *w, size_t first, lac_block *s,
                           lac_block_slopes *d);
 
+// The state at which (1 - gamma J) is taken, for formulations that solve for v.
+typedef struct lac_implicit {
+    const lac_drive *drive;
+    const lac_motion *motion;
+    const double *w;
+    double gamma;
+} lac_implicit;
+
+// Eliminates ln theta and the balance from the Newton system; docs/theory/creep.md eq. 8:
+// ws->diagonal is D then, kv p f_w back b_w, v d ln theta/dv: x_w = back b_w + v dv. False where it
+// cannot be.
+bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, double *b_w,
+                         const lac_workspace *ws);
+
+// (D + K + stiffness of the mean, that of its damping included) dv = b, once they are eliminated.
+// ws->u is used up.
+// @return false where the transfer's solve fails
+bool lac_implicit_solve(const lac_problem *problem, const lac_implicit *at, double *b,
+                        const lac_workspace *ws);
+
+// Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
+double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);
+
 #endif

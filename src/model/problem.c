@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
@@ -103,12 +104,8 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
         slip[i] = i % 2 == 0 ? 1.0 : -1.0;
     }
     transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
-    double squares = 0.0;
-    for (size_t i = n; i < 2 * n; i++) {
-        squares += slip[i] * slip[i];
-    }
-    problem->stiffness =
-        sqrt(squares / (double)n) + problem->spring_share * problem->at_start.spring_stiffness;
+    problem->stiffness = sqrt(lac_dot(n, slip + n, slip + n) / (double)n) +
+                         problem->spring_share * problem->at_start.spring_stiffness;
     free(slip);
     return LAC_OK;
 }

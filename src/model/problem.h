@@ -26,10 +26,7 @@ typedef struct lac_damping {
                    ///< nominal area, and as a shear force is shared [s/m]
 } lac_damping;
 
-/// Damping of the cells of a domain.
-/// @param eta      G/(2 cs) [Pa s/m]; 0: none
-/// @param massive  the sliding block has mass
-/// @return on full contact without mass `mean` and `shared` are 0; of a single cell with mass all
+/// Damping of the cells of a domain by eta = G/(2 cs) [Pa s/m].
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 
@@ -57,8 +54,6 @@ typedef struct lac_problem lac_problem;
 ///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
 ///         knows none); LAC_ENOMEM
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
-
-/// Frees a problem; NULL is fine.
 void lac_problem_free(lac_problem *problem);
 
 /// Contact cells n.
@@ -96,7 +91,6 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// cell where that is less; where the rate is solved for and b > 10 a, ln theta counts b/(10 a)
 /// times finer, for ln v is b/a times as far off. Slip beside a rate with mass: itself and dc, or a
 /// p over the stiffness. An unknown counts no finer than a double resolves it.
-/// @param weight  [unknowns]; overwritten
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
 /// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
@@ -104,13 +98,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 /// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
 /// besides.
 /// @param tolerance  [n] absolute [m]; overwritten
-/// @return what counts besides, relative to the slip
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
 /// dy/dt.
-/// @param t     time since the start [s]
-/// @param y     [unknowns]
-/// @param ydot  [unknowns]; overwritten
 /// @param work  [lac_problem_work]; its first n doubles are then the slip rates
 /// @return true; false where a rate is not finite or the effective pressure not positive
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
@@ -249,7 +239,6 @@ lac_failure lac_failure_from(const lac_failure_start *start, double rate, double
 /// same.
 /// @param work  its first n doubles are then the slip rates
 /// @return < 0 before failure; NaN where a rate is
-/// @cost  O(n)
 /// @source derived here; docs/theory/creep.md, eq. 11
 double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
                                 const double *y, double *work);
@@ -286,9 +275,6 @@ typedef struct lac_initial_def {
 } lac_initial_def;
 
 /// Initial ln v and ln theta of every cell, from what is given and the loads at t = 0.
-/// @param log_rate, log_state  [n]; overwritten
-/// @return LAC_OK; LAC_EINPUT where the load and the values given do not determine them, with
-///         the first cell that fails
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
                              const lac_friction *friction, const lac_load_set *loads,
                              lac_damping damping, double *log_rate, double *log_state,

@@ -6,6 +6,7 @@
 
 #include "base/clones.h"
 #include "base/parts.h"
+#include "base/statistics.h"
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
@@ -32,7 +33,7 @@ double lac_problem_exp_sum(size_t n, const double *u, double *v)
 {
     speeds s = {.u = u, .v = v};
     size_t parts = lac_parts_run(n, add_speeds, &s);
-    return lac_parts_sum(parts, s.sum);
+    return lac_sum(parts, s.sum);
 }
 
 static void start(const lac_problem *problem, double *x)
@@ -184,8 +185,8 @@ static bool find_rates(const lac_problem *problem, const lac_drive *drive, const
     if (field.ease == NULL) {
         return true;
     }
-    double loss = lac_parts_sum(parts, field.loss);
-    field.rise = *rise = lac_parts_sum(parts, field.gain) / ((double)problem->n + loss);
+    double loss = lac_sum(parts, field.loss);
+    field.rise = *rise = lac_sum(parts, field.gain) / ((double)problem->n + loss);
     (void)lac_parts_run(problem->n, lac_rate_take_off, &field);
     return all_good(parts, field.good);
 }

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/vsum.h"
-#include "model/implicit.h"
 #include "model/internal.h"
 
 static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }

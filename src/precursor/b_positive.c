@@ -52,10 +52,9 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_b_positive = {
-    .about = {.name = "b_positive",
-              .summary = "the same from positive differences of successive magnitudes",
-              .reference = "van der Elst (2021), J. Geophys. Res. 126, e2020JB021027, doi "
-                           "10.1029/2020JB021027"},
+    .about = LAC_ABOUT(
+        "b_positive", "the same from positive differences of successive magnitudes",
+        "van der Elst (2021), J. Geophys. Res. 126, e2020JB021027, doi 10.1029/2020JB021027"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "b = log10(e)/(mean - 0.2) over the differences of 0.2 or more of successive "
                  "magnitudes from mc, that of b_value",

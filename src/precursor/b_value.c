@@ -117,12 +117,10 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_b_value = {
-    .about = {.name = "b_value",
-              .summary = "size distribution of events, by maximum likelihood",
-              .reference =
-                  "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. "
-                  "Seismol. Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. "
-                  "Am. 95, 684"},
+    .about =
+        LAC_ABOUT("b_value", "size distribution of events, by maximum likelihood",
+                  "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. Seismol. "
+                  "Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. Am. 95, 684"),
     .needs = LAC_NEEDS_EVENTS,
     .page = true,
     .estimator =

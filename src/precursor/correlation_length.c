@@ -50,10 +50,8 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_length = {
-    .about = {.name = "correlation_length",
-              .summary = "longest cluster of slipping cells, and its growth",
-              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, "
-                           "117"},
+    .about = LAC_ABOUT("correlation_length", "longest cluster of slipping cells, and its growth",
+                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
     .needs = LAC_NEEDS_CELLS,
     .estimator = "of the last record; rise_p by ranks of 20 equal parts of the time; ln xi on "
                  "-ln(tc - t) by ordinary least squares, tc of the log law",

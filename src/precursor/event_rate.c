@@ -2,6 +2,7 @@
 // How often events come on the way to failure: n ~ (tc - t)^-p.
 #include <math.h>
 
+#include "base/roots.h"
 #include "precursor/kinds.h"
 
 enum { FEW = 5, FEW_TO_FIT = 10, HALVINGS = 100 };
@@ -38,13 +39,8 @@ static double find_p(double mean, double length, double count, double *error)
     double found;
     double variance = NAN;
     for (int i = 0; i < HALVINGS; i++) {
-        const double k = 0.5 * (low + high);
-        tilted(k, length, &found, &variance);
-        if (found < mean) {
-            low = k;
-        } else {
-            high = k;
-        }
+        tilted(0.5 * (low + high), length, &found, &variance);
+        lac_halve(&low, &high, found < mean);
     }
     *error = 1.0 / sqrt(count * variance);
     return 1.0 - 0.5 * (low + high);
@@ -94,9 +90,8 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_event_rate = {
-    .about = {.name = "event_rate",
-              .summary = "events in time, and the exponent of an Omori-type rise",
-              .reference = "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"},
+    .about = LAC_ABOUT("event_rate", "events in time, and the exponent of an Omori-type rise",
+                       "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "rise_p binomial; n ~ (tc - t)^-p by maximum likelihood from the first event to "
                  "now, tc of the log law",

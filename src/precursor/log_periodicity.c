@@ -2,10 +2,11 @@
 // Oscillations in ln(tc - t) about the log law. A dyadic hierarchy might show omega = 2 pi/ln 2 k.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/least_squares.h"
+#include "base/statistics.h"
 #include "precursor/kinds.h"
-#include "precursor/surrogates.h"
 
 enum { LEAST = 20, MOST = 200, FREQUENCIES = 60, SMOOTH = 2, SURROGATES = 99 };
 static const size_t first_surrogate = 1U << 20; // none of another indicator's
@@ -38,19 +39,10 @@ static double straighten(lomb *l, double *x)
     return lac_least_squares(l->n, SMOOTH, l->column, x, c);
 }
 
-static double product(size_t n, const double *x, const double *y)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i] * y[i];
-    }
-    return sum;
-}
-
 // To length 1; to nothing where hardly anything is left of it.
 static void normalise(size_t n, double *x)
 {
-    const double length = sqrt(product(n, x, x) / (double)n);
+    const double length = sqrt(lac_dot(n, x, x) / (double)n);
     for (size_t i = 0; i < n; i++) {
         x[i] = length > 1e-9 ? x[i] / (length * sqrt((double)n)) : 0.0;
     }
@@ -74,7 +66,7 @@ static void make_waves(lomb *l)
         (void)straighten(l, even);
         (void)straighten(l, odd);
         normalise(l->n, even);
-        const double along = product(l->n, even, odd);
+        const double along = lac_dot(l->n, even, odd);
         for (size_t i = 0; i < l->n; i++) {
             odd[i] -= along * even[i];
         }
@@ -89,8 +81,8 @@ static double peak(lomb *l, double *x, double *omega)
     double best = 0.0;
     *omega = NAN;
     for (size_t k = 0; k < FREQUENCIES && all > 0.0; k++) {
-        const double even = product(l->n, l->wave[k][0], x);
-        const double odd = product(l->n, l->wave[k][1], x);
+        const double even = lac_dot(l->n, l->wave[k][0], x);
+        const double odd = lac_dot(l->n, l->wave[k][1], x);
         const double power = (even * even + odd * odd) / all;
         if (power > best) {
             best = power;
@@ -102,8 +94,8 @@ static double peak(lomb *l, double *x, double *omega)
 
 static double autocorrelation(const lomb *l)
 {
-    const double square = product(l->n, l->r, l->r);
-    const double lagged = product(l->n - 1, l->r, l->r + 1);
+    const double square = lac_dot(l->n, l->r, l->r);
+    const double lagged = lac_dot(l->n - 1, l->r, l->r + 1);
     return square > 0.0 ? fmin(0.99, fmax(-0.99, lagged / square)) : 0.0;
 }
 
@@ -157,9 +149,7 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
                                  l->n, span);
     } else {
         make_waves(l);
-        for (size_t i = 0; i < l->n; i++) {
-            l->r[i] = l->d[i];
-        }
+        memcpy(l->r, l->d, l->n * sizeof *l->r);
         const double power = peak(l, l->r, &omega);
         lac_finding_add(found, "omega", omega);
         lac_finding_add(found, "lambda", exp(2.0 * pi / omega));
@@ -171,10 +161,9 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_log_periodicity = {
-    .about = {.name = "log_periodicity",
-              .summary = "oscillations in ln(tc - t) about the log law",
-              .reference = "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
-                           "Astrophys. Space Sci. 39, 447"},
+    .about = LAC_ABOUT("log_periodicity", "oscillations in ln(tc - t) about the log law",
+                       "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
+                       "Astrophys. Space Sci. 39, 447"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "least-squares spectrum in u = ln(tc - t) beside 1 and u, tc of the log law, of "
                  "the displacements since the onset, at most 200; power: the largest share of the "

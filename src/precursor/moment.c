@@ -72,9 +72,8 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_moment = {
-    .about = {.name = "moment",
-              .summary = "seismic moment released by events",
-              .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73"},
+    .about = LAC_ABOUT("moment", "seismic moment released by events",
+                       "Aki (1966), Bull. Earthq. Res. Inst. 44, 73"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "sums over the events that have ended; rise_p: the same moments in either half of "
                  "the time by the toss of a coin",

@@ -6,6 +6,7 @@
 
 #include "forecast/hindcast.h"
 #include "lacuna/dataset.h"
+#include "series/series.h"
 
 /// Catalogue of events of a run.
 typedef struct lac_event_list {
@@ -164,20 +165,24 @@ typedef struct lac_slowing {
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err);
 
-/// Forecasts and indicators as they are told. Texts are borrowed and may be NULL.
+/// Forecasts and indicators as they are told.
 typedef struct lac_forecast_outcome {
-    const char *source;             ///< the file that they are of
-    const char *attribution;        ///< of its data
-    bool dated;                     ///< times are seconds since 1970 UTC
-    double failed_at;               ///< [s]; NaN: not known; INFINITY: never
-    const lac_outlook *outlook;     ///< at the last reading
-    const lac_rolling *rolling;     ///< NULL: the outlook alone is told
-    bool interrupted;               ///< rolling has not all issue times that it should have
-    size_t indicators;              ///< kinds of them; 0: none
-    const lac_precursor *indicator; ///< [issue times][indicators]
+    const char *source;                 ///< the file that they are of
+    const lac_series *series;           ///< NULL: the file is a run's
+    const lac_readings *readings;       ///< NULL: there is no JSON
+    bool dated;                         ///< times are seconds since 1970 UTC
+    double failed_at;                   ///< [s]; NaN: not known; INFINITY: never
+    double horizon;                     ///< of alarms [s]
+    const lac_outlook *outlook;         ///< at the last reading
+    size_t indicators;                  ///< kinds of them; 0: none
+    const lac_precursor *indicator;     ///< [indicators] at the last reading
+    const lac_rolling *rolling;         ///< NULL: the outlook alone is told
+    bool interrupted;                   ///< rolling has not all issue times that it should have
+    const lac_precursor_course *course; ///< of the same issue times; NULL: as rolling, or none
+    const lac_skill *skill;             ///< [methods]; NULL: no time of failure
 } lac_forecast_outcome;
 
-/// Their variables, for a file; docs/format.md.
+/// Their variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,

@@ -8,27 +8,31 @@
 
 enum { BEFORE_LEVELS = 4 };
 
+#define LEVEL(k)                                                     \
+    {                                                                \
+        "level_" #k, "1", "slipping part of the blocks of level " #k \
+    }
 static const lac_precursor_value numbers[] = {
     {"slip_fraction", "1", "slipping part of the cells"},
     {"critical_fraction", "1", "fixed point of the cascade"},
     {"distance", "1", "fixed point less the slipping part of the cells"},
     {"rise_p", "1", "chance of as much in the last twentieth of the time, if time did not matter"},
     {"level_0", "1", "slipping part of the blocks of level 0, the cells"},
-    {"level_1", "1", "slipping part of the blocks of level 1"},
-    {"level_2", "1", "slipping part of the blocks of level 2"},
-    {"level_3", "1", "slipping part of the blocks of level 3"},
-    {"level_4", "1", "slipping part of the blocks of level 4"},
-    {"level_5", "1", "slipping part of the blocks of level 5"},
-    {"level_6", "1", "slipping part of the blocks of level 6"},
-    {"level_7", "1", "slipping part of the blocks of level 7"},
-    {"level_8", "1", "slipping part of the blocks of level 8"},
-    {"level_9", "1", "slipping part of the blocks of level 9"},
-    {"level_10", "1", "slipping part of the blocks of level 10"},
-    {"level_11", "1", "slipping part of the blocks of level 11"},
-    {"level_12", "1", "slipping part of the blocks of level 12"},
-    {"level_13", "1", "slipping part of the blocks of level 13"},
-    {"level_14", "1", "slipping part of the blocks of level 14"},
-    {"level_15", "1", "slipping part of the blocks of level 15"},
+    LEVEL(1),
+    LEVEL(2),
+    LEVEL(3),
+    LEVEL(4),
+    LEVEL(5),
+    LEVEL(6),
+    LEVEL(7),
+    LEVEL(8),
+    LEVEL(9),
+    LEVEL(10),
+    LEVEL(11),
+    LEVEL(12),
+    LEVEL(13),
+    LEVEL(14),
+    LEVEL(15),
 };
 static const size_t named = sizeof numbers / sizeof *numbers - BEFORE_LEVELS;
 
@@ -72,10 +76,9 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_slip_fraction = {
-    .about = {.name = "slip_fraction",
-              .summary = "slipping blocks of each level, and how far from the fixed point",
-              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, "
-                           "117"},
+    .about = LAC_ABOUT("slip_fraction",
+                       "slipping blocks of each level, and how far from the fixed point",
+                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
     .needs = LAC_NEEDS_CELLS,
     .estimator =
         "N_slip/N_tot of the last record; distance: the fixed point less that of the cells; rise_p "

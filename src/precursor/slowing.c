@@ -3,9 +3,11 @@
 // A single block shows none before runaway; what a rise means belongs to many cells.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/roots.h"
+#include "base/statistics.h"
 #include "precursor/kinds.h"
-#include "precursor/surrogates.h"
 
 enum { LEAST = 24, MOST = 200, COLUMNS = 3, HALVINGS = 20 };
 static const double steepest = 0.99;
@@ -29,21 +31,12 @@ typedef struct passage {
     double *variance, *relation; // [n - window + 1]
 } passage;
 
-static double product(size_t n, const double *x, const double *y)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i] * y[i];
-    }
-    return sum;
-}
-
 // x -= its part along the orthonormal columns
 static void straighten(const passage *p, size_t columns, double *x)
 {
     for (size_t k = 0; k < columns; k++) {
         const double *q = p->smooth + k * p->n;
-        const double along = product(p->n, q, x);
+        const double along = lac_dot(p->n, q, x);
         for (size_t i = 0; i < p->n; i++) {
             x[i] -= along * q[i];
         }
@@ -53,7 +46,7 @@ static void straighten(const passage *p, size_t columns, double *x)
 static lac_status create(passage *p, size_t n, lac_error *err)
 {
     *p = (passage){.n = n, .window = n / 2};
-    p->rest = malloc(6 * n * sizeof *p->rest);
+    p->rest = calloc(6 * n, sizeof *p->rest);
     if (p->rest == NULL) {
         return lac_fail_memory(err);
     }
@@ -66,7 +59,7 @@ static lac_status create(passage *p, size_t n, lac_error *err)
             q[i] = pow(2.0 * (double)i / (double)(n - 1) - 1.0, (double)k);
         }
         straighten(p, k, q);
-        const double length = sqrt(product(n, q, q));
+        const double length = sqrt(lac_dot(n, q, q));
         for (size_t i = 0; i < n; i++) {
             q[i] /= length;
         }
@@ -77,12 +70,9 @@ static lac_status create(passage *p, size_t n, lac_error *err)
 // Variance of n values and their correlation with those one later.
 static void relate(size_t n, const double *x, double *variance, double *relation)
 {
-    double mean = 0.0;
+    const double mean = lac_mean(n, x);
     double square = 0.0;
     double product = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        mean += x[i] / (double)n;
-    }
     for (size_t i = 0; i < n; i++) {
         square += (x[i] - mean) * (x[i] - mean);
         product += i > 0 ? (x[i] - mean) * (x[i - 1] - mean) : 0.0;
@@ -126,11 +116,11 @@ static double expected_relation(const passage *p, double phi, double *w)
     for (size_t k = 0; k < COLUMNS; k++) {
         const double *q = p->smooth + k * p->n;
         correlate(p->n, phi, q, w);
-        square -= product(p->n, q, w);
-        lagged -= product(p->n - 1, q, w + 1) + product(p->n - 1, w, q + 1);
+        square -= lac_dot(p->n, q, w);
+        lagged -= lac_dot(p->n - 1, q, w + 1) + lac_dot(p->n - 1, w, q + 1);
         for (size_t l = 0; l < COLUMNS; l++) {
             const double *other = p->smooth + l * p->n;
-            lagged += product(p->n, other, w) * product(p->n - 1, other, q + 1);
+            lagged += lac_dot(p->n, other, w) * lac_dot(p->n - 1, other, q + 1);
         }
     }
     return lagged / square;
@@ -142,12 +132,7 @@ static double without_bias(const passage *p, double relation, double *w)
     double low = -steepest;
     double high = steepest;
     for (int i = 0; i < HALVINGS; i++) {
-        const double middle = 0.5 * (low + high);
-        if (expected_relation(p, middle, w) < relation) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        lac_halve(&low, &high, expected_relation(p, 0.5 * (low + high), w) < relation);
     }
     return 0.5 * (low + high);
 }
@@ -207,9 +192,7 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
     if (status != LAC_OK) {
         return status;
     }
-    for (size_t i = 0; i < n; i++) {
-        p.rest[i] = values[i];
-    }
+    memcpy(p.rest, values, n * sizeof *values);
     pass(&p, &out->variance_tau, &out->autocorrelation_tau);
     out->variance = p.variance[n - p.window];
     out->autocorrelation = p.relation[n - p.window];
@@ -262,10 +245,10 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_slowing = {
-    .about = {.name = "slowing",
-              .summary = "variance and autocorrelation of the velocity, with Kendall's tau",
-              .reference = "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
-                           "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"},
+    .about =
+        LAC_ABOUT("slowing", "variance and autocorrelation of the velocity, with Kendall's tau",
+                  "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
+                  "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "velocities at as many even times, at most 200, less a parabola; trailing windows "
                  "of half of them; tau over the windows; p among first-order autoregressions, "

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Series that are like a given one but for what is tested.
-#include "precursor/surrogates.h"
+#include "precursor/kinds.h"
 
 #include <complex.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/rng.h"
 
@@ -32,9 +33,7 @@ lac_status lac_phases_create(size_t n, const double *x, lac_phases *out, lac_err
     LAC_TRY(lac_fft_create(n, 1, &out->fft, err));
     out->amplitude = malloc(out->fft->nkx * sizeof *out->amplitude);
     LAC_TRY(out->amplitude != NULL ? LAC_OK : lac_fail_memory(err));
-    for (size_t i = 0; i < n; i++) {
-        out->fft->real[i] = x[i];
-    }
+    memcpy(out->fft->real, x, n * sizeof *x);
     lac_fft_forward(out->fft);
     for (size_t k = 0; k < out->fft->nkx; k++) {
         out->amplitude[k] = cabs(out->fft->spectrum[k]) / (double)n;
@@ -61,7 +60,5 @@ void lac_phases_draw(const lac_phases *phases, uint64_t seed, size_t index, doub
         }
     }
     lac_fft_inverse(fft);
-    for (size_t i = 0; i < phases->n; i++) {
-        x[i] = fft->real[i];
-    }
+    memcpy(x, fft->real, phases->n * sizeof *x);
 }

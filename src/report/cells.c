@@ -2,6 +2,7 @@
 // The contact domain: its pressure, and what its cells do in the snapshots that were kept.
 #include "report/cells.h"
 
+#include <gsl/gsl_interp.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,15 +44,7 @@ static const field fields[] = {
 // The record nearest to a snapshot's time gives its time before the end.
 static double before_of(const lac_page_run *run, double time)
 {
-    size_t low = 0, high = run->n;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (run->time[middle] <= time) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    const size_t low = gsl_interp_bsearch(run->time, time, 0, run->n);
     return run->before[low] - (time - run->time[low]);
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/hidden.h"
-#include "base/write_text.h"
+#include "base/part.h"
 #include "report/assets.h"
 #include "report/run.h"
 

@@ -7,6 +7,7 @@
 #include <gsl/gsl_sort.h>
 
 #include "rg/path.h"
+#include "rg/tree.h"
 
 struct lac_rg_path {
     size_t n;
@@ -34,23 +35,6 @@ void lac_rg_path_free(lac_rg_path *path)
     free(path->load);
     free(path->left);
     free(path);
-}
-
-static lac_status check_strengths(size_t n, const double *strength, lac_error *err)
-{
-    if (n == 0) {
-        return lac_fail(err, LAC_EINPUT, "no cell is in contact");
-    }
-    double total = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
-            return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
-                            strength[i]);
-        }
-        total += strength[i];
-    }
-    return isfinite(total) ? LAC_OK
-                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
 }
 
 static lac_status check_tractions(size_t n, const double *shear, lac_error *err)
@@ -93,7 +77,7 @@ lac_status lac_rg_path_further(size_t n, const double *strength, const double *s
     lac_rg_path *path = NULL;
     lac_status status;
     *out = NULL;
-    LAC_TRY(check_strengths(n, strength, err));
+    LAC_TRY(lac_rg_check_strengths(n, strength, err));
     LAC_TRY(shear != NULL ? check_tractions(n, shear, err) : LAC_OK);
     path = calloc(1, sizeof *path);
     LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
@@ -151,7 +135,7 @@ static lac_status check_series(const lac_rg_series *s, lac_error *err)
                             i % s->n, i / s->n, s->pressure[i]);
         }
     }
-    return check_strengths(s->n, s->pressure, err);
+    return lac_rg_check_strengths(s->n, s->pressure, err);
 }
 
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err)

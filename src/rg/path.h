@@ -34,7 +34,6 @@ double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
                    double *work);
 
 /// The load between the two at which the joint slides, to 1e-9.
-/// @cost  some 12 passes; with LUMP 24
 double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
                     lac_rg_bracket bracket, double *work);
 

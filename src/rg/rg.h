@@ -18,14 +18,12 @@ typedef struct lac_rg_tree lac_rg_tree;
 /// The tree of a hierarchy. It may be freed before the tree.
 /// @param strength  [n] f p of each contact cell [Pa], > 0
 /// @param drop      [n] (1 - beta) f p, the strength that it loses by slipping [Pa], 0 to strength
-/// @return LAC_OK; LAC_EINPUT (a strength or drop that cannot be); LAC_ENOMEM
 lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, const double *drop,
                               lac_rg_tree **out, lac_error *err);
 
 /// The tree of a domain whose blocks lie elsewhere: the cells are moved by (dx, dy) against the
 /// grid of blocks. Periodic grids wrap; others are laid into one twice as long on each side of more
 /// than a cell, so that they have a level more. Cells keep their numbers in all that follows.
-/// @return as lac_rg_tree_create; LAC_EINPUT also where a shift is not less than the grid
 lac_status lac_rg_tree_create_at(const lac_domain *domain, size_t dx, size_t dy,
                                  const double *strength, const double *drop, lac_rg_tree **out,
                                  lac_error *err);
@@ -39,11 +37,8 @@ typedef struct lac_rg_blocks {
 } lac_rg_blocks;
 
 /// Any tree, of blocks with any number of children.
-/// @return as lac_rg_tree_create; LAC_EINPUT also where blocks do not nest
 lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *strength,
                                    const double *drop, lac_rg_tree **out, lac_error *err);
-
-/// Frees a tree; NULL is fine.
 void lac_rg_tree_free(lac_rg_tree *tree);
 
 /// Levels above the cells: the root is block 0 of level lac_rg_levels.
@@ -58,7 +53,6 @@ size_t lac_rg_blocks_at(const lac_rg_tree *tree, size_t level);
 /// @param shear  [n] traction of each cell [Pa], at most its strength unless `gap` is given
 /// @param gap    [n] what each cell lacks to slip [Pa], may be < 0; NULL: strength - shear
 /// @return the threshold of the root: the joint slides where it is <= 0 (lac_rg_slips)
-/// @cost   O(blocks); allocates nothing; cannot fail
 double lac_rg_pass(lac_rg_tree *tree, lac_rg_rule rule, const double *shear, const double *gap);
 
 /// Whether a threshold counts as reached: within 1e-12 of the mean strength.
@@ -72,7 +66,6 @@ size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level);
 /// @param slipped  [n] 1 where a cell has slipped in the end, 0 where it sticks; overwritten
 /// @param stress   [n] stress that each sticking cell has received from others [Pa]; overwritten;
 ///                 NULL if not wanted; with LUMP all 0
-/// @cost  O(blocks)
 void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress);
 
 /// How the shear force spreads over the cells as it grows from 0 to f P. Immutable.
@@ -80,21 +73,18 @@ typedef struct lac_rg_path lac_rg_path;
 
 /// Springs of equal stiffness with caps: q = min(tau, f p); the map sees the gap f p - tau.
 /// @param strength  [n] f p of each contact cell [Pa], > 0
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
 /// The same springs under a joint that is loaded already: each cell carries max(q, min(q + tau,
 /// f p)), tau the further stress, the same on all; the map sees the gap f p - q - tau. The load
 /// runs from Q/Q_nom, the sum of the q over f P, to where no cell can take up more.
 /// @param shear  [n] q, the traction of each cell [Pa]; may be beyond f p; NULL: none
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
                                lac_rg_path **out, lac_error *err);
 
 /// The same stress on every cell, however weak, as a slow ramp puts it on: q = tau, and the gap
 /// f p - tau, < 0 where a cell has slipped on the way.
 /// @param strength  [n] f p of each contact cell [Pa], > 0
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
 
 enum { LAC_RG_LOADS = 24, LAC_RG_MOST_LOADS = 500 };
@@ -103,7 +93,6 @@ enum { LAC_RG_LOADS = 24, LAC_RG_MOST_LOADS = 500 };
 /// constant factor, 0. Against 72 of them 24 make Q_crit/Q_nom come out low by 0.000, 0.008 and
 /// 0.005 on average at beta 0.8, 0.7 and 0.6 (FIX, 24 joints of 256^2 cells), by up to 0.02 on one.
 /// @param loads  10 to LAC_RG_MOST_LOADS; LAC_RG_LOADS is usual
-/// @param part   [loads] overwritten
 void lac_rg_loads(size_t loads, double *part);
 
 /// Contact pressures of the same cells under falling load.
@@ -116,32 +105,21 @@ typedef struct lac_rg_series {
 
 /// Elastic contact, q = f [p(P) - p(P - Q/f)] (Ciavarella 1998, Jaeger 1998): the gap of a cell is
 /// f p(P - Q/f), its strength under the load that is left.
-/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err);
 
-/// Solves the contact at each part of the load, from one to the next.
-/// @param contact   load control
-/// @param domain    its solution's domain
-/// @param loads     as lac_rg_loads
-/// @param pressure  [loads * domain->n] [Pa]; overwritten
-/// @return as lac_contact_solve
+/// Solves the contact, under load control, at each part of the load (lac_rg_loads), from one to the
+/// next.
+/// @param pressure  [loads * domain->n] [Pa]
 lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain *domain,
                                size_t loads, double *pressure, lac_error *err);
-
-/// Frees a path; NULL is fine.
 void lac_rg_path_free(lac_rg_path *path);
 
-/// Tractions and gaps at a load.
-/// @param load   Q/Q_nom [1], 0 to 1, or what lac_rg_path_further says
-/// @param shear  [n] [Pa]; overwritten
-/// @param gap    [n] [Pa]; overwritten
+/// Tractions and gaps at a load, Q/Q_nom [1].
 void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
 
 /// The smallest load at which the joint slides, as part of Q_nom = f P; where it slides already
 /// before a further load, the load that it carries.
-/// @param work  [2 n] scratch
 /// @return Q_crit/Q_nom, to 1e-9
-/// @cost   some 70 passes
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
 
 /// A contact that can be solved again under less load.
@@ -155,8 +133,6 @@ typedef struct lac_rg_press {
 /// before, instead of interpolated ones: first near the critical load of the path, then closer.
 /// @param path      elastic, of the same contact
 /// @param critical  Q_crit/Q_nom, to 1e-6. The tree is left just before the joint slides
-/// @return as lac_contact_solve
-/// @cost   some 10 contacts
 lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
                                   const lac_rg_path *path, double *critical, lac_error *err);
 

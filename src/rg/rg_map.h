@@ -18,7 +18,6 @@ typedef struct lac_rg_map {
 } lac_rg_map;
 
 /// Fits the map to pairs (s, s').
-/// @return LAC_OK; LAC_EINPUT where fewer than three pairs lie in the range, or all at one s
 lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
                           lac_error *err);
 

@@ -41,11 +41,8 @@ typedef struct lac_rg_fit {
     lac_rg_estimate fixed_point, lambda, nu;
 } lac_rg_fit;
 
-/// Fits the map of rg_map.h to pairs that come in groups.
-/// @param first        [groups + 1] first pair of each group, and how many pairs there are
-/// @param s, s_next    [first[groups]]
-/// @param resamplings  of the groups, with repetition
-/// @return LAC_OK, also where the pairs tell no map: all but map.points is NaN then; LAC_ENOMEM
+/// Fits the map of rg_map.h to pairs in groups, group i from first[i] to first[i + 1]; groups are
+/// resampled.
 lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
                                const double *s_next, size_t resamplings, lac_rg_fit *fit,
                                lac_error *err);
@@ -96,21 +93,15 @@ typedef struct lac_rg_interface {
 /// An ensemble under study: joints are added one after the other.
 typedef struct lac_rg_study lac_rg_study;
 
-/// @return LAC_OK; LAC_EINPUT (no place, fewer than 10 loads or 2^16 of either); LAC_ENOMEM
 lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, lac_error *err);
 
 /// Lets the cascade run on one joint, its places shared among the threads; the results do not
 /// depend on how many these are.
-/// @return LAC_OK; LAC_EINPUT (a joint of other levels than those before); LAC_ENOMEM
-/// @cost   some 75 passes a place, and as many passes down for the first
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
 
 /// Statistics of what was added.
 /// @param result  freed with the study
-/// @return LAC_OK; LAC_EINPUT (no joint); LAC_ENOMEM
 lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err);
-
-/// Frees a study and its result; NULL is fine.
 void lac_rg_study_free(lac_rg_study *study);
 
 #endif

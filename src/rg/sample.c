@@ -6,7 +6,6 @@
 
 #include "fractal/fractal.h"
 #include "rg/path.h"
-#include "rg/size_effect.h"
 #include "rg/study.h"
 #include "rg/tree.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The strength of blocks by their size: when each slips by itself, and what it carries then.
-#include "rg/size_effect.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -145,3 +145,18 @@ lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, do
     law.holds = most >= 4.0 * least && law.exponent > 2.0 * law.error && fabs(law.curvature) < 2.0;
     return law;
 }
+
+// For pairs that do not come from a study, such as those of a run.
+lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
+                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
+                               lac_error *err)
+{
+    const lac_rg_study_def def = {.resamplings = resamplings, .seed = 1};
+    lac_rg_result result = {0};
+    lac_status status = lac_rg_bootstrap(&def, groups, first, s, s_next, &result, err);
+    *fit = (lac_rg_fit){.map = result.map,
+                        .fixed_point = result.fixed_point,
+                        .lambda = result.lambda,
+                        .nu = result.nu};
+    return status;
+}

@@ -99,6 +99,12 @@ void lac_rg_study_free(lac_rg_study *study)
     free(study);
 }
 
+// Doubles of a sample: its fractions, and behind them the other arrays.
+static size_t length_of(const lac_rg_study *study)
+{
+    return study->def.loads * (study->levels + 2) + 3 * (study->levels + 1);
+}
+
 static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out, lac_error *err)
 {
     const size_t loads = study->def.loads;
@@ -107,7 +113,7 @@ static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out,
     bool made = samples != NULL;
     for (size_t i = 0; made && i < study->def.places; i++) {
         lac_rg_sample *s = &samples[i];
-        s->fraction = malloc((loads * levels + loads + 3 * levels) * sizeof *s->fraction);
+        s->fraction = malloc(length_of(study) * sizeof *s->fraction);
         s->size = malloc(levels * sizeof *s->size);
         made = s->fraction != NULL && s->size != NULL;
         if (made) {
@@ -272,17 +278,17 @@ static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_
     const size_t levels = study->levels + 1;
     free(r->fraction);
     free(r->size);
-    r->fraction = calloc(loads * levels + 3 * loads + 3 * levels, sizeof *r->fraction);
+    r->fraction = calloc(length_of(study) + 2 * loads, sizeof *r->fraction);
     r->size = calloc(levels, sizeof *r->size);
     if (r->fraction == NULL || r->size == NULL) {
         return lac_fail_memory(err);
     }
-    r->load = r->fraction + loads * levels;
-    r->cluster = r->load + loads;
-    r->block = r->cluster + loads;
+    r->block = r->fraction + loads * levels; // as in a sample
     r->blocks = r->block + loads;
     r->slipping = r->blocks + levels;
     r->begin = r->slipping + levels;
+    r->load = r->begin + levels;
+    r->cluster = r->load + loads;
     return LAC_OK;
 }
 
@@ -315,26 +321,15 @@ static void mean_sizes(const lac_rg_study *study, lac_rg_result *r)
 
 static void means(const lac_rg_study *study, lac_rg_result *r)
 {
-    const size_t loads = study->def.loads;
-    const size_t levels = study->levels + 1;
     const double weight = 1.0 / ((double)study->joints * (double)study->def.places);
     for (size_t j = 0; j < study->joints; j++) {
         for (size_t i = 0; i < study->def.places; i++) {
-            const lac_rg_sample *s = &study->of_joint[j][i];
-            for (size_t k = 0; k < loads * levels; k++) {
-                r->fraction[k] += weight * s->fraction[k];
-            }
-            for (size_t k = 0; k < loads; k++) {
-                r->block[k] += weight * s->block[k];
-            }
-            for (size_t k = 0; k < levels; k++) {
-                r->blocks[k] += weight * s->blocks[k];
-                r->slipping[k] += weight * s->slipping[k];
-                r->begin[k] += weight * s->begin[k];
+            for (size_t k = 0; k < length_of(study); k++) {
+                r->fraction[k] += weight * study->of_joint[j][i].fraction[k];
             }
         }
     }
-    for (size_t k = 0; k < loads; k++) {
+    for (size_t k = 0; k < study->def.loads; k++) {
         r->load[k] = study->load[k];
         r->cluster[k] = study->cluster[k] / (double)study->joints;
     }

@@ -26,14 +26,12 @@ typedef struct lac_rg_order {
     lac_domain *part;  ///< scratch
 } lac_rg_order;
 
-/// @return LAC_OK; LAC_ENOMEM; to be cleared whatever the status
 lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
                                lac_error *err);
 
 void lac_rg_order_clear(lac_rg_order *order);
 
 /// @param order  NULL: not wanted
-/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
                               size_t dy, const double *load, lac_rg_order *order,
                               lac_rg_sample *out, lac_error *err);

@@ -45,8 +45,11 @@ static lac_status check_blocks(const lac_rg_blocks *b, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status check_cells(size_t n, const double *strength, const double *drop, lac_error *err)
+lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *err)
 {
+    if (n == 0) {
+        return lac_fail(err, LAC_EINPUT, "no cell is in contact");
+    }
     double total = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
@@ -54,14 +57,23 @@ static lac_status check_cells(size_t n, const double *strength, const double *dr
                             strength[i]);
         }
         total += strength[i];
-        if (!(drop[i] >= 0.0 && drop[i] <= strength[i])) {
-            return lac_fail(err, LAC_EINPUT,
-                            "the drop of strength of cell %zu must lie between 0 and %g Pa, not %g",
-                            i, strength[i], drop[i]);
-        }
     }
     return isfinite(total) ? LAC_OK
                            : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
+}
+
+static lac_status check_cells(size_t n, const double *strength, const double *drop, lac_error *err)
+{
+    lac_status status = lac_rg_check_strengths(n, strength, err);
+    for (size_t i = 0; i < n && status == LAC_OK; i++) {
+        if (!(drop[i] >= 0.0 && drop[i] <= strength[i])) {
+            status =
+                lac_fail(err, LAC_EINPUT,
+                         "the drop of strength of cell %zu must lie between 0 and %g Pa, not %g", i,
+                         strength[i], drop[i]);
+        }
+    }
+    return status;
 }
 
 // Gives levels without a merger the layer of the level below; returns the blocks above the cells.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Refusals of a run: settings, starts and rates that cannot be, slip that cannot be followed.
-#include "run/check.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -19,6 +19,7 @@ typedef struct lac_run_output {
     bool events;            ///< a catalogue of events comes along
     bool dated;             ///< the run starts at a date
     double start_date;      ///< seconds since 1970 of t = 0
+    bool passing;           ///< kept in memory for lac_recording_move alone: only what grows
 } lac_run_output;
 
 /// What is put out at the moment; the variables of a run are laid on it.

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,
                          const lac_run_def *def, lac_engine **out, lac_error *err)
 {
@@ -200,21 +202,29 @@ const char *lac_engine_unknown(const lac_engine *engine, size_t component)
     return names[component / engine->n];
 }
 
-void lac_engine_blame(const lac_engine *engine, lac_error *err)
+lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err)
 {
-    const char *name = lac_problem_lost_transfer(engine->problem, engine->slip, engine->work);
-    if (name != NULL && err != NULL) {
+    return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
+                    lac_engine_time(engine));
+}
+
+lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step, int64_t order,
+                              lac_error *err)
+{
+    lac_status status = lac_fail(
+        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
+        name != NULL ? name : "?", lac_engine_time(engine), step, (long long)order);
+    free(name);
+    const char *lost = lac_problem_lost_transfer(engine->problem, engine->slip, engine->work);
+    if (lost != NULL && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; the transfer %s finds no stress for the slip", name);
+                       "; the transfer %s finds no stress for the slip", lost);
     }
+    return status;
 }
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < engine->n; i++) {
-        sum += slip[i];
-    }
-    return sum / (double)engine->n;
+    return lac_sum(engine->n, slip) / (double)engine->n;
 }

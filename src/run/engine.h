@@ -2,6 +2,8 @@
 #ifndef LACUNA_RUN_ENGINE_H
 #define LACUNA_RUN_ENGINE_H
 
+#include <sundials/sundials_nonlinearsolver.h>
+
 #include "run/run.h"
 #include "run/vector.h"
 
@@ -99,8 +101,11 @@ static inline double lac_engine_time(const lac_engine *engine)
 // What a component of y is called, for messages.
 const char *lac_engine_unknown(const lac_engine *engine, size_t component);
 
-// Adds to a message about an integrator that gave up, where it is the transfer that failed.
-void lac_engine_blame(const lac_engine *engine, lac_error *err);
+// Errors of the kinds. @param name  of SUNDIALS' status, freed; with the transfer, where that
+// failed
+lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step, int64_t order,
+                              lac_error *err);
+lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err);
 
 // Mean of the cells' slip [m].
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip);
@@ -110,5 +115,29 @@ static inline double lac_engine_inner(const lac_engine *engine, double time)
 {
     return (time - engine->origin) - engine->base;
 }
+
+// Newton's iteration of a CVODE step with the problem's exact solve. To the bit what SUNDIALS' own
+// makes of a solver that brings its matrix along, but without two vectors: the residual is formed
+// and solved for in place of dy/dt, which nobody reads after it. NULL where memory is short.
+SUNNonlinearSolver lac_newton_create(lac_engine *engine, void *cvode);
+
+// dy/dt evaluated since this was last asked, which CVODE does not count.
+int64_t lac_newton_evaluations(SUNNonlinearSolver solver);
+
+// Whether a run can be asked for like this.
+lac_status lac_check_def(const lac_run_def *def, lac_error *err);
+
+// Whether a run can start from y: below its limits, and slipping.
+lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
+                           const lac_failure *failure, const double *y, double *work,
+                           lac_error *err);
+
+// The largest slip rate must be one that every formulation can hold. @param v  [n] of all cells
+lac_status lac_check_rates(const lac_problem *problem, double max, double t, const double *v,
+                           lac_error *err);
+
+// Slip that stops or turns back at time t must be one that the formulation can follow.
+lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
+                              lac_error *err);
 
 #endif

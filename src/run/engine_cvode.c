@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include "run/newton.h"
+#include "run/engine.h"
 
 typedef struct cvode {
     void *mem;
@@ -223,11 +223,7 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
                 CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
                 CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) == CV_SUCCESS;
     settle(c);
-    if (!good) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
-                        lac_engine_time(engine));
-    }
-    return LAC_OK;
+    return good ? LAC_OK : lac_engine_cannot_restart(engine, err);
 }
 
 // Which unknown the integrator fights with: the largest weighted local error. False where that is
@@ -255,12 +251,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     (void)CVodeGetCurrentStep(c->mem, &h);
     (void)CVodeGetCurrentOrder(c->mem, &order);
     bool known = order > 0 && find_worst(engine, &worst);
-    char *name = CVodeGetReturnFlagName(flag);
-    lac_status status = lac_fail(
-        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %d",
-        name != NULL ? name : "?", lac_engine_time(engine), h, order);
-    free(name);
-    lac_engine_blame(engine, err);
+    lac_status status = lac_engine_gave_up(engine, CVodeGetReturnFlagName(flag), h, order, err);
     if (known && err != NULL) {
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,

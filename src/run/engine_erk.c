@@ -167,13 +167,10 @@ static lac_status erk_restart(lac_engine *engine, double h, lac_error *err)
     erk *c = engine->inner;
     lac_problem_forget(engine->problem, c->aside);
     c->first = h;
-    if (ERKStepReInit(c->mem, rates, 0.0, c->y) != ARK_SUCCESS ||
-        LAC_SUN_ERK(SetInitStep)(c->mem, h) != ARK_SUCCESS ||
-        LAC_SUN_ERK(SetMaxStep)(c->mem, lac_engine_longest_step(engine)) != ARK_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",
-                        lac_engine_time(engine));
-    }
-    return LAC_OK;
+    bool good = ERKStepReInit(c->mem, rates, 0.0, c->y) == ARK_SUCCESS &&
+                LAC_SUN_ERK(SetInitStep)(c->mem, h) == ARK_SUCCESS &&
+                LAC_SUN_ERK(SetMaxStep)(c->mem, lac_engine_longest_step(engine)) == ARK_SUCCESS;
+    return good ? LAC_OK : lac_engine_cannot_restart(engine, err);
 }
 
 static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
@@ -184,13 +181,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
         return lac_fail_memory(err);
     }
     (void)LAC_SUN_ERK(GetCurrentStep)(c->mem, &h);
-    char *name = LAC_SUN_ERK(GetReturnFlagName)(flag);
-    lac_status status = lac_fail(
-        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
-        name != NULL ? name : "?", lac_engine_time(engine), h, (long long)engine->order);
-    free(name);
-    lac_engine_blame(engine, err);
-    return status;
+    return lac_engine_gave_up(engine, LAC_SUN_ERK(GetReturnFlagName)(flag), h, engine->order, err);
 }
 
 static bool rates_failed(int flag)

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "micro/micro.h"
-#include "run/check.h"
 #include "run/engine.h"
 
 enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };

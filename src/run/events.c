@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Limits crossed within a step: the first is found, and time and state are taken back to it.
-#include "run/events.h"
+#include "run/course.h"
 
 #include <math.h>
 #include <stdlib.h>

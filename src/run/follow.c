@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/check.h"
+#include "run/engine.h"
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {

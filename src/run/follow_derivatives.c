@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "run/follow.h"
 
 // The cube root of the rounding error, where the two errors of a central difference meet.
@@ -13,26 +14,19 @@ static const double reach = 6e-6;
 bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double t, const double *y,
                              double *ydot)
 {
-    double sum = 0.0;
     if (!lac_problem_derivative(problem, lac_follower_clock(f, t), y, ydot, f->work)) {
         return false;
     }
-    for (size_t i = 0; i < f->n; i++) {
-        sum += f->work[i];
-    }
+    const double sum = lac_sum(f->n, f->work);
     ydot[f->m - 1] = sum / (double)f->n;
     return isfinite(sum);
 }
 
 double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)
 {
-    double sum = 0.0;
     double *v = f->probe + 2 * f->m;
     lac_problem_rates(problem, lac_follower_clock(f, t), y, v, f->work);
-    for (size_t i = 0; i < f->n; i++) {
-        sum += v[i];
-    }
-    return sum / (double)f->n;
+    return lac_sum(f->n, v) / (double)f->n;
 }
 
 double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // (1 - gamma J) d = -r, r = rl1 z_1 + c - gamma f(z_0 + c), for the correction c of a step; z is
 // CVODE's history, gamma and rl1 are its coefficients (Hindmarsh et al. 2005, ACM TOMS 31, 363).
-#include "run/newton.h"
+#include "run/engine.h"
 
 #include <cvodes/cvodes.h>
 #include <stdlib.h>

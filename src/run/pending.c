@@ -6,6 +6,7 @@
 
 #include "base/clones.h"
 #include "base/parts.h"
+#include "base/statistics.h"
 
 enum {
     MOST_TERMS = 8,
@@ -142,7 +143,7 @@ double lac_pending_squares(lac_pending *p, const double *x, const double *w)
     size_t parts = lac_parts_run(p->n, lac_pending_part, p);
     p->waiting = 0;
     p->x = p->w = NULL;
-    return lac_parts_sum(parts, p->sum);
+    return lac_sum(parts, p->sum);
 }
 
 // One of at most MOST_TERMS.

@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/check.h"
 #include "run/course.h"
-#include "run/events.h"
+#include "run/engine.h"
 
 typedef lac_course run;
 typedef lac_instant instant;

@@ -83,27 +83,19 @@ typedef struct lac_events_scene {
 } lac_events_scene;
 
 /// Whether fidelity EVENTS follows such a scene.
-/// @return LAC_OK; LAC_EINPUT: says what it does not follow
 lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err);
 
-/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF,
-/// SLIP under Adams, TRACTION under explicit methods and where the form lets slip turn back.
-/// @param asked  any but AUTO is given back
-/// @param form   of the friction law
+/// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF, SLIP
+/// under Adams, TRACTION under explicit methods and where the form lets slip turn back.
 lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form);
 
 /// Whether a run can start: what lac_run would refuse before its first step.
-/// @return LAC_OK; LAC_EINPUT (a start beyond a limit ...); LAC_ENUMERIC (no slip); LAC_ENOMEM
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err);
 
 /// Integrates a problem in time. At planned checkpoints the integrator begins anew from what is
 /// saved. A run without planned ones that is interrupted makes a forced one.
 /// @param sink    gets the records, the first at t = 0; NULL drops them
 /// @param result  filled as far as the run came, whatever the status
-/// @return LAC_OK (also at failure of the slope); LAC_EINTERRUPT; LAC_ENUMERIC with flag, time,
-///         step, order and worst cell, or where a slip rate leaves the numbers; what the sink
-///         returns; LAC_ENOMEM; LAC_EINPUT where the checkpoint to go on from is of another
-///         problem, or beyond the end, and where def->beyond is not 0
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
 

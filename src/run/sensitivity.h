@@ -41,14 +41,10 @@ typedef struct lac_follow {
     int64_t steps;
 } lac_follow;
 
-/// Integrates a problem by BDF and, by CVODES' staggered forward sensitivities, the derivatives of
-/// what is seen by the parameters; docs/theory/fitting.md eq. 2. The Newton solves are the
-/// problem's own exact ones; the sensitivities' right-hand side J s + df/dp is by two central
-/// differences, along s and between the nudged problems.
-/// Nothing carries over from call to call: the same def gives the same bits.
-/// @return LAC_OK (also at failure); LAC_EINPUT (no slip at the start); LAC_ENUMERIC (the
-///         integrator gave up, too many steps); LAC_ENOMEM
-/// @cost   O(cells) a step, 1 + 4 nudges times
+/// Integrates a problem by BDF with the derivatives of what is seen by the parameters: CVODES'
+/// staggered forward sensitivities, their J s + df/dp by central differences;
+/// docs/theory/fitting.md eq. 2. Nothing carries over from call to call: the same def gives the
+/// same bits.
 lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err);
 
 #endif

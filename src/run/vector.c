@@ -152,7 +152,7 @@ static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
         size_t n = length(xv);                            \
         (void)y;                                          \
         for (size_t i = 0; i < n; i++) {                  \
-            z[i] = result;                                \
+            z[i] = (result);                              \
         }                                                 \
     }
 

@@ -12,6 +12,17 @@ double lac_case_pressure(const lac_case *c)
     return normal->pressure(c->normal.params, c->material.density);
 }
 
+lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
+{
+    lac_contact_def def = lac_contact_default();
+    def.grid = contact->grid;
+    def.heights = contact->heights;
+    def.e_star = contact->e_star;
+    def.tolerance = contact->tolerance;
+    def.mean_pressure = contact->mean_pressure;
+    return def;
+}
+
 // The faces do not touch: by how much.
 static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 {
@@ -48,13 +59,8 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     }
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
     out->tolerance = c->contact_tolerance;
-    lac_contact_def def = lac_contact_default();
-    def.grid = out->grid;
-    def.heights = out->heights;
-    def.e_star = out->e_star;
-    def.tolerance = c->contact_tolerance;
+    lac_contact_def def = lac_scene_contact_def(out);
     def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
-    def.mean_pressure = out->mean_pressure;
     def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;
     status = normal->dimension != NULL
                  ? lac_dimension_solve(&def, normal->dimension(c->normal.params), out->pressure,

@@ -4,8 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "data/describe.h"
-#include "scene/describe.h"
+#include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
 #define OUTCOME const lac_contact_outcome *o = of
@@ -20,25 +22,10 @@ LAC_GETTER(double, cells, CONTACT, (double)c->domain->n)
 LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_cells(&c->grid))
 LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
 
-double lac_domain_pressure(const lac_domain *domain, double *largest)
-{
-    double sum = 0;
-    *largest = 0;
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += domain->pressure[i];
-        *largest = fmax(*largest, domain->pressure[i]);
-    }
-    return sum / (double)domain->n;
-}
-
-static double largest_pressure(const lac_domain *domain)
-{
-    double largest;
-    (void)lac_domain_pressure(domain, &largest);
-    return largest;
-}
-LAC_GETTER(double, real_pressure, CONTACT, lac_domain_pressure(c->domain, &(double){0.0}))
-LAC_GETTER(double, max_pressure, CONTACT, largest_pressure(c->domain))
+// Over the cells that touch.
+LAC_GETTER(double, real_pressure, CONTACT,
+           lac_sum(c->domain->n, c->domain->pressure) / (double)c->domain->n)
+LAC_GETTER(double, max_pressure, CONTACT, lac_vmost(c->domain->n, c->domain->pressure))
 
 LAC_GETTER(bool, solved, CONTACT, c->solved)
 #define SOLVED(name, expression) \
@@ -160,7 +147,6 @@ static const lac_variable of_files[] = {
 static const lac_variable of_outcome[] = {{.name = "status", T(status)}};
 
 #define RESULT const lac_history_result *r = ((const lac_contact_outcome *)of)->result
-#define RECORD const lac_history_record *r = &((const lac_contact_outcome *)of)->record[at[0]]
 #define AREA lac_grid_area(&((const lac_contact_outcome *)of)->contact->grid)
 LAC_GETTER(bool, loaded, RESULT, r->loaded)
 LAC_GETTER(double, slip_factor, RESULT, r->first_slip.factor)
@@ -170,69 +156,39 @@ LAC_GETTER(double, slip_y, RESULT, r->first_place[1])
 LAC_GETTER(double, slip_shift_x, RESULT, r->first_slip.shift[0])
 LAC_GETTER(double, slip_shift_y, RESULT, r->first_slip.shift[1])
 LAC_GETTER(double, planned, RESULT, (double)r->planned)
-LAC_GETTER(double, force, RECORD, r->pressure *AREA)
-LAC_GETTER(double, shear_x, RECORD, r->shear.traction[0] * AREA)
-LAC_GETTER(double, shear_y, RECORD, r->shear.traction[1] * AREA)
-LAC_GETTER(double, highest, RECORD, isnan(r->highest[0]) ? (double)NAN : r->shear.highest_ratio)
 LAC_TEXT_GETTER(method, (void)of, "direct")
 
-#define STEP(json_, getter_)                                 \
-    {                                                        \
-        .json = "steps[]/" json_, .dims = "step", G(getter_) \
+#define FIRST(name_, getter)                                                                \
+    {                                                                                       \
+        .name = "first_slip_" name_, .json = "first_slip/" name_, G(getter), .has = loaded, \
+        .flags = LAC_LATE                                                                   \
     }
 static const lac_variable of_history[] = {
     {.json = "status", T(status)},
-    {.json = "history_method", T(method)},
+    {.name = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
+    {.name = "history_method", .json = "history_method", T(method)},
     {.json = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
     {.json = "planned_steps", G(planned)},
-    {.json = "first_slip/q_over_fp", G(slip_factor), .has = loaded},
+    FIRST("q_over_fp", slip_factor),
     {.json = "first_slip/q_N", G(slip_load)},
-    {.json = "first_slip/x_m", G(slip_x)},
-    {.json = "first_slip/y_m", G(slip_y)},
+    FIRST("x_m", slip_x),
+    FIRST("y_m", slip_y),
     {.json = "first_slip/shift_m", G(slip_shift_x)},
     {.json = "first_slip/shift_y_m", G(slip_shift_y)},
-    STEP("p_N", force),
-    STEP("q_N", shear_x),
-    STEP("q_y_N", shear_y),
 };
 
-#define S(json_, kind, field)                                               \
-    {                                                                       \
-        .json = "steps[]/" json_, LAC_HELD(kind, lac_history_record, field) \
-    }
-static const lac_variable of_steps[] = {
-    S("shift_m", REAL, shear.shift[0]),
-    S("shift_y_m", REAL, shear.shift[1]),
-    S("contact_cells", COUNT, shear.contact_cells),
-    S("stick_cells", COUNT, shear.stick_cells),
-    S("slip_cells", COUNT, shear.slip_cells),
-    S("dissipation_J", REAL, shear.dissipation),
-    S("cumulative_dissipation_J", REAL, dissipated),
-    S("cycle_start", COUNT, cycle_start),
-    S("cycle_dissipation_J", REAL, cycle_dissipation),
-    S("cycle_shift_m", REAL, cycle_shift),
-};
-static const lac_variable of_highest[] = {STEP("highest_ratio", highest)};
-static const lac_variable of_solution[] = {
-    S("highest_x_m", REAL, highest[0]),
-    S("highest_y_m", REAL, highest[1]),
-    S("iterations", INT64, shear.iterations),
-    S("products", INT64, shear.products),
-    S("contact_iterations", INT64, contact_iterations),
-    S("residual", REAL, shear.residual),
-};
-
-// For JSON: the file of a history is written as its steps come.
+// In a file the steps are added as they come.
 static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_error *err)
 {
-    const size_t stride = sizeof *o->record;
     const lac_extent step = {"step", o->result->steps};
     const lac_laid laid[] = {{LAC_VARIABLES(of_history, "", 0), o},
-                             {LAC_VARIABLES(of_steps, "step", stride), o->record},
-                             {LAC_VARIABLES(of_highest, "", 0), o},
-                             {LAC_VARIABLES(of_solution, "step", stride), o->record}};
-    const lac_status status = lac_dataset_dims(d, &step, 1, err);
-    return status == LAC_OK ? lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err) : status;
+                             {lac_history_steps(sizeof *o->record), o->record}};
+    lac_status status = lac_dataset_add(d, laid, 1, err);
+    if (status == LAC_OK && o->record != NULL) {
+        status = lac_dataset_dims(d, &step, 1, err);
+        status = status == LAC_OK ? lac_dataset_add(d, laid + 1, 1, err) : status;
+    }
+    return status;
 }
 
 static lac_status add_axis(lac_dataset *d, const lac_scene_contact *c, bool along_x, lac_error *err)

@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "data/describe.h"
-#include "scene/describe.h"
+#include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
 #define BOXES const lac_box_count *b = &((const lac_scene_contact *)of)->boxes

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 #include "store/store_cells.h"
 #include "surface/surface.h"
@@ -112,22 +113,16 @@ static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, l
 {
     const lac_spread_place place = {.domain = domain};
     double *p = domain->pressure;
-    double sum = 0.0;
-    double spread_sum = 0.0;
+    const double sum = lac_sum(domain->n, p);
     if (!lac_spread_has(&c->interface_spread, "pressure")) {
         return LAC_OK;
-    }
-    for (size_t i = 0; i < domain->n; i++) {
-        sum += p[i];
     }
     lac_status status =
         lac_spread_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.spread.pressure");
     }
-    for (size_t i = 0; i < domain->n; i++) {
-        spread_sum += p[i];
-    }
+    const double spread_sum = lac_sum(domain->n, p);
     for (size_t i = 0; i < domain->n; i++) {
         p[i] *= sum / spread_sum;
         if (!(isfinite(p[i]) && p[i] > 0.0)) {

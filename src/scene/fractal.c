@@ -34,13 +34,8 @@ static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact 
     if (!contact->solved) {
         return lac_fail(err, LAC_EINPUT, "no surface is pressed");
     }
-    lac_contact_def def = lac_contact_default();
+    const lac_contact_def def = lac_scene_contact_def(contact);
     lac_scaling_def scaling = *how;
-    def.grid = contact->grid;
-    def.heights = contact->heights;
-    def.e_star = contact->e_star;
-    def.tolerance = contact->tolerance;
-    def.mean_pressure = contact->mean_pressure;
     scaling.finest = contact->pressure;
     lac_status status = lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);
     double dimension = contact->fractal.scaling.dimension;

@@ -53,11 +53,7 @@ static lac_status press(history *h, double mean, lac_history_record *record, lac
         return LAC_OK;
     }
     lac_contact_report report = {0};
-    lac_contact_def def = lac_contact_default();
-    def.grid = contact->grid;
-    def.heights = contact->heights;
-    def.e_star = contact->e_star;
-    def.tolerance = contact->tolerance;
+    lac_contact_def def = lac_scene_contact_def(contact);
     def.mean_pressure = mean;
     def.start = h->next;
     lac_status status = lac_contact_solve(&def, h->next, NULL, &report, err);
@@ -175,6 +171,8 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
 {
     size_t now = ++h->result->steps;
     note_state(h, now, h->state[now - 1].dissipated + h->reached.dissipation);
+    record->number = now;
+    record->area = lac_grid_area(&h->contact->grid);
     record->pressure = h->mean;
     record->shear = h->reached;
     record->dissipated = h->state[now].dissipated;

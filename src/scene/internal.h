@@ -33,8 +33,19 @@ typedef enum lac_scene_keep {
 lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                                   lac_error *err);
 
+// A contact that was solved, to be pressed again.
+lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact);
+
 // Counts boxes where the grid is large enough for a dimension.
 lac_status lac_scene_contact_count(lac_scene_contact *contact, lac_error *err);
+
+// Adds the box-counting dimension of a contact to its dataset.
+lac_status lac_describe_dimension(const lac_scene_contact *contact, lac_dataset *dataset,
+                                  lac_error *err);
+
+// Adds its other fractal measures.
+lac_status lac_describe_fractal(const lac_scene_contact *contact, lac_dataset *dataset,
+                                lac_error *err);
 
 // Where a parameter varies.
 typedef struct lac_spread_place {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 
 void lac_scene_joint_clear(lac_scene_joint *j)
@@ -17,37 +18,13 @@ void lac_scene_joint_clear(lac_scene_joint *j)
     *j = (lac_scene_joint){0};
 }
 
-// The field of a slot's parameters that holds its seed; NULL where it has none.
-static int64_t *seed_of(const lac_slot *slot)
-{
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
-        if (strcmp(param->key, "seed") == 0 && param->type == LAC_INTEGER) {
-            return (int64_t *)(void *)((char *)slot->params + param->offset);
-        }
-    }
-    return NULL;
-}
-
-// The contact, to be pressed again.
-static lac_contact_def contact_of(const lac_scene_contact *contact)
-{
-    lac_contact_def def = lac_contact_default();
-    def.grid = contact->grid;
-    def.heights = contact->heights;
-    def.e_star = contact->e_star;
-    def.tolerance = contact->tolerance;
-    def.mean_pressure = contact->mean_pressure;
-    return def;
-}
-
 // Pressures under the falling load, and the gaps that follow.
 static lac_status elastic_path(const lac_case *c, const lac_scene_contact *contact,
                                lac_rg_path **path, lac_error *err)
 {
     const size_t n = contact->domain->n;
     const size_t loads = (size_t)c->rg.contacts;
-    const lac_contact_def def = contact_of(contact);
+    const lac_contact_def def = lac_scene_contact_def(contact);
     double part[LAC_RG_MOST_LOADS];
     double *pressure = malloc(loads * n * sizeof *pressure);
     lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
@@ -147,7 +124,7 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
                             lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
-    const lac_contact_def contact = contact_of(&j->contact);
+    const lac_contact_def contact = lac_scene_contact_def(&j->contact);
     const lac_rg_press press = {&contact, domain, c->rg.friction};
     const bool solved = c->rg.path == LAC_RG_SOLVE && c->rg.field == LAC_RG_ELASTIC;
     lac_status status = LAC_OK;
@@ -161,10 +138,7 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
         const lac_rg_joint part = {domain, j->strength, j->drop, j->path, solved ? &press : NULL};
         LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
     }
-    double total = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        total += j->strength[i];
-    }
+    double total = lac_sum(domain->n, j->strength);
     out->strength += total / (double)lac_grid_cells(&domain->grid) / (double)out->seeds;
 out:
     return status;
@@ -174,10 +148,10 @@ out:
 // none.
 static int64_t seed_now(const lac_case *c)
 {
-    const int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    const int64_t *seed = lac_slot_seed(c->surface.about != NULL ? &c->surface : &c->domain);
     const lac_spread_list *spreads = &c->interface_spread;
     for (size_t k = 0; seed == NULL && k < spreads->count; k++) {
-        seed = seed_of(&spreads->item[k].slot);
+        seed = lac_slot_seed(&spreads->item[k].slot);
     }
     return seed != NULL ? *seed : INT64_MIN;
 }
@@ -223,12 +197,12 @@ out:
 // The next interface: of what makes it every seed, one higher.
 static void next_seed(const lac_case *c)
 {
-    int64_t *seed = seed_of(c->surface.about != NULL ? &c->surface : &c->domain);
+    int64_t *seed = lac_slot_seed(c->surface.about != NULL ? &c->surface : &c->domain);
     if (seed != NULL) {
         ++*seed;
     }
     for (size_t k = 0; k < c->interface_spread.count; k++) {
-        int64_t *of_spread = seed_of(&c->interface_spread.item[k].slot);
+        int64_t *of_spread = lac_slot_seed(&c->interface_spread.item[k].slot);
         if (of_spread != NULL) {
             ++*of_spread;
         }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "scene/internal.h"
 #include "scene/rg.h"
 
@@ -11,7 +12,6 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
 {
     const lac_load_slots slots = {.pore = c->pore.item, .pore_count = c->pore.count};
     const lac_load_clock clock = {.dated = c->dated, .start = c->start_date, .end = time};
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
     lac_load_set loads;
     lac_load_state at;
     *share = 1.0;
@@ -24,7 +24,7 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     }
     lac_load_evaluate(&loads, time, &at);
     lac_load_set_clear(&loads);
-    double total = normal->pressure(c->normal.params, c->material.density);
+    double total = lac_case_pressure(c);
     *share = 1.0 - at.pore / total;
     if (!(*share > 0.0 && isfinite(*share))) {
         return lac_fail(err, LAC_EINPUT,
@@ -59,11 +59,7 @@ static lac_status copy_domain(const lac_domain *from, double share, lac_domain *
 // Normal force over the nominal area.
 static double mean_pressure(const lac_domain *domain)
 {
-    double total = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        total += domain->pressure[i];
-    }
-    return total / (double)lac_grid_cells(&domain->grid);
+    return lac_sum(domain->n, domain->pressure) / (double)lac_grid_cells(&domain->grid);
 }
 
 // How loaded the joint is, and its weakest cell.

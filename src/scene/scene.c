@@ -8,6 +8,16 @@
 
 #include "scene/internal.h"
 
+double lac_damping_of(const lac_material_def *material)
+{
+    double g = material->shear_modulus;
+    double cs = material->shear_speed;
+    if (isnan(cs) && !isnan(material->density)) {
+        cs = sqrt(g / material->density);
+    }
+    return isnan(g) || isnan(cs) ? 0.0 : 0.5 * g / cs;
+}
+
 // Gives the cells their own values of one parameter of the law.
 static lac_status spread_friction(const lac_case *c, const lac_spread_place *place,
                                   const lac_param *param, lac_friction *friction, double *values,

@@ -54,17 +54,14 @@ typedef struct lac_history_result {
     double first_place[2];     ///< centre of its cell [m]
 } lac_history_result;
 
-/// Mean and largest pressure of the cells that touch [Pa].
-double lac_domain_pressure(const lac_domain *domain, double *largest);
-
 /// A contact as it is told.
 typedef struct lac_contact_outcome {
     const lac_scene_contact *contact;
     const char *status;               ///< complete; NULL: not yet said
     bool brief;                       ///< grid, pressures and dimension alone, for JSON
-    double friction;                  ///< of the history, for JSON; NaN
+    double friction;                  ///< of the history; NaN
     const lac_history_result *result; ///< same; NULL: there is none
-    const lac_history_record *record; ///< [result->steps]
+    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
 } lac_contact_outcome;
 
 /// Its variables, for a file or JSON; docs/format.md.

@@ -1,25 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far a modelled motion is from readings, by its slip and rate at their times.
+#include <gsl/gsl_interp.h>
 #include <math.h>
 
 #include "base/statistics.h"
 #include "series/series.h"
-
-// The last point at or before t; t lies within the history.
-static size_t find_point(const lac_history *h, double t)
-{
-    size_t low = 0;
-    size_t high = h->n;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (h->time[middle] <= t) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
 
 // v = v0^(1-w) v1^w, or linear where a rate is not positive.
 static double between_rates(double v0, double v1, double w)
@@ -35,7 +20,7 @@ bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
     if (h->n == 0 || !(t >= h->time[0] && t <= h->time[h->n - 1])) {
         return false;
     }
-    size_t i = find_point(h, t);
+    size_t i = gsl_interp_bsearch(h->time, t, 0, h->n);
     *slip = h->slip[i];
     *rate = h->rate[i];
     if (t > h->time[i]) {

@@ -7,7 +7,7 @@
 
 #include "base/ask.h"
 #include "data/dataset.h"
-#include "simulation/simulation.h"
+#include "simulation/internal.h"
 
 enum { DIMS = 5, JSON_PATH = 80 };
 
@@ -34,15 +34,17 @@ out:
     return status;
 }
 
-static lac_recording_def made_from(const lac_outcome *of)
+lac_run_output lac_outcome_output(const lac_outcome *of)
 {
-    return (lac_recording_def){.domain = of->scene->contact.domain,
-                               .hierarchy = of->scene->hierarchy,
-                               .transfer = &of->scene->transfer,
-                               .fields = of->source->fields,
-                               .extras = of->extras,
-                               .extra = of->extra,
-                               .events = lac_analysis_has_events(of->analysis)};
+    return (lac_run_output){.domain = of->scene->contact.domain,
+                            .hierarchy = of->scene->hierarchy,
+                            .transfer = &of->scene->transfer,
+                            .fields = of->source->fields,
+                            .extras = of->extras,
+                            .extra = of->extra,
+                            .events = lac_analysis_has_events(of->analysis),
+                            .dated = of->source->dated,
+                            .start_date = of->source->start_date};
 }
 
 // A recording as the dataset that it is handed out as.
@@ -90,6 +92,7 @@ static lac_status take(recorded *r, const lac_recording *recording, lac_error *e
                                    .json = r->path[i],
                                    .unit = v->unit,
                                    .long_name = v->long_name,
+                                   .comment = v->comment,
                                    .dims = v->dimensions,
                                    .held = LAC_HELD_REALS,
                                    .offset = offsetof(lac_recorded, values),
@@ -98,25 +101,18 @@ static lac_status take(recorded *r, const lac_recording *recording, lac_error *e
     return LAC_OK;
 }
 
-// How long the dimensions are: as the variables over one alone, or what these leave of one over
-// two.
-static void measure(const recorded *r, lac_extent dim[DIMS])
+// How long the dimensions are: as the variables over one alone.
+static void measure(const lac_recording *recording, lac_extent dim[DIMS])
 {
-    static const char *const names[DIMS] = {"time", "snapshot", "event", "level", "cell"};
+    static const char *const axes[DIMS][2] = {{"time", "time"},
+                                              {"snapshot", "snapshot_time"},
+                                              {"event", "event_time"},
+                                              {"level", "level"},
+                                              {"cell", "x"}};
     for (size_t d = 0; d < DIMS; d++) {
-        dim[d] = (lac_extent){names[d], 0};
-        for (size_t i = 0; i < r->count; i++) {
-            const char *dims = r->seen[i].dimensions;
-            const char *behind = strchr(dims, ' ');
-            if (strcmp(dims, names[d]) == 0) {
-                dim[d].length = r->seen[i].count;
-                break;
-            }
-            const size_t first = behind != NULL && dims[0] == 't' ? dim[0].length : dim[1].length;
-            if (behind != NULL && strcmp(behind + 1, names[d]) == 0 && first > 0) {
-                dim[d].length = r->seen[i].count / first;
-            }
-        }
+        lac_recorded seen = {0};
+        const bool there = lac_recording_find(recording, axes[d][1], &seen);
+        dim[d] = (lac_extent){axes[d][0], there ? seen.count : 0};
     }
 }
 
@@ -133,7 +129,7 @@ static lac_status hand_out(lac_recording *recording, lac_dataset **out, lac_erro
     }
     r->recording = recording;
     LAC_TRY(take(r, recording, err));
-    measure(r, dim);
+    measure(recording, dim);
     LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
     LAC_TRY(lac_dataset_dims(d, dim, DIMS, err));
     for (size_t i = 0; i < r->count; i++) {
@@ -156,7 +152,7 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     LAC_TRY(LAC_NEED(err, simulation, out));
     *out = NULL;
     const lac_outcome *outcome = lac_simulation_outcome(simulation);
-    const lac_recording_def def = made_from(outcome);
+    const lac_recording_def def = lac_outcome_output(outcome);
     LAC_TRY(lac_recording_create(&def, &recording, err));
     const lac_sink sink = lac_recording_sink(recording);
     const lac_status ended = lac_simulation_run(simulation, &sink, err);

@@ -217,18 +217,10 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     }
     *out = (lac_store_def){.path = c->output_file,
                            .provenance = lac_case_provenance(c, s->case_text),
-                           .dated = c->dated,
-                           .start_date = c->start_date,
-                           .domain = s->scene->contact.domain,
-                           .hierarchy = s->scene->hierarchy,
-                           .transfer = &s->scene->transfer,
-                           .fields = c->fields,
+                           .of = lac_outcome_output(&s->outcome),
                            .compression = c->compression,
                            .single = c->single != 0,
-                           .sync_every = RECORDS_BETWEEN_SYNCS,
-                           .extras = s->outcome.extras,
-                           .extra = s->outcome.extra,
-                           .events = lac_analysis_has_events(s->analysis)};
+                           .sync_every = RECORDS_BETWEEN_SYNCS};
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     if (s->outcome.accuracy != NULL) {
         out->provenance.accuracy = s->accuracy.text;

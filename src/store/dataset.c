@@ -170,7 +170,7 @@ lac_status lac_writer_begin(lac_writer *w, lac_error *err)
     lac_status status;
     LAC_TRY(set_clock(w, err));
     LAC_TRY(lac_columns_create(w->dataset, &w->columns, err));
-    LAC_TRY(lac_nc_attributes(w->file, w->dataset, err));
+    LAC_TRY(lac_nc_attributes(w->file, w->dataset, false, err));
     for (lac_column *c = all->column; c < all->column + all->n; c++) {
         LAC_TRY(lac_writer_define(w, c, err));
         if (c->along != LAC_ONCE && (c->item.row->flags & LAC_CELLS) == 0) {

@@ -265,14 +265,15 @@ out:
     return status;
 }
 
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, lac_error *err)
+lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
+                             lac_error *err)
 {
     lac_item item = {0};
     lac_status status = LAC_OK;
     while (status == LAC_OK && lac_dataset_next(dataset, &item)) {
         char room[LAC_TEXT_ROOM];
         double number = NAN;
-        if (!lac_item_is_global(&item)) {
+        if (!lac_item_is_global(&item) || late != ((item.row->flags & LAC_LATE) != 0)) {
             continue;
         }
         if (item.is_text) {

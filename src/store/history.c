@@ -9,11 +9,8 @@
 
 enum { CHUNK_STEPS = 256 };
 
-// What is put out now; the rows below are laid on it.
+// What is put out now.
 typedef struct step {
-    double number; // steps so far
-    double area;   // nominal [m2]
-    double friction;
     bool pressed;
     lac_history_record record;
     lac_history_maps maps;
@@ -26,75 +23,73 @@ struct lac_history_store {
     step now;
 };
 
-#define STEP const step *s = of
-#define SHEAR           \
-    const step *s = of; \
-    const lac_tangential_report *r = &s->record.shear
+#define STEP const lac_history_record *r = (const lac_history_record *)of + at[0]
 #define G(getter) .value = (getter)
-#define S(kind, field) LAC_HELD(kind, step, field)
+#define R(kind, field) LAC_HELD(kind, lac_history_record, field)
 
-LAC_GETTER(double, normal_force, STEP, s->record.pressure * s->area)
-LAC_GETTER(double, shear_force_x, SHEAR, r->traction[0] * s->area)
-LAC_GETTER(double, shear_force_y, SHEAR, r->traction[1] * s->area)
-LAC_GETTER(double, cycle_start, STEP,
-           s->record.cycle_start != SIZE_MAX ? (double)s->record.cycle_start : NAN)
-LAC_GETTER(double, highest_ratio, SHEAR, isnan(s->record.highest[0]) ? NAN : r->highest_ratio)
-LAC_GETTER(bool, is_pressed, STEP, s->pressed)
-LAC_TEXT_GETTER(method, (void)of, "direct")
-LAC_TEXT_GETTER(running, (void)of, "running")
+LAC_GETTER(double, normal_force, STEP, r->pressure * r->area)
+LAC_GETTER(double, shear_force_x, STEP, r->shear.traction[0] * r->area)
+LAC_GETTER(double, shear_force_y, STEP, r->shear.traction[1] * r->area)
+LAC_GETTER(double, highest_ratio, STEP, isnan(r->highest[0]) ? (double)NAN : r->shear.highest_ratio)
+LAC_GETTER(bool, is_pressed, const step *s = of, s->pressed)
 
+#define J(key) .json = "steps[]/" key
 #define WHOLE .flags = LAC_WHOLE
 #define MISSING .flags = LAC_MISSING
 
-static const lac_variable of_history[] = {
-    {.name = "friction_coefficient", S(REAL, friction)},
-    {.name = "history_method", .text = method},
-    {.name = "status", .text = running},
-};
-
 static const lac_variable of_step[] = {
-    LAC_ROW("step", NULL, "1", "number of the step, increments counted", S(REAL, number), WHOLE,
+    LAC_ROW("step", NULL, "1", "number of the step, increments counted", R(COUNT, number), WHOLE,
             .comment = "from 1; 0 is the start, which is not written"),
-    LAC_ROW("normal_force", NULL, "N", "normal force on the interface", G(normal_force)),
-    LAC_ROW("shear_force_x", NULL, "N", "shear force on the interface along x", G(shear_force_x)),
-    LAC_ROW("shear_force_y", NULL, "N", "shear force on the interface along y", G(shear_force_y)),
+    LAC_ROW("normal_force", NULL, "N", "normal force on the interface", G(normal_force), J("p_N")),
+    LAC_ROW("shear_force_x", NULL, "N", "shear force on the interface along x", G(shear_force_x),
+            J("q_N")),
+    LAC_ROW("shear_force_y", NULL, "N", "shear force on the interface along y", G(shear_force_y),
+            J("q_y_N")),
     LAC_ROW("shift_x", NULL, "m", "shift of one body against the other along x, far away",
-            S(REAL, record.shear.shift[0])),
+            R(REAL, shear.shift[0]), J("shift_m")),
     LAC_ROW("shift_y", NULL, "m", "shift of one body against the other along y, far away",
-            S(REAL, record.shear.shift[1])),
-    LAC_ROW("stick_cells", NULL, "1", "contact cells that stick",
-            S(COUNT, record.shear.stick_cells), WHOLE),
-    LAC_ROW("slip_cells", NULL, "1", "contact cells that slip", S(COUNT, record.shear.slip_cells),
-            WHOLE),
-    LAC_ROW("dissipation", NULL, "J", "frictional work of the step",
-            S(REAL, record.shear.dissipation)),
+            R(REAL, shear.shift[1]), J("shift_y_m")),
+    {J("contact_cells"), R(COUNT, shear.contact_cells)},
+    LAC_ROW("stick_cells", NULL, "1", "contact cells that stick", R(COUNT, shear.stick_cells),
+            WHOLE, J("stick_cells")),
+    LAC_ROW("slip_cells", NULL, "1", "contact cells that slip", R(COUNT, shear.slip_cells), WHOLE,
+            J("slip_cells")),
+    LAC_ROW("dissipation", NULL, "J", "frictional work of the step", R(REAL, shear.dissipation),
+            J("dissipation_J")),
     LAC_ROW("cumulative_dissipation", NULL, "J", "frictional work since the start",
-            S(REAL, record.dissipated)),
+            R(REAL, dissipated), J("cumulative_dissipation_J")),
     LAC_ROW("cycle_start", NULL, "1", "earlier step to whose loads this one comes back",
-            G(cycle_start), .flags = LAC_WHOLE | LAC_MISSING,
+            R(COUNT, cycle_start), .flags = LAC_WHOLE | LAC_MISSING, J("cycle_start"),
             .comment = "missing where it comes back to none; 0: the start"),
     LAC_ROW("cycle_dissipation", NULL, "J", "frictional work since that step",
-            S(REAL, record.cycle_dissipation), MISSING,
+            R(REAL, cycle_dissipation), MISSING, J("cycle_dissipation_J"),
             .comment = "missing where the step ends no cycle"),
-    LAC_ROW("cycle_shift", NULL, "m", "shift left over since that step",
-            S(REAL, record.cycle_shift), MISSING,
+    LAC_ROW("cycle_shift", NULL, "m", "shift left over since that step", R(REAL, cycle_shift),
+            MISSING, J("cycle_shift_m"),
             .comment = "0: a closed loop; missing where the step ends no cycle"),
     LAC_ROW("highest_ratio", NULL, "1", "highest q/(f p) of the cells that stick", G(highest_ratio),
-            MISSING, .comment = "missing where none does"),
-    LAC_ROW("highest_x", NULL, "m", "where it is along x", S(REAL, record.highest[0]), MISSING),
-    LAC_ROW("highest_y", NULL, "m", "where it is along y", S(REAL, record.highest[1]), MISSING),
+            MISSING, J("highest_ratio"), .comment = "missing where none does"),
+    LAC_ROW("highest_x", NULL, "m", "where it is along x", R(REAL, highest[0]), MISSING,
+            J("highest_x_m")),
+    LAC_ROW("highest_y", NULL, "m", "where it is along y", R(REAL, highest[1]), MISSING,
+            J("highest_y_m")),
     LAC_ROW("shear_iterations", NULL, "1", "iterations of the shear solver",
-            S(INT64, record.shear.iterations), WHOLE),
+            R(INT64, shear.iterations), WHOLE, J("iterations")),
     LAC_ROW("shear_products", NULL, "1", "applications of the elastic operator",
-            S(INT64, record.shear.products), WHOLE),
+            R(INT64, shear.products), WHOLE, J("products")),
+    {J("contact_iterations"), R(INT64, contact_iterations)},
     LAC_ROW("shear_residual", NULL, "1", "how far the conditions of the solution are from holding",
-            S(REAL, record.shear.residual)),
+            R(REAL, shear.residual), J("residual")),
     LAC_ROW("contact_iterations", NULL, "1", "iterations of the normal contact solver",
-            S(INT64, record.contact_iterations), WHOLE,
-            .comment = "0 where the pressure did not change"),
+            R(INT64, contact_iterations), WHOLE, .comment = "0 where the pressure did not change"),
 };
 
-#define MAP(kind, field) S(kind, maps.field), .flags = LAC_CELLS | LAC_LATE
+lac_variables lac_history_steps(size_t stride)
+{
+    return (lac_variables)LAC_VARIABLES(of_step, "step", stride);
+}
+
+#define MAP(kind, field) LAC_HELD(kind, step, maps.field), .flags = LAC_CELLS | LAC_LATE
 static const lac_variable of_maps[] = {
     LAC_ROW("traction_x", NULL, "Pa", "shear traction along x", MAP(REALS, traction[0])),
     LAC_ROW("traction_y", NULL, "Pa", "shear traction along y", MAP(REALS, traction[1])),
@@ -110,12 +105,11 @@ static lac_status describe(const lac_history_store_def *def, const step *now, la
 {
     const lac_extent dim = {"step", LAC_GROWS};
     const lac_laid laid[] = {
-        {LAC_VARIABLES(of_history, "", 0), now},
-        {LAC_VARIABLES(of_step, "step", 0), now},
+        {lac_history_steps(0), &now->record},
         {LAC_VARIABLES(of_maps, def->keep == LAC_KEEP_ALL ? "step y x" : "y x", 0), now}};
     lac_status status = lac_dataset_dims(def->contact, &dim, 1, err);
     return status == LAC_OK
-               ? lac_dataset_add(def->contact, laid, def->keep == LAC_KEEP_NONE ? 2 : 3, err)
+               ? lac_dataset_add(def->contact, laid, def->keep == LAC_KEEP_NONE ? 1 : 2, err)
                : status;
 }
 
@@ -129,6 +123,7 @@ static lac_status begin_file(lac_history_store *s, const lac_history_store_def *
                               "cells stick or slip.",
                               err));
     LAC_TRY(lac_writer_begin(&s->writer, err));
+    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY(lac_nc_sync(&s->file, err));
     LAC_TRY(lac_nc_keep_journal(&s->file, err));
     LAC_TRY(lac_nc_publish(&s->file, err));
@@ -146,8 +141,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
         return lac_fail_memory(err);
     }
     s->keep = def->keep;
-    s->now = (step){
-        .area = lac_grid_area(def->grid), .friction = def->friction, .pressed = def->pressed};
+    s->now.pressed = def->pressed;
     s->writer = (lac_writer){
         .file = &s->file, .dataset = def->contact, .deflate = 1, .chunk = CHUNK_STEPS, .batch = 1};
     LAC_TRY(describe(def, &s->now, err));
@@ -170,14 +164,13 @@ lac_status lac_history_store_step(lac_history_store *store, const lac_history_re
                                   lac_error *err)
 {
     store->now.record = *record;
-    store->now.number++;
     return store->keep != LAC_KEEP_ALL ? put(store, err) : LAC_OK;
 }
 
 lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
                                   lac_error *err)
 {
-    assert(store->keep != LAC_KEEP_NONE && store->now.number > 0);
+    assert(store->keep != LAC_KEEP_NONE && store->now.record.number > 0);
     store->now.maps = *maps;
     if (store->keep == LAC_KEEP_ALL) {
         return put(store, err);
@@ -186,18 +179,15 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
     return status == LAC_OK ? lac_writer_sync(&store->writer, err) : status;
 }
 
-lac_status lac_history_store_number(lac_history_store *store, const char *name, double value,
-                                    lac_error *err)
-{
-    return isnan(value) ? LAC_OK : lac_nc_real(&store->file, NC_GLOBAL, name, value, err);
-}
-
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err)
 {
     assert(store->file.open);
-    lac_status first = lac_nc_text(&store->file, NC_GLOBAL, "status", status, err);
-    lac_status second = lac_nc_close(&store->file, first == LAC_OK ? err : NULL);
-    return first != LAC_OK ? first : second;
+    lac_status first = lac_nc_attributes(&store->file, store->writer.dataset, true, err);
+    const char *said = first == LAC_OK ? status : "failed";
+    lac_error *later = first == LAC_OK ? err : NULL;
+    lac_status second = lac_nc_text(&store->file, NC_GLOBAL, "status", said, later);
+    lac_status third = lac_nc_close(&store->file, second == LAC_OK ? later : NULL);
+    return first != LAC_OK ? first : second != LAC_OK ? second : third;
 }
 
 void lac_history_store_free(lac_history_store *store)

@@ -131,13 +131,7 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     if (r == NULL) {
         return lac_fail_memory(err);
     }
-    r->place.of = (lac_run_output){.domain = def->domain,
-                                   .hierarchy = def->hierarchy,
-                                   .transfer = def->transfer,
-                                   .fields = def->fields,
-                                   .extras = def->extras,
-                                   .extra = def->extra,
-                                   .events = def->events};
+    r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
     LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
     if (def->passing) {

@@ -8,16 +8,8 @@
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
 typedef struct lac_recording lac_recording;
 
-typedef struct lac_recording_def {
-    const lac_domain *domain;       ///< NULL: nothing of the cells
-    const lac_hierarchy *hierarchy; ///< NULL: no levels
-    const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;                ///< LAC_FIELD_*, of snapshots
-    size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond
-    bool events;            ///< a catalogue of events comes along
-    bool passing;           ///< only what lac_recording_move moves: nothing of levels and places
-} lac_recording_def;
+/// What it keeps. Only lac_recording_create looks at what this points to.
+typedef lac_run_output lac_recording_def;
 
 /// One variable. What it points to holds until the recording is written to or freed.
 typedef struct lac_recorded {

@@ -60,22 +60,14 @@ out:
 
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err)
 {
-    assert(def->fields == 0 || def->domain != NULL);
+    assert(def->of.fields == 0 || def->of.domain != NULL);
     *out = NULL;
     lac_status status = LAC_OK;
     lac_store *s = calloc(1, sizeof *s);
     if (s == NULL) {
         return lac_fail_memory(err);
     }
-    s->place.of = (lac_run_output){.domain = def->domain,
-                                   .hierarchy = def->hierarchy,
-                                   .transfer = def->transfer,
-                                   .fields = def->fields,
-                                   .extras = def->extras,
-                                   .extra = def->extra,
-                                   .events = def->events,
-                                   .dated = def->dated,
-                                   .start_date = def->start_date};
+    s->place.of = def->of;
     s->now = def->provenance.now;
     s->begun = def->resume != NULL ? def->resume->begun : s->now;
     s->sync_every = def->sync_every > 1 ? (size_t)def->sync_every : 1;
@@ -215,7 +207,7 @@ static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, l
 {
     lac_dataset *dataset = NULL;
     lac_status status = lac_run_ending_describe(ending, &dataset, err);
-    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, err) : status;
+    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, false, err) : status;
     lac_dataset_free(dataset);
     return status;
 }

@@ -29,19 +29,11 @@ typedef struct lac_store_def {
     const char *path;
     bool force; ///< replace an existing file
     lac_provenance provenance;
-    bool dated;        ///< the run starts at a date
-    double start_date; ///< seconds since 1970 of t = 0
-    const lac_domain *domain;
-    const lac_hierarchy *hierarchy;
-    const lac_transfer *transfer; ///< of the run, for the stiffness of its levels; NULL: not said
-    unsigned fields;              ///< LAC_FIELD_*; 0: no snapshots
-    bool single;                  ///< records and fields but times are written as floats
-    int64_t compression;          ///< deflate level of the snapshots, 0 to 9
-    int64_t sync_every;           ///< records between syncs
-    size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond; outlives the store
-    bool events;            ///< a catalogue of events comes along
-    const char *inputs;     ///< what a checkpoint keeps of the files that the run reads; NULL
+    lac_run_output of;   ///< its extras outlive the store
+    bool single;         ///< records and fields but times are written as floats
+    int64_t compression; ///< deflate level of the snapshots, 0 to 9
+    int64_t sync_every;  ///< records between syncs
+    const char *inputs;  ///< what a checkpoint keeps of the files that the run reads; NULL
     const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
 } lac_store_def;
 
@@ -73,6 +65,8 @@ lac_status lac_store_dataset(const char *path, bool force, const lac_provenance 
 
 /// One solved step of a history of normal and shear load.
 typedef struct lac_history_record {
+    size_t number;   ///< from 1, increments counted
+    double area;     ///< nominal [m2]
     double pressure; ///< mean over the nominal area [Pa]
     lac_tangential_report shear;
     double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
@@ -99,8 +93,6 @@ typedef struct lac_history_store_def {
     bool force; ///< replace an existing file
     lac_provenance provenance;
     lac_dataset *contact; ///< where the history starts; gets its steps, and must outlive it
-    const lac_grid *grid; ///< of it
-    double friction;      ///< Coulomb's coefficient [1]
     lac_history_keep keep;
     bool pressed; ///< the pressures change on the way
 } lac_history_store_def;
@@ -125,13 +117,12 @@ lac_status lac_history_store_step(lac_history_store *store, const lac_history_re
 lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
                                   lac_error *err);
 
-/// Adds a number to the global attributes, NaN: does not; before the end.
-/// @return LAC_OK; LAC_EIO
-lac_status lac_history_store_number(lac_history_store *store, const char *name, double value,
-                                    lac_error *err);
+/// The variables of a step, laid on a lac_history_record; docs/format.md.
+/// @param stride  between records that stand one behind the other
+lac_variables lac_history_steps(size_t stride);
 
-/// Writes `status` ("complete", "failed", "interrupted") and closes the file. The store still has
-/// to be freed.
+/// Writes what attributes of the contact are LAC_LATE, `status` ("complete", "failed",
+/// "interrupted") and closes the file. The store still has to be freed.
 /// @return LAC_OK; LAC_EIO (a full disk shows up here)
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err);
 

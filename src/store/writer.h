@@ -51,7 +51,9 @@ lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_e
 /// The longest of the texts of an item, at least 1 [bytes].
 size_t lac_item_longest_text(const lac_item *item);
 
-/// Writes the attributes that a dataset has for its file. @return LAC_OK; LAC_EIO
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, lac_error *err);
+/// Writes the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
+/// others @return LAC_OK; LAC_EIO
+lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
+                             lac_error *err);
 
 #endif

@@ -27,7 +27,6 @@ typedef struct lac_band {
 } lac_band;
 
 /// The band of a grid of more than one cell.
-/// @return LAC_OK; LAC_EINPUT where the wavelengths do not fit each other or the interface
 lac_status lac_band_of(const lac_waves *waves, const lac_grid *grid, lac_band *out, lac_error *err);
 
 /// Sum of C |q|^moment over all modes of the full band, whatever a grid resolves of it.

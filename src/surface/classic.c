@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Headers of old netCDF files, walked first: netCDF itself allocates whatever a count says.
-#include "surface/classic.h"
+#include "surface/read.h"
 
 // Tags of the lists of a header.
 enum { TAG_NONE = 0, TAG_DIMENSION = 10, TAG_VARIABLE = 11, TAG_ATTRIBUTE = 12 };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One measured face from its file: heights in metres, and gaps filled where the case wants it.
-#include "surface/face.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "base/rows.h"
-#include "surface/face.h"
 #include "surface/fit.h"
 #include "surface/registry.h"
 

@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
+
 #define PI 3.14159265358979323846264338327950288
 
 // Spacings that agree to this part are one.
@@ -225,16 +227,13 @@ out:
 void lac_detrend(int detrend, const lac_grid *grid, double *heights)
 {
     size_t n = lac_grid_cells(grid);
-    double mean = 0.0;
     double hx = 0.0, hy = 0.0, xx = 0.0, yy = 0.0;
     double cx = 0.5 * (double)(grid->nx - 1);
     double cy = 0.5 * (double)(grid->ny - 1);
     if (detrend == LAC_DETREND_NONE) {
         return;
     }
-    for (size_t i = 0; i < n; i++) {
-        mean += heights[i] / (double)n;
-    }
+    const double mean = lac_mean(n, heights);
     for (size_t i = 0; i < n; i++) {
         double x = (double)(i % grid->nx) - cx;
         double y = (double)(i / grid->nx) - cy;

@@ -13,7 +13,6 @@ enum { LAC_DETREND_NONE, LAC_DETREND_MEAN, LAC_DETREND_PLANE };
 /// Gives the masked samples of a map the height of the nearest one that has a height (by steps
 /// from neighbour to neighbour).
 /// @pre    at least one has
-/// @return LAC_OK, LAC_ENOMEM
 lac_status lac_fill_nearest(lac_height_map *map, lac_error *err);
 
 /// Gives the masked samples of a map the mean of the others.
@@ -36,7 +35,6 @@ double lac_fit_spacing(double spacing, size_t n, int fit, size_t cells, double c
 
 /// Lays a map on a grid; spacings in metres.
 /// @param heights  [ny * nx] of the grid; overwritten; NaN where the map is masked
-/// @return LAC_OK; LAC_EINPUT where the spacings, sizes or places do not fit
 lac_status lac_fit_map(const char *path, const lac_height_map *map, const lac_placement *place,
                        const lac_grid *grid, double *heights, lac_error *err);
 
@@ -45,5 +43,21 @@ void lac_detrend(int detrend, const lac_grid *grid, double *heights);
 
 /// Lets the heights fade to zero at the edges as half a cosine over a part of each side.
 void lac_taper(double part, const lac_grid *grid, double *heights);
+
+/// A file of measured heights, and what a case says of it.
+typedef struct lac_face_def {
+    const char *path;
+    const char *unit, *lateral_unit;   ///< NULL, or what the file must not contradict
+    const char *other, *other_lateral; ///< used where the file and those above say nothing; NULL: m
+    double spacing;                    ///< [m]; NaN: not given
+    double other_spacing;              ///< used where the file and `spacing` say nothing
+    int nodata;                        ///< LAC_NODATA_...
+} lac_face_def;
+
+/// Reads a file and brings it to metres; fills what has no height as `nodata` says.
+/// @param map     lengths and heights in metres; set on success, the caller frees it
+/// @param report  what was read, but for `fit`
+lac_status lac_face_read(const lac_face_def *def, lac_height_map **map, lac_file_report *report,
+                         lac_error *err);
 
 #endif

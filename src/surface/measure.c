@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/fft.h"
+#include "base/statistics.h"
 
 #define TWO_PI 6.283185307179586476925286766559
 
@@ -232,11 +233,7 @@ static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_
     LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
     size_t n = lac_grid_cells(grid);
     detrend(grid, heights, fft->real);
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += fft->real[i] * fft->real[i];
-    }
-    m.rms_height = sqrt(sum / (double)n);
+    m.rms_height = sqrt(lac_dot(n, fft->real, fft->real) / (double)n);
     m.rms_slope_x = rms_difference(grid, fft->real, true);
     m.rms_slope_y = rms_difference(grid, fft->real, false);
     m.z2 = m.rms_slope_x;

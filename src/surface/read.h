@@ -29,7 +29,6 @@ lac_status lac_height_map_parse(const lac_bytes *bytes, lac_height_map **map, la
 
 /// Gives a map its size, and room for its heights.
 /// @param most  heights that the bytes at hand can hold
-/// @return LAC_OK; LAC_EINPUT where the size is zero, beyond the limit, or more than `most`
 lac_status lac_map_size(lac_height_map *map, const char *path, uint64_t nx, uint64_t ny,
                         size_t most, lac_error *err);
 
@@ -49,12 +48,15 @@ double lac_bytes_number(const unsigned char *data, lac_number_type type);
 /// Gives a map its size and its heights, which are the rest of the file from byte `start` on.
 /// @param fortran  columns follow each other, not rows
 /// @param what     the numbers are called in messages
-/// @return as lac_map_size; LAC_EINPUT where the file goes on behind them
 lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint64_t size[2],
                         size_t start, lac_number_type type, bool fortran, const char *what,
                         lac_error *err);
 
 /// Whether the content begins with a word.
 bool lac_bytes_begin(const lac_bytes *bytes, const char *word);
+
+/// Holds every count in the header of a classic netCDF file (CDF-1, 2, 5) against the bytes at
+/// hand: netCDF itself allocates what a count says. (NetCDF Users' Guide, appendix B)
+lac_status lac_classic_check(const lac_bytes *bytes, lac_error *err);
 
 #endif

@@ -8,7 +8,7 @@
 #include <strings.h>
 
 #include "base/netcdf.h"
-#include "surface/classic.h"
+#include "surface/read.h"
 
 typedef struct grid_file {
     const char *path;

@@ -42,7 +42,6 @@ const char *lac_word_show(lac_word word, char *shown, size_t size);
 
 /// A finite number; NaN where the word is "nan", with or without a sign, or "NA".
 /// @pre    the thread's locale is "C"
-/// @return LAC_OK; LAC_EINPUT
 lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err);
 
 /// What a key of a header holds: one of the three is where its value goes.

@@ -66,7 +66,6 @@ typedef struct lac_surface_report {
 typedef struct lac_surface_source {
     lac_descriptor about;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
-    /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where the parameters do not fit the grid
     lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
                            lac_error *err);
     /// As generate, with a report; NULL: the heights of the interface are measured.
@@ -150,23 +149,17 @@ const lac_surface_source *lac_surface_source_at(size_t index);
 /// Heights of the chosen source on a grid.
 /// @param slot     a surface source and its parameters
 /// @param heights  [ny * nx] [m]; overwritten
-/// @return what the source returns
 lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
                                 lac_error *err);
 
 /// As lac_surface_generate, and measures the surface.
-/// @return what the source and lac_surface_measure return
 lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *grid,
                                          double *heights, lac_surface_report *report,
                                          lac_error *err);
 
-/// Measures a height field: its mean taken off, and its mean plane where it is not periodic.
-/// Hurst exponent by weighted least squares on the radially averaged power, windowed (Hann) where
-/// not periodic; jrc = 32.2 + 32.47 log10 z2, also at the usual steps. docs/theory/surface.md,
-/// Measures.
-/// @param known  where the spectrum is known to be a power law, NaN where it is not known, narrows
-///               the wavelengths that are fitted; NULL: it does not
-/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where a height is not finite
+/// Measures a height field, its mean and, unless periodic, its mean plane taken off:
+/// docs/theory/surface.md, Measures. @param known  where the spectrum is a power law narrows the
+/// wavelengths fitted; NULL
 /// @source Tse & Cruden (1979), doi 10.1016/0148-9062(79)90241-9
 lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
                                const lac_wave_range *known, lac_surface_measures *out,
@@ -174,11 +167,7 @@ lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
 
 /// Reads measured heights; what the file holds tells its format (docs/surfaces-from-files.md).
 /// @param map  set on success; the caller frees it
-/// @return LAC_OK; LAC_EINPUT where the content is refused, with file, line or byte, what was
-///         found and what is allowed; LAC_EIO; LAC_ENOMEM
 lac_status lac_height_map_read(const char *path, lac_height_map **map, lac_error *err);
-
-/// Frees a map; NULL is fine.
 void lac_height_map_free(lac_height_map *map);
 
 #endif

@@ -33,15 +33,12 @@ typedef struct lac_synthesis {
 } lac_synthesis;
 
 /// The grid after which a surface repeats: that of the interface and its margin.
-/// @return LAC_OK; LAC_EINPUT for a margin on a periodic grid
 lac_status lac_synthesis_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
                                lac_error *err);
 
 /// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
 /// @param band  of the whole grid
 /// @param mode  as lac_band_fill
-/// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT where the sampling needs a band that is not stated, or
-///         one of too many waves
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
                           double _Complex (*mode)(const void *of, double kx, double ky),
                           const void *of, double *heights, lac_error *err);

@@ -162,7 +162,7 @@ static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *o
 }
 
 #define RUN LAC_OF_RUN
-#define ROW(title, where, text, has, of, ...)                                                \
+#define DIAL(title, where, text, has, of, ...)                                               \
     {                                                                                        \
         .name = (title), .key = (where), .doc = (text), .values = has##_values, .use = (of), \
         __VA_ARGS__                                                                          \
@@ -170,28 +170,28 @@ static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *o
 
 // rtol: tenfold at most, and mostly five- to sevenfold: docs/trade.md
 static const lac_dial dials[] = {
-    ROW("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
-        .finer = 0.1, .finest = 1e-13),
-    ROW("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
-    ROW("formulation", "solver.formulation", "unknown besides the state: rate, traction, slip",
-        formulation, RUN),
-    ROW("fidelity", "solver.fidelity", "events, ode; of Q_crit also static, the cascade", fidelity,
-        RUN | LAC_OF_CASCADE, .asked = RUN | LAC_OF_CASCADE, .scene = true, .cascade = CASCADE),
-    ROW("levels", "interface.levels", "2^levels cells a side, halved twice", levels,
-        RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = RUN | LAC_OF_CASCADE, .scene = true,
-        .ratio = 4),
-    ROW("transfer", "transfer", "of stress: hierarchy, elastic", transfer, RUN, .asked = RUN,
-        .scene = true),
-    ROW("planning", "solver.fft_planning", "of Fourier transforms: estimate, measure", planning,
-        RUN, .asked = RUN),
-    ROW("precision", "output.precision", "of what is written: float, double", precision, RUN,
-        .asked = RUN),
-    ROW("field", "rg.field", "of the cascade: uniform, equal, elastic", field, LAC_OF_CASCADE,
-        .asked = LAC_OF_CASCADE, .scene = true),
-    ROW("contacts", "rg.contacts", "solved along the cascade's path", contacts, LAC_OF_CASCADE,
-        .ratio = 4, .finer = 2, .finest = LAC_RG_MOST_LOADS),
-    ROW("shifts", "rg.shifts", "places of the cascade's blocks", shifts, LAC_OF_CASCADE, .ratio = 2,
-        .finer = 4, .finest = 10000),
+    DIAL("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
+         .finer = 0.1, .finest = 1e-13),
+    DIAL("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
+    DIAL("formulation", "solver.formulation", "unknown besides the state: rate, traction, slip",
+         formulation, RUN),
+    DIAL("fidelity", "solver.fidelity", "events, ode; of Q_crit also static, the cascade", fidelity,
+         RUN | LAC_OF_CASCADE, .asked = RUN | LAC_OF_CASCADE, .scene = true, .cascade = CASCADE),
+    DIAL("levels", "interface.levels", "2^levels cells a side, halved twice", levels,
+         RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = RUN | LAC_OF_CASCADE, .scene = true,
+         .ratio = 4),
+    DIAL("transfer", "transfer", "of stress: hierarchy, elastic", transfer, RUN, .asked = RUN,
+         .scene = true),
+    DIAL("planning", "solver.fft_planning", "of Fourier transforms: estimate, measure", planning,
+         RUN, .asked = RUN),
+    DIAL("precision", "output.precision", "of what is written: float, double", precision, RUN,
+         .asked = RUN),
+    DIAL("field", "rg.field", "of the cascade: uniform, equal, elastic", field, LAC_OF_CASCADE,
+         .asked = LAC_OF_CASCADE, .scene = true),
+    DIAL("contacts", "rg.contacts", "solved along the cascade's path", contacts, LAC_OF_CASCADE,
+         .ratio = 4, .finer = 2, .finest = LAC_RG_MOST_LOADS),
+    DIAL("shifts", "rg.shifts", "places of the cascade's blocks", shifts, LAC_OF_CASCADE,
+         .ratio = 2, .finer = 4, .finest = 10000),
 };
 
 const lac_dial *lac_dial_at(size_t index)

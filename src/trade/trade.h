@@ -208,30 +208,51 @@ lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *
                            const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
 void lac_trade_verdict_clear(lac_trade_verdict *verdict);
 
-/// One run of a trade, as it is written. NaN: missing.
+/// Settings of a run, as its case has them in the end.
+typedef struct lac_trade_settings {
+    uint64_t key;                          ///< of the whole resolved case and its files
+    char label[LAC_DIALS][LAC_DIAL_LABEL]; ///< of every dial
+} lac_trade_settings;
+
+/// One run of it, as it is told.
 typedef struct lac_trade_row {
-    const char *settings; ///< "solver.rtol=1e-05 solver.method=bdf"
-    const char *end;      ///< done, broken, given up
-    double value, error, uncertainty;
-    double wall_time, cpu_time, memory, output; ///< [s], [bytes]
-    double steps, evaluations;
-    bool on_front;
+    const struct lac_trade_outcome *of;
+    size_t run;
 } lac_trade_row;
 
-/// A trade, as it is written.
-typedef struct lac_trade_view {
-    const char *quantity, *unit, *about; ///< name, SI unit, what it is
-    double value, uncertainty;           ///< of the reference; relative
-    const char *reference;               ///< its settings
-    const char *recommended;             ///< settings; NULL: none
-    const char *sentence;
-    size_t runs;
-    const lac_trade_row *row; ///< [runs]
-} lac_trade_view;
+/// A trade, as it is told; the texts are the caller's, from `rows` on lac_trade_list fills it.
+typedef struct lac_trade_outcome {
+    const char *title, *sentence; ///< of the case; NULL: none; what to choose
+    const lac_trade_plan *plan;
+    const lac_trade_measure *measure;   ///< [plan->runs]
+    const lac_trade_settings *settings; ///< [plan->runs]
+    const lac_trade_settings *own;      ///< of the case as it is
+    const lac_trade_verdict *verdict;
+    size_t rows, refusals;
+    lac_trade_row *row;                   ///< [rows] those tried, in the order of a table
+    size_t *refused;                      ///< [refusals] runs
+    lac_trade_row reference, recommended; ///< the second holds where there is one
+} lac_trade_outcome;
 
-/// Its variables, for a file; docs/format.md.
-/// @param view  with all that it points to must outlive the dataset
+/// Lists its runs. The outcome must stay where it is, and is to be cleared whatever the status.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_trade_describe(const lac_trade_view *view, lac_dataset **out, lac_error *err);
+lac_status lac_trade_list(lac_trade_outcome *outcome, lac_error *err);
+void lac_trade_outcome_clear(lac_trade_outcome *outcome);
+
+/// The command that the settings of a run are for, and one word for how it ended.
+const char *lac_trade_command(const lac_trade_plan *plan, size_t run);
+const char *lac_trade_end_name(lac_trade_end end);
+
+/// All dials of a run, as "solver.rtol=1e-05 solver.method=bdf"; those that differ from the case's
+/// own, as `--set KEY=VALUE --set ...`, "" where none do.
+const char *lac_trade_settings_text(const lac_trade_outcome *outcome, size_t run,
+                                    char text[LAC_TEXT_ROOM]);
+const char *lac_trade_options(const lac_trade_outcome *outcome, size_t run,
+                              char text[LAC_TEXT_ROOM]);
+
+/// Its variables, for a file or JSON; docs/format.md.
+/// @param outcome  with all that it points to must outlive the dataset
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_trade_describe(const lac_trade_outcome *outcome, lac_dataset **out, lac_error *err);
 
 #endif

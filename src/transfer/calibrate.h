@@ -14,9 +14,6 @@ typedef struct lac_calibration {
 /// k_l = trace((P_l - P_{l+1}) K)/rank(P_l - P_{l+1}) with the K of the elastic half-space on the
 /// scene's contact domain; docs/theory/transfer.md, equation 13. About 1 % accurate.
 /// @param seed    of the random probes
-/// @param levels  [lac_hierarchy_levels]; overwritten
-/// @return LAC_OK; LAC_EINPUT (no material); LAC_ENUMERIC; LAC_ENOMEM
-/// @cost   some ten to fifty inversions a level
 lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
                                  lac_calibration *levels, lac_error *err);
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
+
 enum { MAX_ITERATIONS = 1000 };
 
 struct lac_compliance {
@@ -71,23 +73,10 @@ void lac_compliance_free(lac_compliance *c)
 
 static void remove_mean(size_t n, double *x)
 {
-    double sum = 0;
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i];
-    }
-    double mean = sum / (double)n;
+    double mean = lac_sum(n, x) / (double)n;
     for (size_t i = 0; i < n; i++) {
         x[i] -= mean;
     }
-}
-
-static double dot(size_t n, const double *x, const double *y)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i] * y[i];
-    }
-    return sum;
 }
 
 // y = R F^-1 symbol F R^T x: zeros in the gaps, restriction R.
@@ -138,14 +127,14 @@ lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double t
     remove_mean(n, r);
     precondition(c, r, z);
     memcpy(p, z, n * sizeof *p);
-    double rho = dot(n, r, z), gain = INFINITY;
+    double rho = lac_dot(n, r, z), gain = INFINITY;
     *energy = 0;
     for (int i = 0; i < MAX_ITERATIONS; i++) {
         if (rho == 0) {
             return LAC_OK;
         }
         comply(c, p, q);
-        double step = rho / dot(n, p, q);
+        double step = rho / lac_dot(n, p, q);
         for (size_t j = 0; j < n; j++) {
             traction[j] += step * p[j];
             r[j] -= step * q[j];
@@ -162,7 +151,7 @@ lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double t
         }
         precondition(c, r, z);
         double before = rho;
-        rho = dot(n, r, z);
+        rho = lac_dot(n, r, z);
         for (size_t j = 0; j < n; j++) {
             p[j] = z[j] + rho / before * p[j];
         }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/rows.h"
+#include "base/statistics.h"
 #include "hierarchy/hierarchy.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
@@ -108,7 +109,7 @@ static lac_status make_last(lac_elastic *e, lac_error *err)
 // traction asks for.
 static lac_status find_anchor(lac_elastic *e, lac_error *err)
 {
-    double *x = malloc(e->n * sizeof *x), mean = 0;
+    double *x = malloc(e->n * sizeof *x);
     if (x == NULL) {
         return lac_fail_memory(err);
     }
@@ -120,9 +121,7 @@ static lac_status find_anchor(lac_elastic *e, lac_error *err)
     } else {
         lac_compliance_slip(e->rock, x, x);
     }
-    for (size_t i = 0; i < e->n; i++) {
-        mean += x[i] / (double)e->n;
-    }
+    double mean = lac_mean(e->n, x);
     free(x);
     e->anchor = e->direct ? mean : 1 / mean;
     return LAC_OK;

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "transfer/krylov.h"
 
 // One system (D + K + k_mean P) x = y while it is solved.
@@ -17,15 +19,6 @@ typedef struct job {
     double *scratch; // lac_hierarchy_work
 } job;
 
-static double sum(size_t n, const double *x)
-{
-    double total = 0;
-    for (size_t i = 0; i < n; i++) {
-        total += x[i];
-    }
-    return total;
-}
-
 static void add(size_t n, double value, double *x)
 {
     for (size_t i = 0; i < n; i++) {
@@ -36,7 +29,7 @@ static void add(size_t n, double value, double *x)
 static void take_mean_off(const lac_elastic *e, double *x)
 {
     if (e->floating) {
-        add(e->n, -sum(e->n, x) / (double)e->n, x);
+        add(e->n, -lac_sum(e->n, x) / (double)e->n, x);
     }
 }
 
@@ -45,7 +38,7 @@ static void stiffen(const lac_elastic *e, const double *x, double *y, double *sc
 {
     lac_hierarchy_apply(e->h, e->k, x, y, scratch);
     if (!e->floating) {
-        add(e->n, e->anchor * (sum(e->n, x) / (double)e->n), y);
+        add(e->n, e->anchor * (lac_sum(e->n, x) / (double)e->n), y);
     }
 }
 
@@ -53,7 +46,7 @@ static void stiffen(const lac_elastic *e, const double *x, double *y, double *sc
 static void diagonal_times(const job *j, const double *x, double *y)
 {
     size_t n = j->e->n;
-    double mean = j->k_mean * (sum(n, x) / (double)n);
+    double mean = j->k_mean * (lac_sum(n, x) / (double)n);
     for (size_t i = 0; i < n; i++) {
         y[i] = j->d[i] * x[i] + mean;
     }
@@ -102,7 +95,7 @@ static double precondition_slip(void *self, const double *r, double *z)
     if (!near_inverse(j, r, z)) {
         return NAN;
     }
-    double error = lac_krylov_dot(e->n, r, z);
+    double error = lac_vdot(e->n, r, z);
     for (size_t i = 0; i < e->n && e->preconditioner != LAC_BY_HIERARCHY; i++) {
         z[i] = e->preconditioner == LAC_BY_DIAGONAL ? r[i] / (j->d[i] + e->k[0]) : r[i];
     }
@@ -118,7 +111,7 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
     if (!near_inverse(j, y, start)) {
         return -1;
     }
-    double size = lac_krylov_dot(n, y, start);
+    double size = lac_vdot(n, y, start);
     multiply_slip(j, start, r);
     for (size_t i = 0; i < n; i++) {
         r[i] = y[i] - r[i];
@@ -149,7 +142,7 @@ static double error_left(const job *j, const double *z)
     for (size_t i = 0; i < j->e->n; i++) {
         by_diagonal += z[i] * z[i] / j->d[i];
     }
-    return fmin(by_diagonal, lac_krylov_dot(j->e->n, j->w, z));
+    return fmin(by_diagonal, lac_vdot(j->e->n, j->w, z));
 }
 
 // rho = D r is the residual of x, once the mean of r balances the forces; w = M rho is what x
@@ -160,7 +153,7 @@ static double precondition_traction(void *self, const double *r, double *z)
     const lac_elastic *e = j->e;
     diagonal_times(j, r, j->v);
     if (e->floating) {
-        double off = sum(e->n, j->v) / j->sum_d;
+        double off = lac_sum(e->n, j->v) / j->sum_d;
         for (size_t i = 0; i < e->n; i++) {
             j->v[i] -= (j->d[i] + j->k_mean) * off;
         }
@@ -179,6 +172,18 @@ static double precondition_traction(void *self, const double *r, double *z)
     return error;
 }
 
+// tau from r, of an error of `size`; x = C tau
+static int find_traction(const job *j, lac_krylov *system, double *r, double size, double *x)
+{
+    const lac_elastic *e = j->e;
+    double *tau = r + e->n;
+    memset(tau, 0, e->n * sizeof *tau);
+    int iterations = lac_krylov_solve(system, tau, r, size, e->newton_tolerance,
+                                      LAC_ELASTIC_ITERATIONS, tau + e->n);
+    lac_compliance_slip(e->rock, tau, x);
+    return iterations;
+}
+
 static int solve_traction(job *j, const double *y, double *x, double *work)
 {
     const lac_elastic *e = j->e;
@@ -188,13 +193,10 @@ static int solve_traction(job *j, const double *y, double *x, double *work)
     diagonal_inverse(j, y, r);
     take_mean_off(e, r);
     memset(tau, 0, n * sizeof *tau);
-    double rigid = e->floating ? sum(n, y) : 0;
+    double rigid = e->floating ? lac_sum(n, y) : 0;
     (void)precondition_traction(j, r, tau);
-    double size = lac_krylov_dot(n, j->v, j->w) + rigid * rigid / j->sum_d;
-    memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
-                                      LAC_ELASTIC_ITERATIONS, tau + n);
-    lac_compliance_slip(e->rock, tau, x);
+    double size = lac_vdot(n, j->v, j->w) + rigid * rigid / j->sum_d;
+    int iterations = find_traction(j, &system, r, size, x);
     for (size_t i = 0; i < n; i++) {
         x[i] += j->w[i];
     }
@@ -208,7 +210,7 @@ static void bring_home(const job *j, const double *x, const double *t, double *y
 {
     const lac_elastic *e = j->e;
     diagonal_times(j, x, j->w);
-    double off = e->floating ? sum(e->n, j->w) / j->sum_d : 0;
+    double off = e->floating ? lac_sum(e->n, j->w) / j->sum_d : 0;
     for (size_t i = 0; i < e->n; i++) {
         j->w[i] += t[i] - (j->d[i] + j->k_mean) * off;
     }
@@ -232,7 +234,7 @@ static double precondition_squared(void *self, const double *r, double *z)
         return NAN;
     }
     stiffen(j->e, j->w, z, j->scratch);
-    return lac_krylov_dot(j->e->n, r, z);
+    return lac_vdot(j->e->n, r, z);
 }
 
 static int solve_squared(job *j, const double *y, double *x, double *work)
@@ -241,7 +243,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     size_t n = e->n;
     double *r = work, *tau = r + n;
     lac_krylov system = {n, j, multiply_squared, precondition_squared};
-    double off = e->floating ? sum(n, y) / j->sum_d : 0;
+    double off = e->floating ? lac_sum(n, y) / j->sum_d : 0;
     for (size_t i = 0; i < n; i++) {
         tau[i] = y[i] - (j->d[i] + j->k_mean) * off;
     }
@@ -250,11 +252,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     memset(tau, 0, n * sizeof *tau);
     double size = precondition_squared(j, r, tau);
     size += e->floating ? off * off * j->sum_d : 0;
-    memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, size, e->newton_tolerance,
-                                      LAC_ELASTIC_ITERATIONS, tau + n);
-    lac_compliance_slip(e->rock, tau, x);
-    return iterations;
+    return find_traction(j, &system, r, size, x);
 }
 
 size_t lac_elastic_work(const lac_elastic *e)
@@ -266,7 +264,7 @@ size_t lac_elastic_work(const lac_elastic *e)
 static void balance(const job *j, double force, double *x)
 {
     size_t n = j->e->n;
-    double held = j->k_mean * sum(n, x) + lac_krylov_dot(n, j->d, x);
+    double held = j->k_mean * lac_sum(n, x) + lac_vdot(n, j->d, x);
     add(n, (force - held) / j->sum_d, x);
 }
 
@@ -281,11 +279,11 @@ int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagona
     for (size_t i = 0; i < n; i++) {
         soft = soft || !(diagonal[i] > 0);
     }
-    j.sum_d = sum(n, diagonal) + (double)n * k_mean;
+    j.sum_d = lac_sum(n, diagonal) + (double)n * k_mean;
     if (!isfinite(j.sum_d) || (e->floating && !(j.sum_d > 0))) {
         return -1;
     }
-    double force = sum(n, y), *found = work;
+    double force = lac_sum(n, y), *found = work;
     int iterations = e->direct ? solve_slip(&j, y, found, work + n)
                      : soft    ? solve_squared(&j, y, found, work + n)
                                : solve_traction(&j, y, found, work + n);
@@ -317,7 +315,7 @@ static double precondition_compliance(void *self, const double *r, double *z)
     } else {
         memcpy(z, r, e->n * sizeof *z);
     }
-    return lac_krylov_dot(e->n, r, z);
+    return lac_vdot(e->n, r, z);
 }
 
 int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, double *work)

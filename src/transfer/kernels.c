@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What slip or traction of a wave, or of a single cell, does to elastic rock, in closed form.
-#include "transfer/kernels.h"
+#include "transfer/compliance.h"
 
 #include <math.h>
 #include <stdlib.h>

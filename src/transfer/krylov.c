@@ -6,15 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-double lac_krylov_dot(size_t n, const double *x, const double *y)
-{
-    double sum = 0;
-#pragma omp simd safelen(2) reduction(+ : sum)
-    for (size_t i = 0; i < n; i++) {
-        sum += x[i] * y[i];
-    }
-    return sum;
-}
+#include "base/vsum.h"
 
 static bool positive(double x) { return x > 0 && x <= DBL_MAX; }
 
@@ -38,14 +30,14 @@ int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, dou
         return -1; // z may hold nothing
     }
     double goal = tolerance * tolerance * (isnan(size) ? error : size);
-    double rho = lac_krylov_dot(n, r, z);
+    double rho = lac_vdot(n, r, z);
     memcpy(p, z, n * sizeof *p);
     for (int i = 0; i <= most; i++) {
         if (error <= goal || rho == 0) {
             return i;
         }
         a->multiply(a->self, p, q);
-        double curvature = lac_krylov_dot(n, p, q);
+        double curvature = lac_vdot(n, p, q);
         if (!positive(curvature) || !positive(rho)) {
             return -1;
         }
@@ -55,7 +47,7 @@ int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, dou
             return -1;
         }
         double before = rho;
-        rho = lac_krylov_dot(n, r, z);
+        rho = lac_vdot(n, r, z);
         for (size_t j = 0; j < n; j++) {
             p[j] = z[j] + rho / before * p[j];
         }

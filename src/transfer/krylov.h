@@ -17,19 +17,11 @@ typedef struct lac_krylov {
 
 enum { LAC_KRYLOV_WORK = 3 }; ///< vectors of scratch
 
-/// Adds to x what makes the residual small, by preconditioned conjugate gradients.
-/// @param x     [n] a start, to which r belongs
-/// @param r     [n] residual of x; destroyed
+/// Adds to x, to which r belongs, what makes the residual small, by preconditioned conjugate
+/// gradients.
 /// @param size  of the error that counts as 1, as precondition measures it; NaN: that of r
-/// @param tolerance  relative to the root of size
-/// @param most  iterations
-/// @param work  [3 n]
-/// @return iterations, at least 0; -1 where the system is not positive definite, a number is not
-///         finite, or the iterations do not suffice
+/// @return iterations; -1 where the system is not positive definite, or they do not suffice
 int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, double tolerance,
                      int most, double *work);
-
-/// Sum of the products, in a fixed order.
-double lac_krylov_dot(size_t n, const double *x, const double *y);
 
 #endif

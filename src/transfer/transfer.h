@@ -96,8 +96,6 @@ const lac_transfer_kind *lac_transfer_kind_at(size_t index);
 
 /// Makes the chosen transfer for a domain.
 /// @param slot  a transfer kind and its parameters; an empty slot means `none`
-/// @return LAC_OK; LAC_EINPUT (elastic without a material ...); LAC_ENUMERIC (calibration);
-///         LAC_ENOMEM
 lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err);
 
@@ -106,9 +104,6 @@ lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *s
 /// periodic contact. docs/theory/transfer.md, equation 21.
 /// @param slot   the transfer chosen: the rock is that of `elastic`; else half-spaces, slip along x
 /// @param share  [n] overwritten; its sum is n to rounding
-/// @return LAC_OK; LAC_EINPUT (no material ...); LAC_ENUMERIC (not within 1000 iterations);
-///         LAC_ENOMEM
-/// @cost   one inversion of the compliance: some 30 pairs of transforms, more where cells are many
 lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *scene, double *share,
                              lac_error *err);
 

@@ -362,7 +362,7 @@ class Trade(Program):
         self.refused('--spend: "1 m" must be', BLOCK, "--spend", "1 m")
         self.refused('--jobs: "0" must be', BLOCK, "--jobs", "0")
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
-        self.refused("must be > 0 and no later", BLOCK, "--until", "3 year")
+        self.refused("must be > 0 and <= time.end", BLOCK, "--until", "3 year")
         self.refused("solver.rtol", BLOCK, "--set", "solver.rtol=-1")
         self.refused("solver.accuracy is picked for by lacuna run", BLOCK, "--set", "solver.accuracy=1e-3")
         pressed = "cases/normal/approach.yaml"

@@ -41,6 +41,8 @@ lac_status whole_forecast(const char *path, lac_error *err)
                                           .failed_at = 18.0,
                                           .outlook = outlook,
                                           .rolling = rolling,
+                                          .readings = &readings,
+                                          .course = course,
                                           .indicators = course->kinds,
                                           .indicator = course->found};
     LAC_TRY(lac_forecast_describe(&outcome, &dataset, err));

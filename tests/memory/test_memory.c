@@ -75,17 +75,16 @@ static lac_status store_history(const lac_case *c, const lac_scene_contact *cont
                                 const char *path, lac_error *err)
 {
     lac_history_store *store = NULL;
-    lac_history_result result;
     lac_dataset *dataset = NULL;
     lac_status status = LAC_OK;
-    const lac_contact_outcome outcome = {.contact = contact};
+    lac_history_result result = {0};
+    const lac_contact_outcome outcome = {
+        .contact = contact, .friction = c->history.friction, .result = &result};
     LAC_TRY(lac_contact_describe(&outcome, &dataset, err));
     const lac_history_store_def def = {.path = path,
                                        .force = true,
                                        .provenance = {.title = "sheared", .seed = 1},
                                        .contact = dataset,
-                                       .grid = &contact->grid,
-                                       .friction = c->history.friction,
                                        .keep = LAC_KEEP_ALL,
                                        .pressed = true};
     LAC_TRY(lac_history_store_create(&def, &store, err));

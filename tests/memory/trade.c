@@ -32,33 +32,28 @@ static lac_status store(const char *path, const lac_trade_plan *plan,
                         lac_error *err)
 {
     const lac_provenance provenance = {.title = "traded", .seed = 1};
-    lac_trade_row *row = calloc(plan->runs, sizeof *row);
-    if (row == NULL) {
+    const lac_trade_settings own = {0};
+    lac_trade_settings *settings = calloc(plan->runs, sizeof *settings);
+    if (settings == NULL) {
         return lac_fail_memory(err);
     }
-    for (size_t i = 0; i < plan->runs; i++) {
-        row[i] = (lac_trade_row){.settings = "solver.rtol=1",
-                                 .end = "done",
-                                 .value = measure[i].value[v->quantity],
-                                 .error = v->error[i],
-                                 .on_front = v->on_front[i]};
-    }
-    const lac_trade_view view = {.quantity = "slip",
-                                 .unit = "m",
-                                 .about = "mean slip at the end",
-                                 .value = v->value,
-                                 .uncertainty = v->uncertainty,
-                                 .reference = "solver.rtol=1",
-                                 .sentence = "",
-                                 .runs = plan->runs,
-                                 .row = row};
+    lac_trade_outcome outcome = {.sentence = "",
+                                 .plan = plan,
+                                 .measure = measure,
+                                 .settings = settings,
+                                 .own = &own,
+                                 .verdict = v};
     lac_dataset *dataset = NULL;
-    lac_status status = lac_trade_describe(&view, &dataset, err);
+    lac_status status = lac_trade_list(&outcome, err);
+    if (status == LAC_OK) {
+        status = lac_trade_describe(&outcome, &dataset, err);
+    }
     if (status == LAC_OK) {
         status = lac_store_dataset(path, true, &provenance, dataset, err);
     }
     lac_dataset_free(dataset);
-    free(row);
+    lac_trade_outcome_clear(&outcome);
+    free(settings);
     return status;
 }
 

@@ -33,8 +33,7 @@ lac_store_def store_def(const char *path)
                                           .libraries = "SUNDIALS 6.4.1",
                                           .seed = -3,
                                           .now = 1e9},
-                           .dated = true,
-                           .start_date = -205286400.0,
+                           .of = {.dated = true, .start_date = -205286400.0},
                            .compression = 1,
                            .sync_every = 100};
 }

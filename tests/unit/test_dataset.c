@@ -43,6 +43,8 @@ static const result made = {.number = 0.5,
 LAC_GETTER(double, product, WHOLE, r->number *(double)(10 * (at[0] + 1) + at[1]))
 LAC_GETTER(double, number_of, WHOLE, r->part[at[0]].best)
 LAC_GETTER(bool, never, WHOLE, r == NULL)
+LAC_GETTER(bool, second, WHOLE; (void)r, at[0] == 1)
+LAC_TEXT_GETTER(numeral, WHOLE; (void)r, at[0] == 0 ? "1e-05" : "1e")
 LAC_TEXT_GETTER(key_of, WHOLE, r->part[at[0]].key)
 
 #define R(kind, field) LAC_HELD(kind, result, field)
@@ -62,7 +64,11 @@ static const lac_variable of_result[] = {
     {.json = "left_out/one", .value = product, .has = never},
     {.json = "left_out/two", R(REAL, number)},
     {.json = "not_there", R(REAL, number), .has = never},
-    {.json = "powers{}", .dims = "row", .value = number_of},
+    {.json = "powers{}", .dims = "row", .value = number_of, .label = key_of},
+    {.json = "some{}", .dims = "row", .value = number_of, .label = key_of, .has = second},
+    {.json = "no_pair", R(REAL, number), .has = never},
+    {.json = "no_pair", R(REAL, nothing)},
+    {.json = "numerals[]", .dims = "row", .text = numeral, .flags = LAC_NUMERAL},
     {.json = "deep/again", R(REAL, number)},
 };
 static const lac_variable of_parts[] = {
@@ -100,7 +106,6 @@ static lac_dataset *make(void)
     lac_error err;
     assert_int_equal(lac_dataset_create("made up", &d, &err), LAC_OK);
     assert_int_equal(lac_dataset_dims(d, dims, 3, &err), LAC_OK);
-    lac_dataset_label(d, "row", key_of, &made);
     assert_int_equal(lac_dataset_add(d, laid, 3, &err), LAC_OK);
     assert_int_equal(lac_dataset_add_named(d, &drawn, &named, &made, &err), LAC_OK);
     lac_dataset_attributes(d, &own);
@@ -125,6 +130,7 @@ static void test_json(void **state)
         "{\"number\":0.5,\"nothing\":null,\"deep\":{\"count\":3,\"again\":0.5},\"text\":\"word\","
         "\"pair\":[0.5,null],\"rows\":[{\"columns\":[1,2,null]},{\"columns\":[4,5,6]}],"
         "\"products\":[[5,5.5,6],[10,10.5,11]],\"left_out\":null,\"powers\":{\"a.b\":7,\"c\":8},"
+        "\"some\":{\"c\":8},\"no_pair\":null,\"numerals\":[1e-05,\"1e\"],"
         "\"parts\":[{\"key\":\"a.b\",\"seed\":null,\"good\":true},"
         "{\"key\":\"c\",\"seed\":9,\"good\":false}],"
         "\"gone\":null,\"gone_text\":null,\"gone_object\":null,\"gone_lists\":[]}";
@@ -219,7 +225,6 @@ static void test_what_cannot_be(void **state)
     assert_int_equal(lac_dataset_dims(d, &row, 0, &err), LAC_OK);
     assert_int_equal(lac_dataset_dims(d, &row, 0, &err), LAC_OK);
     assert_int_equal(lac_dataset_dims(d, &row, 1, &err), LAC_OK);
-    lac_dataset_label(d, "nosuch", key_of, &made);
     lac_dataset_attributes(d, &(lac_laid){LAC_VARIABLES(beside, "", 0), made.part});
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         const lac_laid laid = {{.row = &wrong[i], .rows = 1, .over = ""}, &made};

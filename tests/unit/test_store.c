@@ -138,8 +138,8 @@ static void text_of(int id, int var, const char *name, char *text)
 static void expect_time_unit(bool dated, double date, const char *unit)
 {
     lac_store_def def = store_def(scratch_path(&folder, "time.nc"));
-    def.dated = dated;
-    def.start_date = date;
+    def.of.dated = dated;
+    def.of.start_date = date;
     def.force = true;
     lac_store_free(create(&def));
     int id = 0;
@@ -160,8 +160,8 @@ static void time_has_its_unit(void **state)
     expect_time_unit(true, -205286400.0, "seconds since 1963-07-01 00:00:00");
     expect_time_unit(true, -205286399.75, "seconds since 1963-07-01 00:00:00.250000");
     lac_store_def def = store_def(scratch_path(&folder, "far.nc"));
-    def.dated = true;
-    def.start_date = 1e15;
+    def.of.dated = true;
+    def.of.start_date = 1e15;
     lac_store *store = NULL;
     assert_int_equal(lac_store_create(&def, &store, NULL), LAC_EINPUT);
     assert_null(store);
@@ -180,7 +180,7 @@ static void existing_file_is_kept(void **state)
     assert_non_null(strstr(err.message, "old.nc: exists"));
     // one that cannot be made leaves it too, and nothing beside it
     def.force = true;
-    def.start_date = 1e15;
+    def.of.start_date = 1e15;
     assert_int_equal(lac_store_create(&def, &store, &err), LAC_EINPUT);
     size_t size = 0;
     unsigned char *bytes = scratch_read(path, &size);
@@ -188,7 +188,7 @@ static void existing_file_is_kept(void **state)
     assert_memory_equal(bytes, "precious", 8);
     free(bytes);
     assert_int_equal(scratch_count(&folder), files);
-    def.start_date = 0.0;
+    def.of.start_date = 0.0;
     lac_store_free(create(&def));
     expect_records(path, 0);
     assert_int_equal(scratch_count(&folder), files);
@@ -269,8 +269,8 @@ static void snapshots_hold_what_was_asked(void **state)
                          .index = index,
                          .pressure = pressure};
     lac_store_def def = store_def(scratch_path(&folder, "cells.nc"));
-    def.domain = &domain;
-    def.fields = LAC_FIELD_SLIP | LAC_FIELD_TRACTION;
+    def.of.domain = &domain;
+    def.of.fields = LAC_FIELD_SLIP | LAC_FIELD_TRACTION;
     lac_store *store = create(&def);
     lac_sink sink = lac_store_sink(store);
     for (int i = 0; i < 4; i++) {
@@ -321,8 +321,8 @@ static void levels_are_named(void **state)
     lac_hierarchy *hierarchy = NULL;
     assert_int_equal(lac_hierarchy_create(&domain, &hierarchy, NULL), LAC_OK);
     lac_store_def def = store_def(scratch_path(&folder, "levels.nc"));
-    def.domain = &domain;
-    def.hierarchy = hierarchy;
+    def.of.domain = &domain;
+    def.of.hierarchy = hierarchy;
     lac_store_free(create(&def));
     lac_hierarchy_free(hierarchy);
 

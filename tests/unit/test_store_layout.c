@@ -32,8 +32,8 @@ static const char *write_file(const char *name, size_t cells)
                          .index = index,
                          .pressure = pressure};
     lac_store_def def = store_def(scratch_path(&folder, name));
-    def.domain = &domain;
-    def.fields = LAC_FIELD_SLIP;
+    def.of.domain = &domain;
+    def.of.fields = LAC_FIELD_SLIP;
     def.compression = 1;
     lac_store *store = NULL;
     assert_int_equal(lac_store_create(&def, &store, NULL), LAC_OK);

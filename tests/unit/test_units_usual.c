@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/units.h"
-#include "base/units_usual.h"
 #include "support/test.h"
 
 static bool same_bits(double a, double b)

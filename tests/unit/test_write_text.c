@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/write_text.h"
+#include "base/part.h"
 #include "support/scratch_group.h"
 #include "support/test.h"
 

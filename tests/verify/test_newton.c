@@ -6,7 +6,7 @@
 #include <cvodes/cvodes.h>
 #include <math.h>
 
-#include "run/newton.h"
+#include "run/engine.h"
 #include "support/test.h"
 #include "support/tree.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "rg/path.h"
-#include "rg/size_effect.h"
+#include "rg/tree.h"
 #include "support/test.h"
 #include "support/trees.h"
 

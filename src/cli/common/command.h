@@ -4,18 +4,26 @@
 
 #include "cli/common/options.h"
 
-// What each command does, a row each of the table in registry.c.
-lac_status cli_run(const cli_request *request, lac_error *err);
-lac_status cli_check(const cli_request *request, lac_error *err);
-lac_status cli_contact(const cli_request *request, lac_error *err);
-lac_status cli_rg(const cli_request *request, lac_error *err);
-lac_status cli_precursors(const cli_request *request, lac_error *err);
-lac_status cli_fit(const cli_request *request, lac_error *err);
-lac_status cli_trade(const cli_request *request, lac_error *err);
-lac_status cli_report_page(const cli_request *request, lac_error *err);
-lac_status cli_mend(const cli_request *request, lac_error *err);
-lac_status cli_new(const cli_request *request, lac_error *err);
-lac_status cli_completion(const cli_request *request, lac_error *err);
-lac_status cli_describe(const cli_request *request, lac_error *err);
+/// Exit statuses of the program.
+enum {
+    CLI_EXIT_DONE = 0,
+    CLI_EXIT_FAILED = 1,      ///< the computation broke
+    CLI_EXIT_WRONG = 2,       ///< usage, case or data
+    CLI_EXIT_FILE = 3,        ///< could not be read or written
+    CLI_EXIT_INTERRUPTED = 4, ///< what was computed is whole
+};
+
+/// What each command does, a row each of the table in registry.c.
+typedef lac_status cli_action(const cli_request *request, lac_error *err);
+cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli_trade,
+    cli_report_page, cli_mend, cli_new, cli_completion, cli_describe;
+
+/// Prints what may stand in the place of the last word, one candidate a line: "WORD<Tab>MEANING". A
+/// line ":BEFORE<Tab>ENDINGS" says that a name of a file may, behind what is before it in the word:
+/// one of these endings ("yaml|nc"), or any where none is named. Says nothing else, whatever the
+/// words are.
+/// @param word  [count] the words after the program's name, up to the cursor; also as bash cuts
+///              them at = and :, and with the quotes that were typed
+void cli_complete(int count, char **word);
 
 #endif

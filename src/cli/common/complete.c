@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/common/completion.h"
+#include "cli/common/command.h"
 #include "cli/common/texts.h"
 #include "friction/friction.h"
 
@@ -194,32 +194,29 @@ static void offer_spreads(const offers *all, const lac_kind *spread)
 
 // Where the rows of a section or the models of a kind stand, if not where its name says. An item of
 // a list is its first one.
+enum { MOST_PLACES = 3 };
 static const struct {
-    const char *name, *folder;
+    const char *name, *folder[MOST_PLACES + 1];
 } places[] = {
-    {"case", ""},
-    {"output.every", "output.every"},
-    {"output.every", "output.fields_every"},
-    {"output.every", "output.checkpoint"},
-    {"compare", "compare.0"},
-    {"load.history.steps", "load.history.steps.0"},
-    {"load.shear", "load.shear.0"},
-    {"load.pore_pressure", "load.pore_pressure.0"},
-    {"friction.spread", "interface.spread.pressure"},
-    {"friction.spread", "initial.spread.slip_rate"},
-    {"friction.spread", "initial.spread.state"},
+    {"case", {""}},
+    {"output.every", {"output.every", "output.fields_every", "output.checkpoint"}},
+    {"compare", {"compare.0"}},
+    {"load.history.steps", {"load.history.steps.0"}},
+    {"load.shear", {"load.shear.0"}},
+    {"load.pore_pressure", {"load.pore_pressure.0"}},
+    {"friction.spread",
+     {"interface.spread.pressure", "initial.spread.slip_rate", "initial.spread.state"}},
 };
 
 // The index-th folder of a section or a kind, NULL past the end.
 static const char *folder_of(const char *name, size_t index)
 {
-    size_t found = 0;
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        if (strcmp(places[i].name, name) == 0 && found++ == index) {
-            return places[i].folder;
+        if (strcmp(places[i].name, name) == 0) {
+            return places[i].folder[index];
         }
     }
-    return found == 0 && index == 0 ? name : NULL;
+    return index == 0 ? name : NULL;
 }
 
 static void offer_every_key(const offers *all)

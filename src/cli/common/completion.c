@@ -14,14 +14,11 @@ lac_status cli_completion(const cli_request *request, lac_error *err)
     if (shell == NULL) {
         return LAC_EINPUT;
     }
-    if (!cli_given(request, CLI_OPT_JSON)) {
+    if (cli_given(request, CLI_OPT_JSON)) {
+        lac_json json = {.out = stdout};
+        LAC_JSON_TEXTS(&json, "shell", shell->name, "script", shell->text);
+    } else {
         (void)fputs(shell->text, stdout);
-        return LAC_OK;
     }
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_json_text(&json, "shell", shell->name);
-    lac_json_text(&json, "script", shell->text);
-    lac_json_close(&json, '}');
     return LAC_OK;
 }

@@ -9,99 +9,74 @@
 
 enum { MAX_NAMES = 64 };
 
-static const lac_section *find_section(const char *name)
-{
-    const lac_section *section;
-    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
-        if (strcmp(section->name, name) == 0) {
-            return section;
-        }
-    }
-    return NULL;
-}
-
-// By its name, or by where it stands in a case, unless plain parameters stand there or a command
-// has it.
-static const lac_kind *find_kind(const char *name)
-{
+// What is asked about; all NULL: everything.
+typedef struct subject {
     const lac_kind *kind;
-    bool place = find_section(name) == NULL;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        bool stands_there = place && kind->command == NULL && strcmp(kind->section, name) == 0;
-        if (strcmp(kind->name, name) == 0 || stands_there) {
-            return kind;
-        }
-    }
-    return NULL;
-}
+    const lac_descriptor *model;
+    const lac_section *section;
+} subject;
 
-static const lac_descriptor *find_model(const lac_kind *kind, const char *name)
+static const lac_descriptor *find_model(const lac_kind *kind, const char *name, lac_error *err)
 {
     const lac_descriptor *model;
-    for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
-        if (strcmp(model->name, name) == 0) {
+    const char *names[MAX_NAMES];
+    char what[80];
+    size_t n = 0;
+    for (; n < MAX_NAMES && (model = kind->at(n)) != NULL; n++) {
+        names[n] = model->name;
+        if (strcmp(names[n], name) == 0) {
             return model;
         }
     }
-    return NULL;
-}
-
-static lac_status unknown_kind(const char *word, lac_error *err)
-{
-    const char *names[MAX_NAMES];
-    size_t n = 0;
-    for (size_t i = 0; lac_kind_at(i) != NULL; i++) {
-        const lac_kind *kind = lac_kind_at(i);
-        if (find_model(kind, word) != NULL) {
-            return lac_fail(err, LAC_EINPUT, "describe: \"%s\" is a %s: lacuna describe %s %s",
-                            word, kind->name, kind->name, word);
-        }
-    }
-    for (size_t i = 0; n < MAX_NAMES && lac_kind_at(i) != NULL; i++) {
-        names[n++] = lac_kind_at(i)->name;
-    }
-    for (size_t i = 0; n < MAX_NAMES && lac_section_at(i) != NULL; i++) {
-        names[n++] = lac_section_at(i)->name;
-    }
-    return cli_unknown("describe: ", word, "kind or section", names, n, err);
-}
-
-static lac_status unknown_model(const lac_kind *kind, const char *word, lac_error *err)
-{
-    const char *names[MAX_NAMES];
-    size_t n = 0;
-    while (n < MAX_NAMES && kind->at(n) != NULL) {
-        names[n] = kind->at(n)->name;
-        n++;
-    }
-    char what[80];
     (void)snprintf(what, sizeof what, "model of %s", kind->name);
-    return cli_unknown("describe: ", word, what, names, n, err);
-}
-
-static const lac_precursor_kind *precursor_of(const lac_descriptor *model)
-{
-    const lac_precursor_kind *kind;
-    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
-        if (&kind->about == model) {
-            return kind;
-        }
-    }
+    (void)cli_unknown("describe: ", name, what, names, n, err);
     return NULL;
 }
 
-static const lac_forecast_kind *forecast_of(const lac_descriptor *model)
+// A kind by its name, or by where it stands in a case, unless plain parameters stand there or a
+// command has it; and a section.
+static lac_status find_subject(const char *name, subject *s, lac_error *err)
 {
-    const lac_forecast_kind *kind;
-    for (size_t i = 0; (kind = lac_forecast_kind_at(i)) != NULL; i++) {
-        if (&kind->about == model) {
-            return kind;
+    const char *names[MAX_NAMES];
+    const lac_kind *kind;
+    const lac_section *section;
+    size_t kinds = 0, n = 0;
+    for (; (kind = lac_kind_at(kinds)) != NULL; kinds++) {
+        names[n++] = kind->name;
+    }
+    for (size_t i = 0; n < MAX_NAMES && (section = lac_section_at(i)) != NULL; i++) {
+        names[n++] = section->name;
+        s->section = strcmp(section->name, name) == 0 ? section : s->section;
+    }
+    for (size_t i = kinds; i-- > 0;) { // of several the first
+        kind = lac_kind_at(i);
+        bool stands_there = s->section == NULL && kind->command == NULL;
+        if (strcmp(kind->name, name) == 0 || (stands_there && strcmp(kind->section, name) == 0)) {
+            s->kind = kind;
         }
     }
-    return &lac_forecast_case.about == model ? &lac_forecast_case : NULL;
+    for (size_t i = 0; s->kind == NULL && s->section == NULL && i < kinds; i++) {
+        kind = lac_kind_at(i);
+        if (find_model(kind, name, NULL) != NULL) {
+            return lac_fail(err, LAC_EINPUT, "describe: \"%s\" is a %s: lacuna describe %s %s",
+                            name, kind->name, kind->name, name);
+        }
+    }
+    return s->kind != NULL || s->section != NULL
+               ? LAC_OK
+               : cli_unknown("describe: ", name, "kind or section", names, n, err);
 }
 
-static bool forecasts(const lac_kind *kind) { return forecast_of(kind->at(0)) != NULL; }
+// A model of these kinds is the first member of what more is told of it; NULL: it is of another.
+static const lac_precursor_kind *precursor_of(const lac_kind *kind, const lac_descriptor *model)
+{
+    return kind->at(0) == &lac_precursor_kind_at(0)->about ? (const void *)model : NULL;
+}
+
+static const lac_forecast_kind *forecast_of(const lac_kind *kind, const lac_descriptor *model)
+{
+    return kind->at(0) == &lac_forecast_kind_at(0)->about ? (const void *)model : NULL;
+}
 
 static void print_gates(void)
 {
@@ -116,13 +91,15 @@ static void print_kind(const lac_kind *kind)
 {
     const lac_descriptor *model;
     const char *place = kind->command != NULL ? kind->name : kind->section;
+    subject there = {0};
+    (void)find_subject(place, &there, NULL);
     printf("%s", place);
-    if (find_kind(place) != kind) { // plain parameters stand there too
+    if (there.kind != kind) { // plain parameters stand there too
         printf(" (%s)", kind->name);
     }
     printf(": %s\n", kind->summary);
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
-        const lac_precursor_kind *precursor = precursor_of(model);
+        const lac_precursor_kind *precursor = precursor_of(kind, model);
         char text[300];
         (void)snprintf(text, sizeof text, "%s%s%s%s", model->summary,
                        precursor != NULL ? " (needs " : "",
@@ -132,22 +109,24 @@ static void print_kind(const lac_kind *kind)
     }
 }
 
-static void print_overview(void)
+// Those that a command has, or those of a case.
+static void print_kinds(bool of_command)
 {
     const lac_kind *kind;
+    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+        if ((kind->command != NULL) == of_command) {
+            print_kind(kind);
+        }
+    }
+}
+
+static void print_overview(void)
+{
     const lac_section *section;
     puts("What a case can choose (lacuna describe KIND NAME has parameters and references):\n");
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        if (kind->command == NULL) {
-            print_kind(kind);
-        }
-    }
+    print_kinds(false);
     puts("\nWhat lacuna precursors computes:");
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
-        if (kind->command != NULL) {
-            print_kind(kind);
-        }
-    }
+    print_kinds(true);
     puts("\nSections of plain parameters (lacuna describe SECTION):");
     for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
         cli_row_wrap(section->name, section->summary);
@@ -172,42 +151,27 @@ static void print_use(const lac_kind *kind, const lac_descriptor *model)
     }
 }
 
-// What is computed and from what, of an indicator or a method of forecasting; NULL: neither.
-static const char *estimator_of(const lac_descriptor *model)
-{
-    const lac_precursor_kind *precursor = precursor_of(model);
-    const lac_forecast_kind *forecast = forecast_of(model);
-    if (forecast != NULL) {
-        return forecast->estimator;
-    }
-    return precursor != NULL ? precursor->estimator : NULL;
-}
-
-// What it needs and the numbers that it gives.
+// What it computes from what, what it needs, and the numbers that it gives.
 static void print_precursor(const lac_precursor_kind *kind)
 {
-    if (kind == NULL) {
-        return;
-    }
+    cli_wrap("  ", kind->estimator);
     printf("  needs %s\n", lac_needs_name(kind->needs));
     for (size_t i = 0; i < kind->value_count; i++) {
         const lac_precursor_value *value = &kind->value[i];
-        char text[200];
-        (void)snprintf(text, sizeof text, "%s%s%s", value->text,
-                       strcmp(value->unit, "1") == 0 ? "" : ", ",
-                       strcmp(value->unit, "1") == 0 ? "" : value->unit);
-        cli_row_wrap(value->key, text);
+        const bool bare = strcmp(value->unit, "1") == 0;
+        cli_row_wrap(
+            value->key,
+            cli_format("%s%s%s", value->text, bare ? "" : ", ", bare ? "" : value->unit).s);
     }
 }
 
-// What it needs, when it is refused, and how its error becomes intervals.
+// What it computes from what, what it needs, when it is refused, and how its error becomes
+// intervals.
 static void print_forecast(const lac_forecast_kind *kind)
 {
     char text[300];
-    if (kind == NULL) {
-        return;
-    }
     const lac_calibration *c = &kind->calibration;
+    cli_wrap("  ", kind->estimator);
     printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
     printf("  not issued above a misfit of %g\n", kind->worst);
     (void)snprintf(
@@ -222,11 +186,12 @@ static void print_model(const lac_kind *kind, const lac_descriptor *model)
 {
     print_use(kind, model);
     cli_wrap("  ", model->summary);
-    if (estimator_of(model) != NULL) {
-        cli_wrap("  ", estimator_of(model));
+    if (precursor_of(kind, model) != NULL) {
+        print_precursor(precursor_of(kind, model));
     }
-    print_precursor(precursor_of(model));
-    print_forecast(forecast_of(model));
+    if (forecast_of(kind, model) != NULL) {
+        print_forecast(forecast_of(kind, model));
+    }
     cli_parameters_print(model->params, model->param_count);
     if (model->reference != NULL && model->reference[0] != '\0') {
         puts("  reference:");
@@ -236,14 +201,12 @@ static void print_model(const lac_kind *kind, const lac_descriptor *model)
 
 static void write_precursor(lac_json *json, const lac_precursor_kind *kind)
 {
+    lac_json_text(json, "estimator", kind->estimator);
     lac_json_text(json, "needs", lac_needs_name(kind->needs));
     lac_json_open(json, "values", '[');
     for (size_t i = 0; i < kind->value_count; i++) {
-        lac_json_open(json, NULL, '{');
-        lac_json_text(json, "key", kind->value[i].key);
-        lac_json_text(json, "unit", kind->value[i].unit);
-        lac_json_text(json, "text", kind->value[i].text);
-        lac_json_close(json, '}');
+        const lac_precursor_value *value = &kind->value[i];
+        LAC_JSON_TEXTS(json, "key", value->key, "unit", value->unit, "text", value->text);
     }
     lac_json_close(json, ']');
 }
@@ -251,6 +214,7 @@ static void write_precursor(lac_json *json, const lac_precursor_kind *kind)
 static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
 {
     const lac_calibration *c = &kind->calibration;
+    lac_json_text(json, "estimator", kind->estimator);
     lac_json_integer(json, "needs_points", (int64_t)kind->least);
     lac_json_number(json, "worst_misfit", kind->worst);
     lac_json_number(json, "spread", c->spread);
@@ -265,29 +229,23 @@ static void write_gates(lac_json *json)
     const lac_forecast_gate *gate;
     lac_json_open(json, "gates", '[');
     for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
-        lac_json_open(json, NULL, '{');
-        lac_json_text(json, "name", gate->name);
-        lac_json_text(json, "text", gate->text);
-        lac_json_close(json, '}');
+        LAC_JSON_TEXTS(json, "name", gate->name, "text", gate->text);
     }
     lac_json_close(json, ']');
 }
 
-static void write_model(lac_json *json, const lac_descriptor *model)
+static void write_model(lac_json *json, const lac_kind *kind, const lac_descriptor *model)
 {
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "name", model->name);
     lac_json_text(json, "summary", model->summary);
     lac_json_text(json, "reference", model->reference);
     cli_parameters_json(json, model->params, model->param_count);
-    if (estimator_of(model) != NULL) {
-        lac_json_text(json, "estimator", estimator_of(model));
+    if (precursor_of(kind, model) != NULL) {
+        write_precursor(json, precursor_of(kind, model));
     }
-    if (precursor_of(model) != NULL) {
-        write_precursor(json, precursor_of(model));
-    }
-    if (forecast_of(model) != NULL) {
-        write_forecast(json, forecast_of(model));
+    if (forecast_of(kind, model) != NULL) {
+        write_forecast(json, forecast_of(kind, model));
     }
     lac_json_close(json, '}');
 }
@@ -305,11 +263,11 @@ static void write_kind(lac_json *json, const lac_kind *kind, const lac_descripto
     lac_json_open(json, "models", '[');
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         if (only == NULL || only == model) {
-            write_model(json, model);
+            write_model(json, kind, model);
         }
     }
     lac_json_close(json, ']');
-    if (forecasts(kind)) {
+    if (forecast_of(kind, kind->at(0)) != NULL) {
         write_gates(json);
     }
     lac_json_close(json, '}');
@@ -323,13 +281,6 @@ static void write_section(lac_json *json, const lac_section *section)
     cli_parameters_json(json, section->params, section->param_count);
     lac_json_close(json, '}');
 }
-
-// What is asked about; all NULL: everything.
-typedef struct subject {
-    const lac_kind *kind;
-    const lac_descriptor *model;
-    const lac_section *section;
-} subject;
 
 static void write_json(const subject *s)
 {
@@ -364,7 +315,7 @@ static void print_text(const subject *s)
     if (s->kind != NULL) {
         print_kind(s->kind);
     }
-    if (s->kind != NULL && forecasts(s->kind)) {
+    if (s->kind != NULL && forecast_of(s->kind, s->kind->at(0)) != NULL) {
         print_gates();
     }
     if (s->section != NULL) {
@@ -376,32 +327,28 @@ static void print_text(const subject *s)
     }
 }
 
-static lac_status find_subject(const cli_request *request, subject *s, lac_error *err)
+static lac_status find(const cli_request *request, subject *s, lac_error *err)
 {
-    if (request->count == 0) {
-        return LAC_OK;
+    lac_status status = LAC_OK;
+    if (request->count > 0) {
+        status = find_subject(request->argument[0], s, err);
     }
-    s->kind = find_kind(request->argument[0]);
-    s->section = find_section(request->argument[0]);
-    if (s->kind == NULL && s->section == NULL) {
-        return unknown_kind(request->argument[0], err);
-    }
-    if (request->count == 1) {
-        return LAC_OK;
+    if (request->count < 2 || status != LAC_OK) {
+        return status;
     }
     if (s->kind == NULL) {
         return lac_fail(err, LAC_EINPUT, "describe: %s is a section, it has no models",
                         request->argument[0]);
     }
     s->section = NULL;
-    s->model = find_model(s->kind, request->argument[1]);
-    return s->model != NULL ? LAC_OK : unknown_model(s->kind, request->argument[1], err);
+    s->model = find_model(s->kind, request->argument[1], err);
+    return s->model != NULL ? LAC_OK : LAC_EINPUT;
 }
 
 lac_status cli_describe(const cli_request *request, lac_error *err)
 {
     subject s = {0};
-    lac_status status = find_subject(request, &s, err);
+    lac_status status = find(request, &s, err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         write_json(&s);
     } else if (status == LAC_OK) {

@@ -11,17 +11,16 @@ void cli_failure_warn(const lac_failure *failure)
 {
     // a decade: what accelerates by less has hardly left creep
     const double clear = 10.0;
-    char reach[64], rate[64];
-    (void)cli_quantity(failure->reach, "m/s", reach, sizeof reach);
-    (void)cli_quantity(failure->rate, "m/s", rate, sizeof rate);
+    const cli_text reach = cli_amount(failure->reach, "m/s");
+    const cli_text rate = cli_amount(failure->rate, "m/s");
     if (failure->lowered && failure->rate < clear * failure->start) {
         cli_note("warning: the failure rate, %s, is only %.2g times the slip rate at the start: "
                  "radiation damping holds so light a joint at some %s; give it its mass (inertia)",
-                 rate, failure->rate / failure->start, reach);
+                 rate.s, failure->rate / failure->start, reach.s);
     } else if (!failure->lowered && failure->reach > 0.0 && failure->reach < failure->rate) {
         cli_note("warning: time.failure.mean_slip_rate: %s is out of reach, radiation damping "
                  "holds the joint at some %s from the start; only time.failure.mean_slip counts, "
                  "or give it its mass (inertia)",
-                 rate, reach);
+                 rate.s, reach.s);
     }
 }

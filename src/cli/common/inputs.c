@@ -8,84 +8,27 @@
 #include <string.h>
 #include <sys/stat.h>
 
-typedef void visitor(void *context, const char *path);
-
-static void visit_slot(const lac_slot *slot, visitor *visit, void *context)
+static bool is_same(const char *path, const struct stat *file)
 {
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
-        const char *path = NULL;
-        if (param->type == LAC_PATH) {
-            memcpy(&path, (const char *)slot->params + param->offset, sizeof path);
-        }
-        if (path != NULL) {
-            visit(context, path);
-        }
-    }
-}
-
-static void visit_slots(const lac_slot_list *list, visitor *visit, void *context)
-{
-    for (size_t i = 0; i < list->count; i++) {
-        visit_slot(&list->item[i], visit, context);
-    }
-}
-
-static void visit_spreads(const lac_spread_list *list, visitor *visit, void *context)
-{
-    for (size_t i = 0; i < list->count; i++) {
-        visit_slot(&list->item[i].slot, visit, context);
-    }
-}
-
-// Every file that a case names, in one order.
-static void visit_all(const lac_case *c, visitor *visit, void *context)
-{
-    const lac_slot *slots[] = {&c->surface, &c->domain, &c->normal, &c->friction, &c->transfer};
-    const lac_slot_list *lists[] = {&c->shear, &c->pore, &c->analysis};
-    const lac_spread_list *spreads[] = {&c->interface_spread, &c->friction_spread,
-                                        &c->initial_spread};
-    for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
-        visit_slot(slots[i], visit, context);
-    }
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
-        visit_slots(lists[i], visit, context);
-    }
-    for (size_t i = 0; i < sizeof spreads / sizeof spreads[0]; i++) {
-        visit_spreads(spreads[i], visit, context);
-    }
-    for (size_t i = 0; i < c->compare_count; i++) {
-        visit(context, c->compare[i].path);
-    }
-}
-
-typedef struct search {
-    const struct stat *file;
-    bool found;
-} search;
-
-static void look_for(void *context, const char *path)
-{
-    search *s = context;
     struct stat one;
-    s->found |= path != NULL && stat(path, &one) == 0 && one.st_dev == s->file->st_dev &&
-                one.st_ino == s->file->st_ino;
+    return path != NULL && stat(path, &one) == 0 && one.st_dev == file->st_dev &&
+           one.st_ino == file->st_ino;
 }
 
 bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct stat *file)
 {
-    search s = {.file = file};
-    for (size_t i = 0; i < request->count; i++) {
-        look_for(&s, request->argument[i]);
+    const char *const named[] = {
+        request->argument[0], request->argument[1],        request->compare,
+        request->fit,         request->forecast.case_file, c != NULL ? c->path : NULL};
+    char **path;
+    bool found = false;
+    for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
+        found |= is_same(named[i], file);
     }
-    look_for(&s, request->compare);
-    look_for(&s, request->fit);
-    look_for(&s, request->forecast.case_file);
-    if (c != NULL) {
-        look_for(&s, c->path);
-        visit_all(c, look_for, &s);
+    for (size_t i = 0; c != NULL && (path = lac_case_file(c, i)) != NULL; i++) {
+        found |= is_same(*path, file);
     }
-    return s.found;
+    return found;
 }
 
 // FNV-1a; 0 where the file cannot be read, which the run then says, or is a pipe, whose content
@@ -112,25 +55,19 @@ static uint64_t sum_file(const char *path)
     return whole ? sum : 0;
 }
 
-static void put_sum(void *context, const char *path)
-{
-    FILE *text = context;
-    const char *slash = strrchr(path, '/');
-    if (ftell(text) == 0) {
-        (void)fputs("files:\n", text);
-    }
-    (void)fprintf(text, "  %s: %016" PRIx64 "\n", slash != NULL ? slash + 1 : path, sum_file(path));
-}
-
 char *cli_inputs_sums(const lac_case *c)
 {
-    char *sums = NULL;
+    char *sums = NULL, **path;
     size_t size = 0;
     FILE *text = open_memstream(&sums, &size);
     if (text == NULL) {
         return NULL;
     }
-    visit_all(c, put_sum, text);
+    for (size_t i = 0; (path = lac_case_file(c, i)) != NULL; i++) {
+        const char *slash = strrchr(*path, '/');
+        (void)fprintf(text, "%s  %s: %016" PRIx64 "\n", i == 0 ? "files:\n" : "",
+                      slash != NULL ? slash + 1 : *path, sum_file(*path));
+    }
     bool good = ferror(text) == 0;
     if (fclose(text) != 0 || !good) {
         free(sums);

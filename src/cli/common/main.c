@@ -10,8 +10,6 @@
 
 #include "cli/common/clean.h"
 #include "cli/common/command.h"
-#include "cli/common/completion.h"
-#include "cli/common/exits.h"
 #include "cli/common/libraries.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
@@ -22,20 +20,11 @@
 // The exit status of a result: the one place that says so.
 static int exit_status(lac_status status)
 {
-    switch (status) {
-    case LAC_OK:
-        return CLI_EXIT_DONE;
-    case LAC_EINPUT:
-        return CLI_EXIT_WRONG;
-    case LAC_EIO:
-        return CLI_EXIT_FILE;
-    case LAC_EINTERRUPT:
-        return CLI_EXIT_INTERRUPTED;
-    case LAC_ENUMERIC:
-    case LAC_ENOMEM:
-        break;
-    }
-    return CLI_EXIT_FAILED;
+    static const int exits[] = {
+        [LAC_OK] = CLI_EXIT_DONE,       [LAC_EINPUT] = CLI_EXIT_WRONG,
+        [LAC_EIO] = CLI_EXIT_FILE,      [LAC_ENUMERIC] = CLI_EXIT_FAILED,
+        [LAC_ENOMEM] = CLI_EXIT_FAILED, [LAC_EINTERRUPT] = CLI_EXIT_INTERRUPTED};
+    return exits[status];
 }
 
 static void print_help(void)
@@ -73,11 +62,7 @@ static void print_version(bool as_json)
         return;
     }
     lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_json_text(&json, "version", LACUNA_VERSION);
-    lac_json_text(&json, "libraries", text);
-    lac_json_text(&json, "netcdf", netcdf);
-    lac_json_close(&json, '}');
+    LAC_JSON_TEXTS(&json, "version", LACUNA_VERSION, "libraries", text, "netcdf", netcdf);
 }
 
 // A file that was not closed is read here, but not by others.

@@ -3,22 +3,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/write_text.h"
+#include "base/part.h"
 #include "cli/common/command.h"
 #include "cli/common/texts.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 
-static bool ends_with(const char *text, const char *ending)
-{
-    size_t n = strlen(text), m = strlen(ending);
-    return n > m && strcmp(text + n - m, ending) == 0;
-}
-
 // NAME, with .yaml where it has no such ending; the caller frees.
 static char *file_name(const char *name)
 {
-    bool whole = ends_with(name, ".yaml") || ends_with(name, ".yml");
+    const char *ending = strrchr(name, '.');
+    bool whole = ending != NULL && ending > name &&
+                 (strcmp(ending, ".yaml") == 0 || strcmp(ending, ".yml") == 0);
     size_t size = strlen(name) + sizeof ".yaml";
     char *path = malloc(size);
     if (path != NULL) {
@@ -54,10 +50,7 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         lac_json json = {.out = stdout};
-        lac_json_open(&json, NULL, '{');
-        lac_json_text(&json, "output", path);
-        lac_json_text(&json, "kind", chosen->name);
-        lac_json_close(&json, '}');
+        LAC_JSON_TEXTS(&json, "output", path, "kind", chosen->name);
     } else if (status == LAC_OK) {
         printf("%s written; next: lacuna run %s\n", path, path);
     }

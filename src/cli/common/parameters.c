@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "cli/common/words.h"
 
 static bool is_required(const lac_param *param)
@@ -22,86 +21,53 @@ static bool is_number(const lac_param *param)
 // Ranges beyond what anything measures mean "no limit".
 static bool is_bounded(double limit) { return fabs(limit) < DBL_MAX / 2; }
 
-static const char *format_number(const lac_param *param, double value, char *text, size_t size)
+static void print_default(const lac_param *param)
 {
-    if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
-        return lac_units_format(value, param->unit, text, size);
-    }
-    (void)snprintf(text, size, "%.10g", value);
-    return text;
-}
-
-static const char *format_default(const lac_param *param, char *text, size_t size)
-{
-    if (is_required(param)) {
-        return "required";
-    }
-    if (isnan(param->fallback)) {
-        return "no default";
-    }
-    char value[64];
-    if (param->type == LAC_CHOICE) {
-        (void)snprintf(value, sizeof value, "%s", param->choices[(int)param->fallback]);
+    const double value = param->fallback;
+    if (isnan(value)) {
+        printf("%s", is_required(param) ? "required" : "no default");
+    } else if (param->type == LAC_CHOICE) {
+        printf("default %s", param->choices[(int)value]);
+    } else if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
+        printf("default %s", cli_exact(value, param->unit).s);
     } else {
-        (void)format_number(param, param->fallback, value, sizeof value);
+        printf("default %.10g", value);
     }
-    (void)snprintf(text, size, "default %s", value);
-    return text;
 }
 
-static void append(char *text, size_t size, const char *more)
+// "a or b", "> 0 m, <= 1000 m"; nothing for texts, whose doc says what they are. In SI: limits are
+// often absurd numbers, which no unit makes readable.
+static void print_range(const lac_param *param)
 {
-    size_t used = strlen(text);
-    (void)snprintf(text + used, size - used, "%s", more);
-}
-
-// In SI: limits are often absurd numbers, which no unit makes readable.
-static void append_limit(char *text, size_t size, const char *sign, const lac_param *param,
-                         double limit)
-{
-    char one[64];
-    bool bare = strcmp(param->unit, "1") == 0;
-    (void)snprintf(one, sizeof one, "%s%s %g%s%s", text[0] != '\0' ? ", " : "", sign, limit,
-                   bare ? "" : " ", bare ? "" : param->unit);
-    append(text, size, one);
-}
-
-// "a or b", "> 0 m, <= 1 km"; nothing for texts, whose doc says what they are
-static void format_range(const lac_param *param, char *text, size_t size)
-{
-    text[0] = '\0';
-    if (param->type == LAC_CHOICE) {
-        for (size_t i = 0; param->choices[i] != NULL; i++) {
-            append(text, size, i > 0 ? " or " : "");
-            append(text, size, param->choices[i]);
-        }
-        return;
+    const bool bare = strcmp(param->unit, "1") == 0;
+    const char *gap = bare ? "" : " ", *unit = bare ? "" : param->unit, *mark = ";";
+    for (size_t i = 0; param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
+        printf("%s %s", i > 0 ? " or" : mark, param->choices[i]);
     }
-    if (!is_number(param)) {
-        append(text, size, param->type == LAC_PATH ? "a path" : "");
-        return;
+    if (param->type == LAC_PATH) {
+        printf("; a path");
     }
-    if (is_bounded(param->min)) {
-        append_limit(text, size, (param->flags & LAC_ABOVE_MIN) != 0 ? ">" : ">=", param,
-                     param->min);
+    if (is_number(param) && is_bounded(param->min)) {
+        printf("; %s %g%s%s", (param->flags & LAC_ABOVE_MIN) != 0 ? ">" : ">=", param->min, gap,
+               unit);
+        mark = ",";
     }
-    if (is_bounded(param->max)) {
-        append_limit(text, size, "<=", param, param->max);
+    if (is_number(param) && is_bounded(param->max)) {
+        printf("%s <= %g%s%s", mark, param->max, gap, unit);
+    } else if (is_number(param) && mark[0] == ';') {
+        printf("; any number");
     }
-    append(text, size, text[0] != '\0' ? "" : "any number");
 }
 
 void cli_parameters_print(const lac_param *params, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         const lac_param *param = &params[i];
-        bool cellwise = (param->flags & LAC_CELLWISE) != 0;
-        const char *unit = strcmp(param->unit, "1") == 0 ? "" : param->unit;
-        char fallback[96], range[256];
-        format_range(param, range, sizeof range);
-        printf("  %-14s %-6s %s%s%s%s\n", param->key, is_number(param) ? unit : "",
-               format_default(param, fallback, sizeof fallback), range[0] != '\0' ? "; " : "",
-               range, cellwise ? "; may vary by cell" : "");
+        const bool united = is_number(param) && strcmp(param->unit, "1") != 0;
+        printf("  %-14s %-6s ", param->key, united ? param->unit : "");
+        print_default(param);
+        print_range(param);
+        puts((param->flags & LAC_CELLWISE) != 0 ? "; may vary by cell" : "");
         cli_wrap("                        ", param->doc);
     }
 }
@@ -115,10 +81,15 @@ static const char *type_name(const lac_param *param)
     return names[param->type];
 }
 
-static void write_limits(lac_json *json, const lac_param *param)
+static void write_parameter(lac_json *json, const lac_param *param)
 {
-    bool number = is_number(param);
-    if (param->type == LAC_CHOICE && !isnan(param->fallback)) {
+    const bool number = is_number(param), choice = param->type == LAC_CHOICE;
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "key", param->key);
+    lac_json_text(json, "type", type_name(param));
+    lac_json_text(json, "unit", number ? param->unit : NULL);
+    lac_json_boolean(json, "required", is_required(param));
+    if (choice && !isnan(param->fallback)) {
         lac_json_text(json, "default", param->choices[(int)param->fallback]);
     } else {
         lac_json_number(json, "default", number ? param->fallback : NAN);
@@ -126,18 +97,8 @@ static void write_limits(lac_json *json, const lac_param *param)
     lac_json_number(json, "min", number && is_bounded(param->min) ? param->min : NAN);
     lac_json_number(json, "max", number && is_bounded(param->max) ? param->max : NAN);
     lac_json_boolean(json, "above_min", (param->flags & LAC_ABOVE_MIN) != 0);
-}
-
-static void write_parameter(lac_json *json, const lac_param *param)
-{
-    lac_json_open(json, NULL, '{');
-    lac_json_text(json, "key", param->key);
-    lac_json_text(json, "type", type_name(param));
-    lac_json_text(json, "unit", is_number(param) ? param->unit : NULL);
-    lac_json_boolean(json, "required", is_required(param));
-    write_limits(json, param);
     lac_json_boolean(json, "cellwise", (param->flags & LAC_CELLWISE) != 0);
-    if (param->type == LAC_CHOICE) {
+    if (choice) {
         lac_json_open(json, "choices", '[');
         for (size_t i = 0; param->choices[i] != NULL; i++) {
             lac_json_text(json, NULL, param->choices[i]);

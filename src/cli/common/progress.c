@@ -45,17 +45,6 @@ static double fraction(const lac_progress *now)
     return x < 0 ? 0 : x > 1 ? 1 : x;
 }
 
-// "12.3 day of 200 day, 1.2 cm/week, 345 steps"
-static const char *describe(const lac_progress *now, char *text, size_t size)
-{
-    char time[32], end[32], rate[32];
-    (void)snprintf(text, size, "%s of %s, mean slip rate %s, %" PRId64 " steps",
-                   cli_quantity(now->time, "s", time, sizeof time),
-                   cli_quantity(now->end, "s", end, sizeof end),
-                   cli_quantity(now->mean_rate, "m/s", rate, sizeof rate), now->steps);
-    return text;
-}
-
 static int terminal_width(void)
 {
     struct winsize size;
@@ -75,51 +64,49 @@ static void draw(cli_progress *progress, double part, const char *text)
     progress->drawn = true;
 }
 
-// What is due: a line that was asked for, the bar.
+// What is due after a step: a line that was asked for, the bar. Nothing is written or formatted
+// before it is known to be.
 typedef struct due {
     bool line, bar;
 } due;
 
-// Asked after every step: nothing is written or formatted before it is known to be due.
-static due what_is_due(cli_progress *progress)
+static bool is_due(cli_progress *progress, due *now)
 {
-    const double interval = 0.1;
-    due now = {.line = cli_signals_take_report()};
-    if (progress->bar) {
-        const double clock = cli_clock();
-        now.bar = clock - progress->last >= interval;
-        progress->last = now.bar ? clock : progress->last;
-    }
-    return now;
+    const double interval = 0.1, clock = progress->bar ? cli_clock() : 0;
+    now->line = cli_signals_take_report();
+    now->bar = progress->bar && clock - progress->last >= interval;
+    progress->last = now->bar ? clock : progress->last;
+    return now->line || now->bar;
 }
 
-static void put_out(cli_progress *progress, due now, double part, const char *text)
+static void put_out(cli_progress *progress, const due *now, double part, const char *text)
 {
-    if (now.line) {
+    if (now->line) {
         cli_progress_clear(progress);
         cli_note("%s, %.1f s so far", text, cli_clock() - progress->started);
     }
-    if (now.bar) {
+    if (now->bar) {
         draw(progress, part, text);
     }
 }
 
 void cli_progress_show(cli_progress *progress, const lac_progress *now)
 {
-    char text[160];
-    const due wanted = what_is_due(progress);
-    if (wanted.line || wanted.bar) {
-        put_out(progress, wanted, fraction(now), describe(now, text, sizeof text));
+    due wanted;
+    if (is_due(progress, &wanted)) {
+        const cli_text text = cli_format("%s of %s, mean slip rate %s, %" PRId64 " steps",
+                                         cli_amount(now->time, "s").s, cli_amount(now->end, "s").s,
+                                         cli_amount(now->mean_rate, "m/s").s, now->steps);
+        put_out(progress, &wanted, fraction(now), text.s);
     }
 }
 
 void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total)
 {
-    char text[64];
-    const due wanted = what_is_due(progress);
-    if (wanted.line || wanted.bar) {
-        (void)snprintf(text, sizeof text, "%zu of %zu %s", done, total, what);
-        put_out(progress, wanted, total > 0 ? (double)done / (double)total : 0.0, text);
+    due wanted;
+    if (is_due(progress, &wanted)) {
+        put_out(progress, &wanted, total > 0 ? (double)done / (double)total : 0.0,
+                cli_format("%zu of %zu %s", done, total, what).s);
     }
 }
 

@@ -8,20 +8,24 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/common/exits.h"
+#include "cli/common/command.h"
 
 // Signal handlers can reach nothing but globals: these are the program's only ones.
 static volatile sig_atomic_t stop_asked, report_asked, held;
 static char output[1024];
 static struct sigaction fault_before;
 
+static void put(const char *text)
+{
+    ssize_t written = write(STDERR_FILENO, text, strlen(text));
+    (void)written;
+}
+
 static void on_stop(int signal_number)
 {
     (void)signal_number;
     if (!held) {
-        static const char line[] = "lacuna: interrupted before anything was written\n";
-        ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
-        (void)written;
+        put("lacuna: interrupted before anything was written\n");
         _exit(CLI_EXIT_INTERRUPTED);
     }
     stop_asked = 1;
@@ -31,12 +35,6 @@ static void on_report(int signal_number)
 {
     (void)signal_number;
     report_asked = 1;
-}
-
-static void put(const char *text)
-{
-    ssize_t written = write(STDERR_FILENO, text, strlen(text));
-    (void)written;
 }
 
 // netCDF 4.9 reads what HDF5 has freed already where the system refuses to write or close a file.

@@ -73,14 +73,6 @@ void cli_row(const char *label, const char *format, ...)
     va_end(args);
 }
 
-const char *cli_quantity(double value, const char *unit, char *text, size_t size)
-{
-    char exact[64], *rest;
-    double number = strtod(lac_units_format(value, unit, exact, sizeof exact), &rest);
-    (void)snprintf(text, size, "%.4g%s", number, rest);
-    return text;
-}
-
 cli_text cli_format(const char *format, ...)
 {
     cli_text text;
@@ -93,9 +85,10 @@ cli_text cli_format(const char *format, ...)
 
 cli_text cli_amount(double value, const char *unit)
 {
-    cli_text text;
-    (void)cli_quantity(value, unit, text.s, sizeof text.s);
-    return text;
+    char *rest;
+    const cli_text exact = cli_exact(value, unit);
+    const double number = strtod(exact.s, &rest);
+    return cli_format("%.4g%s", number, rest);
 }
 
 cli_text cli_exact(double value, const char *unit)

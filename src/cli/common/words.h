@@ -26,17 +26,13 @@ void cli_note_list(const char *format, va_list args) __attribute__((format(print
 /// Prints `  label    text` on stdout.
 void cli_row(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/// Writes a value to four digits with the unit that reads best.
-/// @return text, which also stands in `text`
-const char *cli_quantity(double value, const char *unit, char *text, size_t size);
-
 /// A short text by value: it lives as long as the statement that it stands in.
 typedef struct cli_text {
-    char s[200];
+    char s[560]; ///< longer than LAC_TEXT_ROOM
 } cli_text;
 cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/// The text of cli_quantity, and of a value in full.
+/// A value with the unit that reads best, to four digits and in full.
 cli_text cli_amount(double value, const char *unit);
 cli_text cli_exact(double value, const char *unit);
 

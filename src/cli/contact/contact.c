@@ -156,28 +156,6 @@ static bool on_interrupted(void *context)
     return cli_signals_stop();
 }
 
-// What the history is summed up in, as attributes of the file, and how it ended.
-static lac_status finish_store(const contact_job *job, lac_error *err)
-{
-    const lac_history_result *r = &job->result;
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
-        {"first_slip_q_over_fp", r->loaded ? r->first_slip.factor : NAN},
-        {"first_slip_x_m", r->loaded ? r->first_place[0] : NAN},
-        {"first_slip_y_m", r->loaded ? r->first_place[1] : NAN},
-    };
-    lac_status status = LAC_OK;
-    for (size_t i = 0; status == LAC_OK && i < sizeof numbers / sizeof numbers[0]; i++) {
-        status = lac_history_store_number(job->store, numbers[i].name, numbers[i].value, err);
-    }
-    const lac_status closed =
-        lac_history_store_finish(job->store, status == LAC_OK ? job->outcome.status : "failed",
-                                 status == LAC_OK ? err : NULL);
-    return status == LAC_OK ? closed : status;
-}
-
 // Goes through the history, a step written as it is solved.
 static lac_status follow(contact_job *job, const lac_history_store_def *def, lac_error *err)
 {
@@ -196,7 +174,7 @@ static lac_status follow(contact_job *job, const lac_history_store_def *def, lac
     job->outcome.status = status == LAC_OK           ? "complete"
                           : status == LAC_EINTERRUPT ? "interrupted"
                                                      : "failed";
-    const lac_status finished = finish_store(job, &late);
+    const lac_status finished = lac_history_store_finish(job->store, job->outcome.status, &late);
     lac_history_store_free(job->store);
     if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
         job->outcome.status = "failed"; // the file is not whole
@@ -233,8 +211,6 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
         .force = cli_given(job->request, CLI_OPT_FORCE),
         .provenance = *provenance,
         .contact = dataset,
-        .grid = &job->contact.grid,
-        .friction = history->friction,
         .keep = keeps[history->fields],
         .pressed = changes_pressure(history),
     };
@@ -242,7 +218,6 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
     job->record = calloc(steps, sizeof *job->record);
     job->outcome.result = job->record != NULL ? &job->result : NULL;
     job->outcome.record = job->record;
-    job->outcome.friction = history->friction;
     const lac_status status = job->record != NULL ? follow(job, &def, err) : lac_fail_memory(err);
     const bool said = status == LAC_EINTERRUPT || status == LAC_EIO; // names its file already
     return said ? status : cli_blame(job->source, status, err);
@@ -259,8 +234,10 @@ static lac_status write_file(contact_job *job, lac_error *err)
                                                      cli_libraries(libraries, sizeof libraries));
     const bool history = job->source->history.count > 0;
     lac_dataset *dataset = NULL;
-    job->outcome =
-        (lac_contact_outcome){.contact = &job->contact, .status = history ? NULL : "complete"};
+    job->outcome = (lac_contact_outcome){.contact = &job->contact,
+                                         .status = history ? NULL : "complete",
+                                         .friction = job->source->history.friction,
+                                         .result = history ? &job->result : NULL};
     lac_status status = lac_contact_describe(&job->outcome, &dataset, err);
     if (status == LAC_OK && history) {
         status = follow_history(job, &provenance, dataset, err);

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/statistics.h"
+#include "base/vsum.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
@@ -94,12 +96,12 @@ void cli_measures_print(const lac_scene_contact *contact)
 {
     const lac_grid *grid = &contact->grid;
     const size_t cells = contact->domain->n;
-    double largest;
+    const double *pressure = contact->domain->pressure;
     print_grid(grid);
     cli_row("contact cells", "%zu (%.3g %% of the area)", cells,
             100 * ((double)cells / (double)lac_grid_cells(grid)));
-    cli_row_quantity("mean real pressure", lac_domain_pressure(contact->domain, &largest), "Pa");
-    cli_row_quantity("largest pressure", largest, "Pa");
+    cli_row_quantity("mean real pressure", lac_sum(cells, pressure) / (double)cells, "Pa");
+    cli_row_quantity("largest pressure", lac_vmost(cells, pressure), "Pa");
     if (contact->counted) {
         cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
                 weakness(&contact->boxes));

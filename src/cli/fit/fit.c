@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "base/hidden.h"
-#include "base/write_text.h"
+#include "base/part.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"

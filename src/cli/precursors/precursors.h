@@ -2,12 +2,11 @@
 #ifndef LACUNA_CLI_PRECURSORS_PRECURSORS_H
 #define LACUNA_CLI_PRECURSORS_PRECURSORS_H
 
+#include "cli/common/words.h"
 #include "cli/precursors/series.h"
-#include "data/json.h"
 #include "fit/foresee.h"
 #include "forecast/hindcast.h"
 #include "precursor/precursor.h"
-#include "store/store_file.h"
 
 /// What precursors are looked for in: a monitoring file or a run.
 typedef struct cli_watched {
@@ -29,8 +28,7 @@ void cli_watched_clear(cli_watched *watched);
 
 /// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
 /// run in the unit that reads best; "-" where there is none.
-/// @return text
-const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size);
+cli_text cli_watched_time(const cli_watched *watched, double t);
 
 /// Whether the file is a run's, and no column is asked of it.
 bool cli_watched_is_run(const cli_request *request);
@@ -59,40 +57,7 @@ typedef struct cli_forecast_plan {
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);
 
-/// What was found.
-typedef struct cli_precursors_result {
-    const cli_watched *watched;
-    const cli_forecast_plan *plan;
-    const lac_outlook *outlook;
-    size_t indicators;
-    const lac_precursor *indicator;     ///< [indicators] at the last reading
-    const lac_rolling *rolling;         ///< NULL: not asked for
-    const lac_precursor_course *course; ///< at the same times; NULL as well
-    const lac_skill *skill;             ///< [methods]; NULL: no time of failure
-    const char *output;                 ///< NULL: none
-} cli_precursors_result;
-
-void cli_precursors_print(const cli_precursors_result *r, bool verbose);
-void cli_precursors_json(const cli_precursors_result *r);
-
-/// What a source holds besides its motion: of a run its events and cells.
-typedef struct cli_cells {
-    lac_stored_values event_time, event_duration, event_moment; ///< the second turns into ends
-    lac_stored_values time, n_slip, n_tot, length, critical;
-    lac_event_list events;
-    lac_slip_history slip;
-    lac_evidence evidence; ///< of the two above; points into this
-} cli_cells;
-
-/// Reads it. Where it ends is cut off at each time of issue.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status cli_cells_read(const cli_watched *watched, cli_cells *out, lac_error *err);
-void cli_cells_clear(cli_cells *cells);
-
-void cli_indicators_print(size_t count, const lac_precursor *indicator);
-void cli_indicators_json(lac_json *json, size_t count, const lac_precursor *indicator);
-
-/// One number of each indicator at each time of issue at which any has one.
-void cli_course_print(const cli_precursors_result *r);
+void cli_precursors_print(const lac_forecast_outcome *outcome, const cli_watched *watched,
+                          bool verbose);
 
 #endif

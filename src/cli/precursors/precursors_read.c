@@ -8,6 +8,7 @@
 #include "base/date.h"
 #include "cli/precursors/precursors.h"
 #include "store/store.h"
+#include "store/store_file.h"
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };
 static const double week = 604800.0;
@@ -223,28 +224,29 @@ out:
 }
 
 // In the unit that the file counts time in, where it is known.
-static void format_clock(const lac_series *series, double t, char *text, size_t size)
+static cli_text clock_text(const lac_series *series, double t)
 {
     if (series == NULL || series->time_name[0] == '\0') {
-        (void)lac_units_format(t, "s", text, size);
-        return;
+        return cli_exact(t, "s");
     }
     const double x = t / series->time_unit;
     const bool long_number = fabs(x) >= 1e6 && fabs(x) < 1e15;
-    (void)snprintf(text, size, long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
+    return cli_format(long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
 }
 
-const char *cli_watched_time(const cli_watched *watched, double t, char *text, size_t size)
+cli_text cli_watched_time(const cli_watched *watched, double t)
 {
+    cli_text text = {"-"};
     if (!isfinite(t)) {
-        (void)snprintf(text, size, "-");
-    } else if (!watched->dated) {
-        format_clock(watched->series, t, text, size);
-    } else if (strlen(lac_date_format(t, text, size)) == 20) {
-        text[10] = ' ';
-        text[16] = '\0';
-    } else {
-        (void)snprintf(text, size, "%s", t > 0.0 ? "after year 9999" : "before year 0");
+        return text;
     }
+    if (!watched->dated) {
+        return clock_text(watched->series, t);
+    }
+    if (strlen(lac_date_format(t, text.s, sizeof text.s)) != 20) {
+        return cli_format("%s", t > 0.0 ? "after year 9999" : "before year 0");
+    }
+    text.s[10] = ' ';
+    text.s[16] = '\0';
     return text;
 }

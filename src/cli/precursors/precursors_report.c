@@ -27,20 +27,23 @@ static const unit *unit_of(const lac_rolling *roll)
     return u;
 }
 
-static const char *when(const cli_precursors_result *r, double t, char *text, size_t size)
-{
-    return cli_watched_time(r->watched, t, text, size);
-}
+// What is printed.
+typedef struct result {
+    const lac_forecast_outcome *of;
+    const cli_watched *watched; // which is its clock
+} result;
 
-static void print_input(const cli_precursors_result *r)
+static cli_text when(const result *r, double t) { return cli_watched_time(r->watched, t); }
+
+static void print_input(const result *r)
 {
-    const lac_readings *in = &r->watched->readings;
-    const lac_motion *m = r->outlook->motion;
-    const lac_series *s = r->watched->series;
-    char first[40], last[40];
-    printf("%s\n", r->watched->path);
-    cli_row("readings", "%zu from %s to %s", in->n, when(r, in->time[0], first, sizeof first),
-            when(r, in->time[in->n - 1], last, sizeof last));
+    const lac_readings *in = r->of->readings;
+    const lac_outlook *o = r->of->outlook;
+    const lac_motion *m = o->motion;
+    const lac_series *s = r->of->series;
+    printf("%s\n", r->of->source);
+    cli_row("readings", "%zu from %s to %s", in->n, when(r, in->time[0]).s,
+            when(r, in->time[in->n - 1]).s);
     if (s != NULL) {
         cli_row("  of which", "%zu missing, %zu duplicates dropped, %zu out of order", s->missing,
                 s->duplicates, s->disordered);
@@ -58,34 +61,29 @@ static void print_input(const cli_precursors_result *r)
     if (isfinite(m->noise)) {
         cli_row_quantity("  noise", m->noise, "m");
     }
-    cli_row("issued", "%s", when(r, r->outlook->issue_time, first, sizeof first));
-    if (r->outlook->asked && !r->outlook->accelerating) {
+    cli_row("issued", "%s", when(r, o->issue_time).s);
+    if (o->asked && !o->accelerating) {
         cli_row("", "it does not accelerate: --since has the methods asked all the same");
     }
-    if (r->outlook->asked) {
-        cli_row("fitted since", "%s", when(r, r->outlook->window_start, first, sizeof first));
+    if (o->asked) {
+        cli_row("fitted since", "%s", when(r, o->window_start).s);
     }
 }
 
-static void print_forecast(const cli_precursors_result *r, const lac_forecast *f)
+static void print_forecast(const result *r, const lac_forecast *f)
 {
-    char time[40], low[40], high[40], range[90], rms[32];
-    (void)snprintf(rms, sizeof rms, "%.3g %s", f->fit.rms,
-                   f->fit.rms_unit != NULL ? f->fit.rms_unit : "");
-    if (f->fit.rms_unit == NULL) {
-        (void)snprintf(rms, sizeof rms, "-");
-    }
+    printf("  %-12s %-17s ", f->kind->about.name, when(r, f->time).s);
     if (!f->issued) {
-        printf("  %-12s %-17s not issued: %s\n", f->kind->about.name,
-               when(r, f->time, time, sizeof time), f->fit.reason);
+        printf("not issued: %s\n", f->fit.reason);
         return;
     }
-    (void)snprintf(range, sizeof range, "%s to %s", when(r, f->low50, low, sizeof low),
-                   when(r, f->high50, high, sizeof high));
-    printf("  %-12s %-17s %-36s ", f->kind->about.name, when(r, f->time, time, sizeof time), range);
-    (void)snprintf(range, sizeof range, "%s to %s", when(r, f->low90, low, sizeof low),
-                   when(r, f->high90, high, sizeof high));
-    printf("%-36s %s\n", range, rms);
+    printf("%-36s %-36s ", cli_format("%s to %s", when(r, f->low50).s, when(r, f->high50).s).s,
+           cli_format("%s to %s", when(r, f->low90).s, when(r, f->high90).s).s);
+    if (f->fit.rms_unit == NULL) {
+        puts("-");
+    } else {
+        printf("%.3g %s\n", f->fit.rms, f->fit.rms_unit);
+    }
 }
 
 static double value_of(const lac_finding *fit, const char *key)
@@ -155,108 +153,161 @@ static void print_methods(const lac_outlook *o)
     }
 }
 
-// Time left by each method at each issue time; "." where none was issued.
-static void print_lives(const cli_precursors_result *r)
+static void print_indicators(size_t count, const lac_precursor *indicator)
 {
-    const lac_rolling *roll = r->rolling;
+    printf("\n  indicator\n");
+    for (size_t k = 0; k < count; k++) {
+        const lac_finding *found = &indicator[k].found;
+        printf("  %-19s", indicator[k].kind->about.name);
+        for (size_t i = 0; i < found->count; i++) {
+            const double value = found->value[i].value;
+            printf(isnan(value) ? " %s -" : " %s %.4g", found->value[i].key, value);
+        }
+        if (found->reason[0] != '\0') {
+            printf("%s%s\n", found->count > 0 ? "; " : " none: ", found->reason);
+        } else {
+            printf(", %zu points\n", found->points);
+        }
+    }
+}
+
+// Time left by each method at each issue time; "." where none was issued.
+static void print_lives(const result *r)
+{
+    const lac_rolling *roll = r->of->rolling;
     const unit *u = unit_of(roll);
-    char text[40];
-    (void)snprintf(text, sizeof text, "life expectancy (%s)", u->head);
-    printf("\n  %-22s %s", text, isfinite(r->watched->failed_at) ? "     true" : "");
+    const double failed_at = r->of->failed_at;
+    printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
+           isfinite(failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
         printf(" %11s", roll->forecast[k].kind->about.name);
     }
     printf("\n");
     for (size_t i = 0; i < roll->issues; i++) {
+        const lac_forecast *f = &roll->forecast[i * roll->methods];
         const double now = roll->issue_time[i];
         bool any = false;
         for (size_t k = 0; k + 1 < roll->methods; k++) {
-            any = any || roll->forecast[i * roll->methods + k].issued;
+            any = any || f[k].issued;
         }
         if (!any) {
             continue;
         }
-        printf("  %-22s", when(r, now, text, sizeof text));
-        if (isfinite(r->watched->failed_at)) {
-            printf(" %9.3g", (r->watched->failed_at - now) / u->seconds);
+        printf("  %-22s", when(r, now).s);
+        if (isfinite(failed_at)) {
+            printf(" %9.3g", (failed_at - now) / u->seconds);
         }
         for (size_t k = 0; k < roll->methods; k++) {
-            const lac_forecast *f = &roll->forecast[i * roll->methods + k];
-            if (f->issued) {
-                printf(" %11.3g", (f->time - now) / u->seconds);
-            } else {
-                printf(" %11s", ".");
-            }
+            const cli_text left = cli_format("%.3g", (f[k].time - now) / u->seconds);
+            printf(" %11s", f[k].issued ? left.s : ".");
         }
         printf("\n");
     }
 }
 
-static const char *share(size_t part, size_t all, char *text, size_t size)
+// What the table shows of an indicator at an issue time; NaN: it has nothing to say.
+static double headline(const lac_precursor_course *course, size_t issue, size_t kind)
 {
-    if (all == 0) {
-        return "-";
+    const lac_precursor *p = &course->found[issue * course->kinds + kind];
+    return lac_precursor_find(p, p->kind->value[p->kind->headline].key);
+}
+
+// One number of each indicator at each time of issue at which any has one.
+static void print_course(const result *r)
+{
+    const lac_precursor_course *course = r->of->course;
+    size_t shown[LAC_PRECURSORS_MAX], count = 0;
+    for (size_t k = 0; k < course->kinds; k++) {
+        size_t i = 0;
+        while (i < course->issues && isnan(headline(course, i, k))) {
+            i++;
+        }
+        if (i < course->issues) {
+            shown[count++] = k;
+        }
     }
-    (void)snprintf(text, size, "%.0f %%", 100.0 * (double)part / (double)all);
-    return text;
+    if (count == 0) {
+        return;
+    }
+    printf("\n  indicators            ");
+    for (size_t k = 0; k < count; k++) {
+        printf(" %18s", lac_precursor_kind_at(shown[k])->about.name);
+    }
+    printf("\n  %-22s", "");
+    for (size_t k = 0; k < count; k++) {
+        const lac_precursor_kind *kind = lac_precursor_kind_at(shown[k]);
+        printf(" %18s", kind->value[kind->headline].key);
+    }
+    printf("\n");
+    for (size_t i = 0; i < course->issues; i++) {
+        bool any = false;
+        for (size_t k = 0; k < count; k++) {
+            any = any || !isnan(headline(course, i, shown[k]));
+        }
+        if (any) {
+            printf("  %-22s", when(r, r->of->rolling->issue_time[i]).s);
+        }
+        for (size_t k = 0; k < count && any; k++) {
+            const double value = headline(course, i, shown[k]);
+            printf(" %18s%s", isnan(value) ? "." : cli_format("%.4g", value).s,
+                   k + 1 == count ? "\n" : "");
+        }
+    }
 }
 
-static const char *number(double value, char *text, size_t size)
+// Of those that were issued; "-" where there is no skill to tell of.
+static cli_text share(size_t part, const lac_skill *s)
 {
-    (void)snprintf(text, size, isnan(value) ? "-" : "%.3g", value);
-    return text;
+    return isnan(s->crps) || s->issued == 0
+               ? cli_format("-")
+               : cli_format("%.0f %%", 100.0 * (double)part / (double)s->issued);
 }
 
-static void print_skill(const cli_precursors_result *r)
+static cli_text number(double value) { return cli_format(isnan(value) ? "-" : "%.3g", value); }
+
+static void print_skill(const result *r)
 {
-    const unit *u = unit_of(r->rolling);
-    char a[16], b[16], c[16], d[16], e[16];
-    (void)snprintf(a, sizeof a, "error (%s)", u->name);
-    (void)snprintf(b, sizeof b, "CRPS (%s)", u->name);
-    printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued", a, "in 50 %",
-           "in 90 %", b, "baseline", "alarms: hits, false, missed");
-    for (size_t k = 0; k < r->rolling->methods; k++) {
-        const lac_skill *s = &r->skill[k];
+    const unit *u = unit_of(r->of->rolling);
+    printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued",
+           cli_format("error (%s)", u->name).s, "in 50 %", "in 90 %",
+           cli_format("CRPS (%s)", u->name).s, "baseline", "alarms: hits, false, missed");
+    for (const lac_skill *s = r->of->skill; s < r->of->skill + r->of->rolling->methods; s++) {
         printf("  %-12s %3zu/%-3zu %12s %10s %10s %10s %10s   %zu: %zu, %zu, %zu\n",
-               s->kind->about.name, s->issued, s->asked, number(s->error / u->seconds, a, sizeof a),
-               share(s->inside50, isnan(s->crps) ? 0 : s->issued, b, sizeof b),
-               share(s->inside90, isnan(s->crps) ? 0 : s->issued, c, sizeof c),
-               number(s->crps / u->seconds, d, sizeof d),
-               number(s->persistence_crps / u->seconds, e, sizeof e), s->alarms, s->hits,
-               s->false_alarms, s->misses);
+               s->kind->about.name, s->issued, s->asked, number(s->error / u->seconds).s,
+               share(s->inside50, s).s, share(s->inside90, s).s, number(s->crps / u->seconds).s,
+               number(s->persistence_crps / u->seconds).s, s->alarms, s->hits, s->false_alarms,
+               s->misses);
     }
     printf("  An alarm: failure within %s with a chance of three in four.\n",
-           cli_amount(r->plan->horizon, "s").s);
+           cli_amount(r->of->horizon, "s").s);
 }
 
-void cli_precursors_print(const cli_precursors_result *r, bool verbose)
+void cli_precursors_print(const lac_forecast_outcome *of, const cli_watched *watched, bool verbose)
 {
+    const result all = {of, watched}, *r = &all;
+    const lac_outlook *o = of->outlook;
     print_input(r);
-    if (r->outlook->asked) {
+    if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
                "90 % interval", "rms");
     } else {
-        cli_row("no forecast", "%s", r->outlook->forecast[0].fit.reason);
+        cli_row("no forecast", "%s", o->forecast[0].fit.reason);
     }
-    for (size_t k = 0; r->outlook->asked && k < r->outlook->count; k++) {
-        print_forecast(r, &r->outlook->forecast[k]);
+    for (size_t k = 0; o->asked && k < o->count; k++) {
+        print_forecast(r, &o->forecast[k]);
     }
-    print_beside(r->outlook);
-    print_ends(r->outlook);
+    print_beside(o);
+    print_ends(o);
     if (verbose) {
-        print_values(r->outlook);
-        print_methods(r->outlook);
+        print_values(o);
+        print_methods(o);
     }
-    cli_indicators_print(r->indicators, r->indicator);
-    if (r->rolling != NULL) {
+    print_indicators(of->indicators, of->indicator);
+    if (of->rolling != NULL) {
         print_lives(r);
-        cli_course_print(r);
+        print_course(r);
     }
-    if (r->skill != NULL) {
+    if (of->skill != NULL) {
         print_skill(r);
-    }
-    if (r->output != NULL) {
-        printf("\n");
-        cli_row("file", "%s", r->output);
     }
 }

@@ -87,17 +87,10 @@ static const char *format_time(const cli_compare *compare, double t, char *text,
 // One line: when, observed, modelled, their ratio.
 static void print_reading(const char *when, double observed, double modelled, const char *unit)
 {
-    char left[32], right[32], ratio[32] = "-";
-    if (isnan(modelled)) {
-        (void)snprintf(right, sizeof right, "- (outside)");
-    } else {
-        (void)cli_quantity(modelled, unit, right, sizeof right);
-        if (observed != 0) {
-            (void)snprintf(ratio, sizeof ratio, "%.2g", modelled / observed);
-        }
-    }
-    printf("    %-21s %-18s %-18s %s\n", when, cli_quantity(observed, unit, left, sizeof left),
-           right, ratio);
+    const bool outside = isnan(modelled), compared = !outside && observed != 0;
+    printf("    %-21s %-18s %-18s %s\n", when, cli_amount(observed, unit).s,
+           outside ? "- (outside)" : cli_amount(modelled, unit).s,
+           compared ? cli_format("%.2g", modelled / observed).s : "-");
 }
 
 // The readings of a column. @param offset  of the modelled slip; of rates there is none
@@ -139,12 +132,10 @@ static void print_readings(const cli_compare *compare, const lac_series *series,
 
 static void print_misfit(const lac_series *series, const lac_misfit *misfit)
 {
-    char rms[32], offset[32];
     if (misfit->displacement_count > 0) {
         cli_row("  slip misfit", "rms %s over %zu readings, after an offset of %s",
-                cli_quantity(misfit->displacement_rms, "m", rms, sizeof rms),
-                misfit->displacement_count,
-                cli_quantity(misfit->displacement_offset, "m", offset, sizeof offset));
+                cli_amount(misfit->displacement_rms, "m").s, misfit->displacement_count,
+                cli_amount(misfit->displacement_offset, "m").s);
     }
     if (misfit->velocity_count > 0) {
         cli_row("  rate misfit", "rms of log10 %.3g over %zu readings (a factor of %.2g)",

@@ -179,6 +179,26 @@ lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac
     return status;
 }
 
+lac_status cli_until(const cli_request *request, const lac_case *c, double *end, lac_error *err)
+{
+    const char *text = request->until;
+    double until;
+    if (text == NULL) {
+        return LAC_OK;
+    }
+    const lac_status status = cli_parse_time(text, c, &until, err);
+    if (status != LAC_OK) {
+        return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text)
+                                    : status;
+    }
+    if (!(until > 0) || until > c->run.end) {
+        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
+                        cli_exact(c->run.end, "s").s);
+    }
+    *end = until;
+    return LAC_OK;
+}
+
 lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err)
 {
     return status == LAC_OK || c == NULL ? status : lac_fail_within(err, status, "%s", c->path);

@@ -33,6 +33,11 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
 /// @return LAC_OK; LAC_EINPUT, with what is allowed; LAC_EIO, LAC_ENOMEM
 lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err);
 
+/// Where a run of the case ends by --until.
+/// @param end  [s]; as it is without that option
+/// @return as cli_parse_time
+lac_status cli_until(const cli_request *request, const lac_case *c, double *end, lac_error *err);
+
 /// Puts the case's name before the message of what went wrong with its scene.
 /// @param c  NULL: the case could not be read, and the message says so already
 /// @return status, unchanged

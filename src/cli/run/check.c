@@ -140,7 +140,6 @@ static void print_size(const lac_estimate *e)
 // How many steps, and why.
 static void print_steps(const lac_estimate *e)
 {
-    char apart[80];
     if (e->own_steps) {
         printf("#   steps           of each cell its own, %d to %d\n", LAC_OWN_FEWEST,
                LAC_OWN_STEPS);
@@ -150,12 +149,13 @@ static void print_steps(const lac_estimate *e)
         return;
     }
     printf("#   steps           %s\n", steps_class(e));
-    (void)snprintf(apart, sizeof apart, "%d to %.2g: cells may fail one by one, %d steps each",
-                   LAC_FEWEST_STEPS, e->steps_most, LAC_STEPS_PER_FAILURE);
     cli_wrap("#     ", e->changing ? "a load changes in time: how often cells slip under it is not "
                                      "known before"
-                       : e->stable ? "the cells move together, or there is one"
-                                   : apart);
+                       : e->stable
+                           ? "the cells move together, or there is one"
+                           : cli_format("%d to %.2g: cells may fail one by one, %d steps each",
+                                        LAC_FEWEST_STEPS, e->steps_most, LAC_STEPS_PER_FAILURE)
+                                 .s);
     if (e->faster != NULL) {
         cli_wrap("#     ", "k_0 < k_crit: fidelity events is the faster one (docs/choosing.md)");
     }
@@ -177,8 +177,7 @@ static void print_estimate(const lac_estimate *e)
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
     if (e->failure.lowered) {
-        char rate[64];
-        printf("#   failure rate    %s\n", cli_quantity(e->failure.rate, "m/s", rate, sizeof rate));
+        printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
         cli_wrap("#     ", cli_failure_lowered);
     }
     if (e->integrated) {

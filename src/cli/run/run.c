@@ -46,31 +46,6 @@ static void job_clear(run_job *job)
     lac_case_free(job->source);
 }
 
-// --until as seconds since the start of the run.
-static lac_status parse_until(const char *text, const lac_case *c, double *until, lac_error *err)
-{
-    lac_status status = cli_parse_time(text, c, until, err);
-    return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text) : status;
-}
-
-static lac_status shorten(const char *text, lac_case *c, lac_error *err)
-{
-    double until = NAN;
-    if (text == NULL) {
-        return LAC_OK;
-    }
-    lac_status status = parse_until(text, c, &until, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (!(until > 0) || until > c->run.end) {
-        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
-                        cli_exact(c->run.end, "s").s);
-    }
-    c->run.end = until;
-    return LAC_OK;
-}
-
 static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
 
 // Reads what --resume goes on from, of the case as it is run.
@@ -101,7 +76,7 @@ static lac_status prepare(run_job *job, lac_error *err)
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
                  job->source->path);
     }
-    LAC_TRY(shorten(job->request->until, job->source, err));
+    LAC_TRY(cli_until(job->request, job->source, &job->source->run.end, err));
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
     LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna trade CASE
+// lacuna trade CASE: what is asked for, the case of each run, and what comes out.
 #include "cli/trade/trade.h"
 
 #include <math.h>
@@ -9,14 +9,17 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
+#include "cli/common/inputs.h"
+#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
+#include "data/dataset.h"
+#include "lacuna/version.h"
 
 static void job_clear(cli_trade_job *job)
 {
-    lac_trade_verdict_clear(&job->verdict);
     lac_trade_plan_clear(&job->plan);
     lac_case_free(job->source);
     free(job->measure);
@@ -103,6 +106,11 @@ static lac_status read_jobs(const char *text, int *jobs, lac_error *err)
     return LAC_OK;
 }
 
+static lac_case_purpose purpose_of(lac_trade_of of)
+{
+    return of == LAC_OF_CASCADE ? LAC_FOR_RG : of == LAC_OF_CONTACT ? LAC_FOR_CONTACT : LAC_FOR_RUN;
+}
+
 // What is computed for the quantity. Where none is asked for, a case that is static by what it
 // names has its cascade traded, or else its contact; Q_crit without a section rg is what a run's
 // load comes to.
@@ -131,26 +139,170 @@ static lac_status find_out(const cli_trade_job *job, lac_trade_of *of, lac_error
 static lac_status read_source(cli_trade_job *job, lac_trade_of *of, lac_error *err)
 {
     lac_status status = find_out(job, of, err);
-    return status == LAC_OK
-               ? cli_case_read(job->request, cli_trade_purpose(*of), &job->source, NULL, err)
-               : status;
+    return status == LAC_OK ? cli_case_read(job->request, purpose_of(*of), &job->source, NULL, err)
+                            : status;
 }
 
-static lac_status check_until(const cli_trade_job *job, lac_error *err)
+// What the user sets, then what the dials set, which goes before it.
+static size_t gather(const cli_trade_job *job, size_t run, lac_override *out)
 {
-    double until = NAN;
-    const char *text = job->request->until;
-    if (text == NULL) {
-        return LAC_OK;
+    const cli_request *request = job->request;
+    const lac_trade_plan *plan = &job->plan;
+    size_t n = request->set_count;
+    if (n > 0) {
+        memcpy(out, request->overrides, n * sizeof *out);
     }
-    if (isnan(job->source->run.end)) {
-        return wrong("until", text, "left out: the case has no time", err);
+    if (lac_trade_of_run(plan, run) == LAC_OF_CASCADE) {
+        out[n++] = (lac_override){"solver.fidelity", "static"};
     }
-    lac_status status = cli_parse_time(text, job->source, &until, err);
-    if (status == LAC_OK && !(until > 0.0 && until <= job->source->run.end)) {
-        status = wrong("until", text, "> 0 and no later than time.end", err);
+    for (size_t d = 0; d < plan->dials; d++) {
+        const int at = plan->run[run].at[d];
+        if (at >= 0) {
+            out[n++] = (lac_override){plan->dial[d].dial->key, plan->dial[d].value[at].yaml};
+        }
+    }
+    return n;
+}
+
+static lac_status first_issue(const lac_case_report *report, lac_status status, lac_error *err)
+{
+    char text[512];
+    for (size_t i = 0; i < report->count; i++) {
+        if (!report->issue[i].warning) {
+            return lac_fail(err, status, "%s",
+                            lac_case_issue_format(&report->issue[i], text, sizeof text));
+        }
     }
     return status;
+}
+
+lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, lac_error *err)
+{
+    const cli_request *request = job->request;
+    const lac_trade_of of = lac_trade_of_run(&job->plan, run);
+    lac_case_report report = {0};
+    *c = NULL;
+    lac_override *set = malloc((request->set_count + LAC_DIALS + 1) * sizeof *set);
+    if (set == NULL) {
+        return lac_fail_memory(err);
+    }
+    const lac_case_request how = {purpose_of(of), set, gather(job, run, set)};
+    lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);
+    if (status != LAC_OK) {
+        (void)first_issue(&report, status, err);
+    } else {
+        status = of == LAC_OF_RUN ? cli_until(request, *c, &(*c)->run.end, err) : LAC_OK;
+    }
+    lac_case_report_clear(&report);
+    free(set);
+    return status;
+}
+
+// FNV-1a
+static uint64_t add(uint64_t sum, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        sum = (sum ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+    }
+    return sum;
+}
+
+static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_settings *out,
+                           lac_error *err)
+{
+    char libraries[256], end[32];
+    char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
+    lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
+    if (status == LAC_OK) {
+        (void)snprintf(end, sizeof end, "%a", c->run.end);
+        out->key = add(UINT64_C(0xcbf29ce484222325), text);
+        out->key = add(add(out->key, sums), end);
+        out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
+        for (size_t d = 0; d < job->plan.dials; d++) {
+            lac_dial_current(job->plan.dial[d].dial, c, out->label[d]);
+        }
+    }
+    free(text);
+    free(sums);
+    return status;
+}
+
+// Settings that are another run's make no run of their own; what it is for goes over to that one.
+static void find_twin(cli_trade_job *job, size_t run)
+{
+    lac_trade_plan *plan = &job->plan;
+    for (size_t i = 0; i < run; i++) {
+        if (job->measure[i].end == LAC_TRADE_PENDING &&
+            job->settings[i].key == job->settings[run].key) {
+            job->measure[run].end = LAC_TRADE_TWIN;
+            plan->run[i].why |= plan->run[run].why;
+            plan->reference = plan->reference == run ? i : plan->reference;
+            for (size_t d = 0; d < plan->dials; d++) {
+                plan->coarser[d] = plan->coarser[d] == run ? i : plan->coarser[d];
+                plan->coarsest[d] = plan->coarsest[d] == run ? i : plan->coarsest[d];
+            }
+            return;
+        }
+    }
+}
+
+// Why no run may have a position; NULL: one may.
+static const char *refusal(const cli_trade_job *job, size_t dial, size_t position)
+{
+    const char *why = NULL;
+    for (size_t run = 0; run < job->plan.runs; run++) {
+        if (job->plan.run[run].at[dial] != (short)position) {
+            continue;
+        }
+        if (job->measure[run].end != LAC_TRADE_REFUSED) {
+            return NULL;
+        }
+        why = why != NULL ? why : job->measure[run].message;
+    }
+    return why;
+}
+
+// Settings that do not go together are left out, but not a position that was asked for and goes
+// with nothing: most likely it is misspelt.
+static lac_status check_named(const cli_trade_job *job, lac_error *err)
+{
+    static const char set[] = "--set: ";
+    const lac_trade_plan *plan = &job->plan;
+    for (size_t d = 0; d < plan->dials; d++) {
+        for (size_t p = 0; plan->dial[d].named && p < plan->dial[d].shown; p++) {
+            const char *why = refusal(job, d, p);
+            if (why != NULL) {
+                why += strncmp(why, set, sizeof set - 1) == 0 ? sizeof set - 1 : 0;
+                return lac_fail(err, LAC_EINPUT, "--dials: %s=%s: %s", plan->dial[d].dial->name,
+                                plan->dial[d].value[p].label, why);
+            }
+        }
+    }
+    return LAC_OK;
+}
+
+// Looks up the settings of all runs; those that are refused or twice there are marked.
+static lac_status resolve(cli_trade_job *job, lac_error *err)
+{
+    lac_status status = describe(job, job->source, &job->own, err);
+    for (size_t run = 0; run < job->plan.runs && status == LAC_OK; run++) {
+        lac_case *c = NULL;
+        lac_error why = {""};
+        lac_trade_measure *m = &job->measure[run];
+        status = cli_trade_case(job, run, &c, &why);
+        if (status == LAC_OK) {
+            status = describe(job, c, &job->settings[run], err);
+            find_twin(job, run);
+        } else if (status == LAC_EINPUT) {
+            m->end = LAC_TRADE_REFUSED;
+            (void)snprintf(m->message, sizeof m->message, "%s", why.message);
+            status = LAC_OK;
+        } else {
+            *err = why;
+        }
+        lac_case_free(c);
+    }
+    return status == LAC_OK ? check_named(job, err) : status;
 }
 
 static lac_status name_files(cli_trade_job *job, lac_error *err)
@@ -174,12 +326,16 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
 {
     const cli_request *request = job->request;
     lac_trade_of of = LAC_OF_RUN;
+    double end;
     lac_status status;
     LAC_TRY(read_quantity(request->trade.quantity, &job->ask, err));
     LAC_TRY(read_amounts(&request->trade, &job->ask, err));
     LAC_TRY(read_jobs(request->trade.jobs, &job->jobs, err));
     LAC_TRY(read_source(job, &of, err));
-    LAC_TRY(check_until(job, err));
+    if (request->until != NULL && isnan(job->source->run.end)) {
+        LAC_TRY(wrong("until", request->until, "left out: the case has no time", err));
+    }
+    LAC_TRY(cli_until(request, job->source, &end, err));
     LAC_TRY(name_files(job, err));
     LAC_TRY(lac_trade_plan_create(job->source, of, request->trade.dials,
                                   request->trade.crossed != NULL, &job->plan, err));
@@ -188,7 +344,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     if (job->measure == NULL || job->settings == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
-    LAC_TRY(cli_trade_resolve(job, err));
+    LAC_TRY(resolve(job, err));
 out:
     return status;
 }
@@ -203,18 +359,44 @@ static lac_status measure(cli_trade_job *job, lac_error *err)
     return status;
 }
 
-static lac_status put_out(cli_trade_job *job, lac_error *err)
+static void print_json(const cli_trade_job *job, const lac_dataset *dataset)
 {
-    lac_status status = lac_trade_judge(&job->plan, job->measure, &job->ask, &job->verdict, err);
-    if (status != LAC_OK) {
-        return cli_blame(job->source, status, err);
+    lac_json json = {.out = stdout};
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(dataset, &json);
+    lac_json_number(&json, "wall_time_s", cli_clock() - job->started);
+    lac_json_text(&json, "output", job->path);
+    lac_json_close(&json, '}');
+}
+
+static lac_status put_out(const cli_trade_job *job, lac_error *err)
+{
+    char sentence[1024];
+    lac_trade_verdict verdict = {0};
+    lac_trade_outcome outcome = {.title = job->source->title,
+                                 .sentence = sentence,
+                                 .plan = &job->plan,
+                                 .measure = job->measure,
+                                 .settings = job->settings,
+                                 .own = &job->own,
+                                 .verdict = &verdict};
+    lac_dataset *dataset = NULL;
+    lac_status status = lac_trade_judge(&job->plan, job->measure, &job->ask, &verdict, err);
+    LAC_TRY(cli_blame(job->source, status, err));
+    LAC_TRY(lac_trade_list(&outcome, err));
+    cli_trade_sentence(&outcome, &job->ask, sentence, sizeof sentence);
+    LAC_TRY(lac_trade_describe(&outcome, &dataset, err));
+    LAC_TRY(cli_store_dataset(job->request, job->source, INT64_MIN, job->path, dataset, err));
+    if (cli_given(job->request, CLI_OPT_JSON)) {
+        print_json(job, dataset);
+    } else {
+        cli_trade_print(&outcome, job->request);
+        cli_row("file", "%s", job->path);
     }
-    status = cli_trade_store(job, err);
-    if (status == LAC_OK && cli_given(job->request, CLI_OPT_JSON)) {
-        cli_trade_json(job);
-    } else if (status == LAC_OK) {
-        cli_trade_print(job);
-    }
+out:
+    lac_dataset_free(dataset);
+    lac_trade_outcome_clear(&outcome);
+    lac_trade_verdict_clear(&verdict);
     return status;
 }
 

@@ -15,16 +15,6 @@
 
 static const char heading[] = "lacuna trade 1\n";
 
-static char *join(const char *folder, const char *name)
-{
-    const size_t size = strlen(folder) + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path != NULL) {
-        (void)snprintf(path, size, "%s/%s", folder, name);
-    }
-    return path;
-}
-
 // Whether a trade gives a file this name: of a run, while it is made, and what stands beside it.
 static bool is_of_run(const char *name)
 {
@@ -100,29 +90,17 @@ static lac_status check_folder(const char *folder, bool resume, lac_error *err)
     return status;
 }
 
-// The next number of a line; false where there is none.
-static bool next_number(char **at, double *value)
-{
-    char *end;
-    *value = strtod(*at, &end);
-    const bool good = end != *at;
-    *at = end;
-    return good;
-}
-
 // One line: the key, how the run ended, its numbers, its message.
 static bool read_line(char *line, uint64_t *key, lac_trade_measure *m)
 {
-    double number[8];
-    char *at;
+    double number[8 + LAC_QUANTITIES];
+    char *at, *end;
     *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
     *key = strtoull(line, &at, 16);
     bool good = at == line + 16;
-    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++) {
-        good = next_number(&at, &number[i]);
-    }
-    for (int q = 0; good && q < LAC_QUANTITIES; q++) {
-        good = next_number(&at, &m->value[q]);
+    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++, at = end) {
+        number[i] = strtod(at, &end);
+        good = end != at;
     }
     if (!good || !(number[0] >= LAC_TRADE_DONE && number[0] <= LAC_TRADE_GIVEN_UP)) {
         return false;
@@ -135,6 +113,7 @@ static bool read_line(char *line, uint64_t *key, lac_trade_measure *m)
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
         *counts[i] = (int64_t)number[3 + i];
     }
+    memcpy(m->value, number + 8, sizeof m->value);
     return true;
 }
 
@@ -191,9 +170,11 @@ static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status open_done(cli_trade_job *job, const char *path, lac_error *err)
+static lac_status open_done(cli_trade_job *job, lac_error *err)
 {
+    char path[4096];
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
+    (void)snprintf(path, sizeof path, "%s/done", job->folder);
     job->kept =
         open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
     if (job->kept < 0) {
@@ -227,13 +208,7 @@ lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
             return found;
         }
     }
-    char *path = join(job->folder, "done");
-    if (path == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_status status = open_done(job, path, err);
-    free(path);
-    return status;
+    return open_done(job, err);
 }
 
 lac_status cli_trade_keep(cli_trade_job *job, size_t run, lac_error *err)

@@ -11,25 +11,151 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cli/common/exits.h"
+#include "cli/common/command.h"
+#include "cli/common/libraries.h"
 #include "cli/common/memory.h"
+#include "cli/common/output.h"
 #include "cli/common/signals.h"
 #include "cli/trade/trade.h"
+#include "scene/scene_rg.h"
+#include "simulation/simulation.h"
+
+static void keep_numbers(const lac_outcome *of, lac_trade_measure *m)
+{
+    m->steps = of->run.steps;
+    m->evaluations = of->run.rhs_evaluations;
+    m->cells = (int64_t)of->scene->contact.domain->n;
+    // Times stay doubles in the file, the rest is what a reader of it finds.
+    for (int q = LAC_QUANTITY_SLIP; of->source->single && q < LAC_QUANTITIES; q++) {
+        m->value[q] = (double)(float)m->value[q];
+    }
+}
+
+static lac_status integrate(const cli_trade_job *job, const lac_case *c, const char *file,
+                            lac_trade_measure *m, lac_error *err)
+{
+    lac_simulation *simulation = NULL;
+    lac_store *store = NULL;
+    lac_store_def def;
+    char libraries[256];
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_file(simulation, &def, err));
+    cli_sign(job->request, cli_libraries(libraries, sizeof libraries), &def.provenance);
+    def.path = file;
+    def.force = true;
+    LAC_TRY(lac_store_create(&def, &store, err));
+    const lac_outcome *of = lac_simulation_outcome(simulation);
+    const lac_sink stored = lac_store_sink(store);
+    lac_trade_probe probe = lac_trade_probe_create(c, &stored);
+    const lac_sink sink = lac_trade_probe_sink(&probe);
+    LAC_TRY(lac_simulation_run(simulation, &sink, err));
+    LAC_TRY(lac_store_finish(store, of->status, &of->run, 0.0, err));
+    lac_trade_probe_values(&probe, &of->run, def.of.events, m->value);
+    keep_numbers(of, m);
+out:
+    lac_store_free(store);
+    lac_simulation_free(simulation);
+    return status;
+}
+
+static lac_status follow(const lac_case *c, lac_trade_measure *m, lac_error *err)
+{
+    lac_scene_rg rg = {0};
+    lac_status status = lac_scene_rg_run(c, NULL, &rg, err);
+    if (status == LAC_OK) {
+        m->value[LAC_QUANTITY_CRITICAL] = rg.result[0]->critical;
+        m->cells = (int64_t)rg.domain->n;
+    }
+    lac_scene_rg_clear(&rg);
+    return status;
+}
+
+static lac_status add_work(void *context, const lac_history_record *record, lac_error *err)
+{
+    double *work = context;
+    (void)err;
+    *work += record->shear.dissipation;
+    return LAC_OK;
+}
+
+// The contact, and the history that its case may have.
+static lac_status press(const lac_case *c, lac_trade_measure *m, lac_error *err)
+{
+    lac_scene_contact contact = {0};
+    lac_history_result result = {0};
+    double work = 0.0;
+    const lac_history_sink sink = {.context = &work, .step = add_work};
+    lac_status status = LAC_OK;
+    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    m->cells = (int64_t)contact.domain->n;
+    m->value[LAC_QUANTITY_FRACTION] = (double)m->cells / (double)lac_grid_cells(&contact.grid);
+    m->value[LAC_QUANTITY_PRESSURE] = contact.mean_pressure;
+    m->value[LAC_QUANTITY_DIMENSION] = contact.counted ? contact.boxes.dimension : NAN;
+    m->steps = contact.solved ? contact.report.iterations : 0;
+    m->evaluations = contact.solved ? contact.report.products : 0;
+    if (c->history.count > 0) {
+        LAC_TRY(lac_scene_history_run(c, &contact, &sink, &result, err));
+        m->value[LAC_QUANTITY_WORK] = work;
+    }
+out:
+    lac_scene_contact_clear(&contact);
+    return status;
+}
+
+static lac_status compute(const cli_trade_job *job, size_t run, const lac_case *c, const char *file,
+                          lac_trade_measure *m, lac_error *err)
+{
+    switch (lac_trade_of_run(&job->plan, run)) {
+    case LAC_OF_CASCADE:
+        return follow(c, m, err);
+    case LAC_OF_CONTACT:
+        return press(c, m, err);
+    default:
+        return integrate(job, c, file, m, err);
+    }
+}
+
+// One run in this process; its output is written to `file`, measured and removed.
+// @return of the run, as lac_run: LAC_EIO is the disk's doing, not the settings'
+static lac_status compute_run(const cli_trade_job *job, size_t run, const char *file,
+                              lac_trade_measure *measure)
+{
+    const double started = cli_clock();
+    lac_error err = {""};
+    lac_case *c = NULL;
+    struct stat about;
+    for (int q = 0; q < LAC_QUANTITIES; q++) {
+        measure->value[q] = NAN;
+    }
+    lac_status status = cli_trade_case(job, run, &c, &err);
+    if (status == LAC_OK) {
+        status = compute(job, run, c, file, measure, &err);
+    }
+    lac_case_free(c);
+    measure->output = stat(file, &about) == 0 ? (int64_t)about.st_size : 0;
+    (void)unlink(file);
+    measure->end = status == LAC_OK ? LAC_TRADE_DONE : LAC_TRADE_BROKEN;
+    measure->wall_time = cli_clock() - started;
+    (void)snprintf(measure->message, sizeof measure->message, "%s", err.message);
+    return status;
+}
 
 enum { MOST_JOBS = 64 };
 
 typedef struct worker {
-    pid_t pid; // 0: none
-    int from;  // what it says in the end
+    pid_t pid;
+    int from; // what it says in the end
     size_t run;
 } worker;
 
 typedef struct pool {
     cli_trade_job *job;
-    worker at[MOST_JOBS];
+    worker at[MOST_JOBS]; // [busy]
     size_t busy, done, total;
     bool *started;   // [runs]
     double cap;      // CPU time that a run may take [s]; INFINITY: any
@@ -58,7 +184,7 @@ static void work(const pool *p, size_t run, int to)
         (void)setrlimit(RLIMIT_CPU, &limit);
     }
     (void)snprintf(file, sizeof file, "%s/run-%zu.nc", p->job->folder, run);
-    const lac_status status = cli_trade_compute(p->job, run, file, &m);
+    const lac_status status = compute_run(p->job, run, file, &m);
     const ssize_t written = write(to, &m, sizeof m);
     _exit(written != (ssize_t)sizeof m ? CLI_EXIT_FAILED
           : status == LAC_EIO          ? CLI_EXIT_FILE
@@ -82,13 +208,8 @@ static lac_status launch(pool *p, size_t run, lac_error *err)
         (void)close(ends[0]);
         return lac_fail(err, LAC_EIO, "a run cannot be started: %s", strerror(errno));
     }
-    size_t slot = 0;
-    while (p->at[slot].pid != 0) {
-        slot++;
-    }
-    p->at[slot] = (worker){.pid = pid, .from = ends[0], .run = run};
+    p->at[p->busy++] = (worker){.pid = pid, .from = ends[0], .run = run};
     p->started[run] = true;
-    p->busy++;
     return LAC_OK;
 }
 
@@ -112,20 +233,22 @@ static void no_answer(lac_trade_measure *m, int status)
 }
 
 // Takes over what a worker measured, and what the kernel did.
-static lac_status finish(pool *p, worker *w, lac_error *err)
+static lac_status finish(pool *p, size_t slot, lac_error *err)
 {
     int status = 0;
     struct rusage usage;
-    lac_trade_measure *m = &p->job->measure[w->run];
-    const ssize_t got = read(w->from, m, sizeof *m);
-    (void)close(w->from);
-    while (wait4(w->pid, &status, 0, &usage) < 0 && errno == EINTR) {
+    const worker w = p->at[slot];
+    lac_trade_measure *m = &p->job->measure[w.run];
+    const bool answered = read(w.from, m, sizeof *m) == (ssize_t)sizeof *m;
+    (void)close(w.from);
+    while (wait4(w.pid, &status, 0, &usage) < 0 && errno == EINTR) {
     }
-    if (got != (ssize_t)sizeof *m) {
+    p->at[slot] = p->at[--p->busy];
+    if (!answered) {
         no_answer(m, status);
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == CLI_EXIT_FILE) {
-        w->pid = 0; // a full disk says nothing of the settings: none of it is kept
+        // a full disk says nothing of the settings: none of it is kept
         return lac_fail(err, LAC_EIO, "%s; --resume goes on", m->message);
     }
     m->cpu_time = seconds(usage.ru_utime) + seconds(usage.ru_stime);
@@ -134,29 +257,23 @@ static lac_status finish(pool *p, worker *w, lac_error *err)
     p->computed += m->wall_time;
     p->made++;
     p->done++;
-    p->busy--;
-    w->pid = 0;
-    const bool killed = got != (ssize_t)sizeof *m && m->end != LAC_TRADE_GIVEN_UP;
-    return killed ? LAC_OK : cli_trade_keep(p->job, w->run, err);
+    return answered || m->end == LAC_TRADE_GIVEN_UP ? cli_trade_keep(p->job, w.run, err) : LAC_OK;
 }
 
 // The first run is alone: it tells how much memory one takes.
 static bool has_room(const pool *p)
 {
     int64_t resident[MOST_JOBS];
-    size_t running = 0;
     if (p->busy == 0) {
         return true;
     }
     if (p->busy >= (size_t)p->job->jobs || p->memory <= 0) {
         return false;
     }
-    for (size_t k = 0; k < MOST_JOBS; k++) {
-        if (p->at[k].pid != 0) {
-            resident[running++] = cli_memory_resident("", p->at[k].pid);
-        }
+    for (size_t k = 0; k < p->busy; k++) {
+        resident[k] = cli_memory_resident("", p->at[k].pid);
     }
-    return cli_memory_allows(cli_memory_free(""), p->memory, resident, running);
+    return cli_memory_allows(cli_memory_free(""), p->memory, resident, p->busy);
 }
 
 // A run three times as dear as the reference, which is the tightest, is never worth it.
@@ -235,19 +352,15 @@ static void show(pool *p)
 static lac_status await(pool *p, lac_error *err)
 {
     struct pollfd ends[MOST_JOBS];
-    worker *of[MOST_JOBS];
-    nfds_t n = 0;
-    for (size_t k = 0; k < MOST_JOBS; k++) {
-        if (p->at[k].pid != 0) {
-            of[n] = &p->at[k];
-            ends[n++] = (struct pollfd){.fd = p->at[k].from, .events = POLLIN};
-        }
+    for (size_t k = 0; k < p->busy; k++) {
+        ends[k] = (struct pollfd){.fd = p->at[k].from, .events = POLLIN};
     }
     lac_status status = LAC_OK;
-    const int ready = poll(ends, n, 500);
-    for (nfds_t k = 0; ready > 0 && k < n && status == LAC_OK; k++) {
+    const int ready = poll(ends, p->busy, 500);
+    for (size_t k = p->busy;
+         ready > 0 && k-- > 0 && status == LAC_OK;) { // the last takes its place
         if (ends[k].revents != 0 && !cli_signals_stop()) {
-            status = finish(p, of[k], err);
+            status = finish(p, k, err);
         }
     }
     return status;
@@ -255,14 +368,12 @@ static lac_status await(pool *p, lac_error *err)
 
 static void end_all(pool *p)
 {
-    for (size_t k = 0; k < MOST_JOBS; k++) {
-        if (p->at[k].pid != 0) {
-            (void)kill(p->at[k].pid, SIGKILL);
-            while (waitpid(p->at[k].pid, NULL, 0) < 0 && errno == EINTR) {
-            }
-            (void)close(p->at[k].from);
-            p->at[k].pid = 0;
+    for (; p->busy > 0; p->busy--) {
+        const worker *w = &p->at[p->busy - 1];
+        (void)kill(w->pid, SIGKILL);
+        while (waitpid(w->pid, NULL, 0) < 0 && errno == EINTR) {
         }
+        (void)close(w->from);
     }
 }
 
@@ -296,10 +407,7 @@ lac_status cli_trade_run(cli_trade_job *job, lac_error *err)
     for (size_t i = 0; i < job->plan.runs; i++) {
         const lac_trade_measure *m = &job->measure[i];
         p.total += m->end != LAC_TRADE_REFUSED && m->end != LAC_TRADE_TWIN ? 1 : 0;
-        p.done +=
-            m->end == LAC_TRADE_DONE || m->end == LAC_TRADE_BROKEN || m->end == LAC_TRADE_GIVEN_UP
-                ? 1
-                : 0;
+        p.done += m->end >= LAC_TRADE_DONE && m->end <= LAC_TRADE_GIVEN_UP ? 1 : 0;
         p.memory = m->memory > p.memory ? m->memory : p.memory;
     }
     lac_status status = run_all(&p, err);

@@ -4,7 +4,6 @@
 // lock only pointers move, and a record is copied. netCDF is the run's alone.
 #include "cli/view/view.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -245,11 +244,11 @@ out:
     return status;
 }
 
-// What the run's file says of its making; the rest the recording knows.
+// What the run's file says of itself, beside its variables.
 static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *err)
 {
     const lac_provenance *from = &def->provenance;
-    char netcdf[32], libraries[320], made[TEXT], start[TEXT], seed[TEXT];
+    char netcdf[32], libraries[320], date[TEXT], seed[TEXT] = "";
     const struct {
         const char *name, *text;
     } texts[] = {
@@ -262,13 +261,11 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
         {"fidelity", from->fidelity},
         {"case", from->case_text},
         {"status", "running"},
-        {"date_created", lac_date_format(from->now, made, sizeof made)},
+        {"date_created", lac_date_format(from->now, date, sizeof date)},
         {"seed", from->seed != INT64_MIN ? seed : NULL},
-        {"time_coverage_start",
-         def->dated ? lac_date_format(def->start_date, start, sizeof start) : NULL},
     };
     lac_status status = LAC_OK;
-    (void)snprintf(seed, sizeof seed, "%" PRId64, from->seed);
+    (void)snprintf(seed, sizeof seed, "%.17g", (double)from->seed);
     (void)cli_netcdf_version(netcdf, sizeof netcdf); // as the file has it
     (void)snprintf(libraries, sizeof libraries, "%s, netCDF %s", from->libraries, netcdf);
     for (size_t i = 0; i < sizeof texts / sizeof *texts && status == LAC_OK; i++) {
@@ -282,13 +279,7 @@ static lac_status describe(cli_view *view, const lac_store_def *def, lac_error *
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,
                          lac_error *err)
 {
-    lac_recording_def as = {.domain = def->domain,
-                            .hierarchy = def->hierarchy,
-                            .transfer = def->transfer,
-                            .fields = def->fields,
-                            .extras = def->extras,
-                            .extra = def->extra,
-                            .events = def->events};
+    lac_recording_def as = def->of;
     lac_status status;
     LAC_TRY(lac_recording_create(&as, &view->whole, err));
     as.passing = true;

@@ -13,7 +13,7 @@ import sys
 
 import source
 
-ROW = re.compile(r'(?:\.about\s*=\s*\{\s*|\{\s*)\.name\s*=\s*"([^"]+)",\s*\.(?:summary|key|doc)\b')
+ROW = re.compile(r'(?:\{\s*\.name\s*=\s*(?="[^"]+",\s*\.(?:summary|key|doc)\b)|\b(?:LAC_ABOUT|DIAL)\(\s*)"([^"]+)"')
 COMPARE = re.compile(r"\b(?:str(?:n?case)?n?cmp|find_\w+|is_\w+|named)\s*\(")
 ABOUT = re.compile(r"\babout\s*(?:->|\.)\s*name\b")
 LITERAL = re.compile(r'"([^"]*)"')
@@ -25,6 +25,7 @@ OTHER_TABLES = ("src/cli/", "src/case/registry.c", "src/store/", "src/case/secti
 OTHER_WORDS = {
     ("src/case/value.c", "transfer"),  # a section
     ("src/case/read_sections.c", "case"),  # the whole
+    ("src/case/check.c", "rg"),  # a section
     ("src/cli/common/new.c", "joint"),  # a kind of case file
     ("src/cli/precursors/precursors_read.c", "none"),  # no onset
 }

@@ -98,6 +98,10 @@ class Rows(unittest.TestCase):
         return rows.check(path, text, rows.names({"src/friction/aging.c": self.LAW, "src/case/registry.c":
                                                   'kind k = {.name = "friction", .summary = "laws"};'}))
 
+    def test_macro(self):
+        found = rows.names({"src/load/ramp.c": '.about = LAC_ABOUT("ramp", "x", "y", LAC_ROWS(p, q)),'})
+        self.assertEqual(found, {"ramp": {"src/load/ramp.c"}})
+
     def refuses(self, text):
         found = self.complaints("src/fit/line.c", "int x;\n" + text)
         self.assertEqual(len(found), 1, found)
