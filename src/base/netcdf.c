@@ -29,30 +29,52 @@ lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_er
                     nc_strerror(code));
 }
 
-bool lac_netcdf_is_number(int type)
+static bool is_number(nc_type type)
 {
     return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;
 }
 
-void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
+bool lac_netcdf_runs_over(int id, int var, int rank, int *dims)
+{
+    int found = 0;
+    nc_type type = NC_NAT;
+    return nc_inq_varndims(id, var, &found) == NC_NOERR && found == rank &&
+           nc_inq_vartype(id, var, &type) == NC_NOERR && is_number(type) &&
+           nc_inq_vardimid(id, var, dims) == NC_NOERR;
+}
+
+bool lac_netcdf_axis(int id, int dim, char *name, int *var)
+{
+    int rank = 0;
+    int over = -1;
+    return nc_inq_dimname(id, dim, name) == NC_NOERR && nc_inq_varid(id, name, var) == NC_NOERR &&
+           nc_inq_varndims(id, *var, &rank) == NC_NOERR && rank == 1 &&
+           nc_inq_vardimid(id, *var, &over) == NC_NOERR && over == dim;
+}
+
+bool lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
 {
     size_t length = 0;
     nc_type type = NC_NAT;
     char *string = NULL;
+    bool whole = false;
     text[0] = '\0';
     if (nc_inq_att(id, var, name, &type, &length) != NC_NOERR) {
-        return;
+        return false;
     }
     if (type == NC_CHAR && length < size && nc_get_att_text(id, var, name, text) == NC_NOERR) {
         text[length] = '\0';
+        whole = true;
     }
     if (type == NC_STRING && length == 1 && nc_get_att_string(id, var, name, &string) == NC_NOERR &&
         string != NULL) {
-        if (strlen(string) < size) {
+        whole = strlen(string) < size;
+        if (whole) {
             memcpy(text, string, strlen(string) + 1);
         }
         (void)nc_free_string(1, &string);
     }
+    return whole;
 }
 
 double lac_netcdf_number(int id, int var, const char *name, double fallback)
@@ -61,7 +83,7 @@ double lac_netcdf_number(int id, int var, const char *name, double fallback)
     nc_type type = NC_NAT;
     double value = fallback;
     bool good = nc_inq_att(id, var, name, &type, &length) == NC_NOERR && length == 1 &&
-                lac_netcdf_is_number(type) && nc_get_att_double(id, var, name, &value) == NC_NOERR;
+                is_number(type) && nc_get_att_double(id, var, name, &value) == NC_NOERR;
     return good ? value : fallback;
 }
 

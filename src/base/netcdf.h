@@ -16,11 +16,17 @@ bool lac_netcdf_begins(const void *head, size_t size);
 /// What a call of netCDF returned, as an error: `path: netCDF cannot read WHAT: why`.
 lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 
-/// Whether an nc_type is of numbers.
-bool lac_netcdf_is_number(int type);
+/// Whether a variable is numbers over so many dimensions. @param dims  [rank] set where it is
+bool lac_netcdf_runs_over(int id, int var, int rank, int *dims);
+
+/// The coordinates of a dimension. @param name  [NC_MAX_NAME + 1] its own, and the variable's
+/// @return whether there are any
+bool lac_netcdf_axis(int id, int dim, char *name, int *var);
 
 /// A text attribute, of characters or one string; "" where there is none or it is too long.
-void lac_netcdf_text(int id, int var, const char *name, char *text, size_t size);
+/// @param text  [size] overwritten
+/// @return whether it is there
+bool lac_netcdf_text(int id, int var, const char *name, char *text, size_t size);
 
 /// A numeric attribute of one value; `fallback` where there is none.
 double lac_netcdf_number(int id, int var, const char *name, double fallback);

@@ -64,8 +64,8 @@ lac_status lac_page_about(const lac_page *page, const char *key, lac_error *err)
         const double value = i < NUMBERS ? lac_stored_file_number(run->file, NULL, names[i]) : 0.0;
         if (i < NUMBERS && value == value) {
             lac_json_digits(json, names[i], value, 12);
-        } else if (i >= NUMBERS && lac_stored_file_attribute(run->file, names[i], text,
-                                                             LONGEST_TEXT, NULL) == LAC_OK) {
+        } else if (i >= NUMBERS &&
+                   lac_stored_file_text(run->file, NULL, names[i], text, LONGEST_TEXT)) {
             lac_json_text(json, names[i], text);
         }
     }

@@ -48,18 +48,6 @@ static double before_of(const lac_page_run *run, double time)
     return run->before[low] - (time - run->time[low]);
 }
 
-// Marks at most so many of n, the first and last of even parts of time and of log time before the
-// end, as series are thinned.
-static void choose(size_t n, size_t most, const double *time, const double *before, uint8_t *keep)
-{
-    size_t buckets = most / 2;
-    memset(keep, 1, n);
-    while (n > most && lac_page_thin(n, time, before, buckets, 0, NULL, keep) > most &&
-           buckets > 1) {
-        buckets--;
-    }
-}
-
 static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err)
 {
     lac_stored_values time = {0};
@@ -77,7 +65,10 @@ static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err
     for (size_t i = 0; i < n; i++) {
         before[i] = before_of(run, time.value[i]);
     }
-    choose(n, s->most, time.value, before, keep);
+    memset(keep, 1, n);
+    if (n > s->most) {
+        lac_page_thin_to(n, time.value, before, s->most, s->most, keep);
+    }
     for (size_t i = 0; i < n; i++) {
         if (keep[i] && s->count < s->most) {
             s->index[s->count] = i;
@@ -125,18 +116,34 @@ static void write_backwards(lac_json *json, size_t n, const double *value, uint8
     }
 }
 
-static void write_map(lac_json *json, size_t n, const double *value, double low, double high,
-                      uint8_t *bytes)
+// Maps of the squares under a key.
+typedef struct maps {
+    const char *key;
+    size_t count;
+    const double *value; // [count][squares]
+    double low, high;    // their range; NaN: each has its own
+} maps;
+
+static void write_maps(lac_json *json, const lac_page_raster *r, const maps *m, uint8_t *bytes)
 {
-    for (size_t i = 0; i < n; i++) {
-        bytes[i] = to_byte(value[i], low, high);
+    lac_json_open(json, m->key, '[');
+    for (size_t k = 0; k < m->count; k++) {
+        const double *value = m->value + k * r->squares;
+        double low = m->low, high = m->high;
+        if (isnan(low)) {
+            find_range(r->squares, value, &low, &high);
+        }
+        for (size_t i = 0; i < r->squares; i++) {
+            bytes[i] = to_byte(value[i], low, high);
+        }
+        lac_json_open(json, NULL, '{');
+        lac_json_digits(json, "low", low, 5);
+        lac_json_digits(json, "high", high, 5);
+        lac_json_bytes(json, "map", bytes, r->squares);
+        write_backwards(json, r->squares, value, bytes);
+        lac_json_close(json, '}');
     }
-    lac_json_open(json, NULL, '{');
-    lac_json_digits(json, "low", low, 5);
-    lac_json_digits(json, "high", high, 5);
-    lac_json_bytes(json, "map", bytes, n);
-    write_backwards(json, n, value, bytes);
-    lac_json_close(json, '}');
+    lac_json_close(json, ']');
 }
 
 // Room for one field in all snapshots.
@@ -156,7 +163,8 @@ static lac_status read_field(const lac_page *page, const lac_page_raster *r, con
     for (size_t k = 0; k < s->count && *there; k++) {
         lac_stored_values row = {0};
         double *out = to->value + k * r->squares;
-        LAC_TRY(lac_stored_file_row(page->run->file, f->variable, s->index[k], &row, err));
+        LAC_TRY(
+            lac_stored_file_row(page->run->file, f->variable, (ptrdiff_t)s->index[k], &row, err));
         *there = row.value != NULL && row.width == r->cells;
         if (*there) {
             lac_page_raster_summarise(r, f->how, row.value, 0.0, out);
@@ -174,34 +182,12 @@ out:
     return status;
 }
 
-static void write_field(lac_json *json, const lac_page_raster *r, const shots *s, const char *key,
-                        bool common, const double *value, uint8_t *bytes)
+static void write_shares(lac_json *json, const lac_page_raster *r, size_t count, const room *from)
 {
-    double low = NAN, high = NAN;
-    if (common) {
-        find_range(s->count * r->squares, value, &low, &high);
-    }
-    lac_json_open(json, key, '[');
-    for (size_t k = 0; k < s->count; k++) {
-        const double *one = value + k * r->squares;
-        double own_low = low, own_high = high;
-        if (!common) {
-            find_range(r->squares, one, &own_low, &own_high);
-        }
-        write_map(json, r->squares, one, own_low, own_high, bytes);
-    }
-    lac_json_close(json, ']');
-}
-
-static void write_shares(lac_json *json, const lac_page_raster *r, const shots *s, const room *from)
-{
-    lac_json_open(json, "slipping", '[');
-    for (size_t k = 0; k < s->count; k++) {
-        write_map(json, r->squares, from->share + k * r->squares, 0.0, 1.0, from->bytes);
-    }
-    lac_json_close(json, ']');
+    const maps shares = {"slipping", count, from->share, 0.0, 1.0};
+    write_maps(json, r, &shares, from->bytes);
     lac_json_open(json, "slipping_cells", '[');
-    for (size_t k = 0; k < s->count; k++) {
+    for (size_t k = 0; k < count; k++) {
         double cells = 0.0;
         for (size_t i = 0; i < r->squares; i++) {
             const double share = from->share[k * r->squares + i];
@@ -215,19 +201,21 @@ static void write_shares(lac_json *json, const lac_page_raster *r, const shots *
 static lac_status write_snapshots(const lac_page *page, const lac_page_raster *r, const shots *s,
                                   room *to, lac_error *err)
 {
-    lac_json *json = page->json;
     lac_status status = LAC_OK;
     lac_page_column(page, "snapshot_time", s->count, s->time, NULL, 12);
     lac_page_column(page, "snapshot_before", s->count, s->before, NULL, 6);
     for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
         bool there = false;
         LAC_TRY(read_field(page, r, s, &fields[f], to, &there, err));
+        maps of = {fields[f].key, s->count, to->value, NAN, NAN};
+        if (there && (fields[f].common || r->ny == 1)) {
+            find_range(s->count * r->squares, to->value, &of.low, &of.high);
+        }
         if (there) {
-            write_field(json, r, s, fields[f].key, fields[f].common || r->ny == 1, to->value,
-                        to->bytes);
+            write_maps(page->json, r, &of, to->bytes);
         }
         if (there && fields[f].how == LAC_PAGE_MOST) {
-            write_shares(json, r, s, to);
+            write_shares(page->json, r, s->count, to);
         }
     }
 out:
@@ -240,12 +228,9 @@ static lac_status write_pressure(const lac_page *page, const lac_page_raster *r,
     lac_stored_values pressure = {0};
     lac_status status = lac_stored_file_values(page->run->file, "pressure", &pressure, err);
     if (status == LAC_OK && pressure.value != NULL && pressure.n == r->cells) {
-        double low = NAN, high = NAN;
+        const maps of = {"pressure", 1, to->value, NAN, NAN};
         lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, to->value);
-        find_range(r->squares, to->value, &low, &high);
-        lac_json_open(page->json, "pressure", '[');
-        write_map(page->json, r->squares, to->value, low, high, to->bytes);
-        lac_json_close(page->json, ']');
+        write_maps(page->json, r, &of, to->bytes);
     }
     lac_stored_values_clear(&pressure);
     return status;

@@ -26,16 +26,14 @@ static const struct {
 };
 
 // The larger half of what may stand on the page by potency, and of the others every `stride`th.
-static size_t choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
+static void choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
 {
-    size_t kept = 0, others = 0;
+    size_t others = 0;
     const double limit = n > MOST_EVENTS ? sorted[MOST_EVENTS / 2] : -INFINITY;
     const size_t stride = n / (MOST_EVENTS / 2) + 1;
     for (size_t i = 0; i < n; i++) {
         keep[i] = potency[i] > limit || n <= MOST_EVENTS || others++ % stride == 0;
-        kept += keep[i];
     }
-    return kept;
 }
 
 // N(>= size) at sizes evenly spaced in their logarithm.
@@ -95,7 +93,7 @@ static lac_status write_events(const lac_page *page, const char *key, size_t n,
     gsl_sort(sorted, 1, n);
     gsl_vector_view falling = gsl_vector_view_array(sorted, n);
     gsl_vector_reverse(&falling.vector);
-    (void)choose(n, values[POTENCY].value, sorted, keep);
+    choose(n, values[POTENCY].value, sorted, keep);
     lac_json_open(page->json, key, '{');
     lac_json_integer(page->json, "all", (int64_t)n);
     for (size_t v = 0; v < VARIABLES; v++) {

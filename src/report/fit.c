@@ -44,7 +44,7 @@ static lac_status find_shift(const lac_page *page, fitted *f, lac_error *err)
     const lac_page_run *run = page->run;
     char unit[NAME];
     double start = 0.0;
-    lac_stored_file_text(f->file, names[READING], "units", unit, sizeof unit);
+    (void)lac_stored_file_text(f->file, names[READING], "units", unit, sizeof unit);
     const bool dated = strncmp(unit, since, sizeof since - 1) == 0 &&
                        lac_date_parse(unit + sizeof since - 1, &start);
     if (dated != run->dated) {
@@ -146,7 +146,7 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
     char key[NAME], unit[NAME];
     lac_stored_values draws = {0};
     lac_status status = LAC_OK;
-    lac_stored_file_text(f->file, name, "case_key", key, sizeof key);
+    (void)lac_stored_file_text(f->file, name, "case_key", key, sizeof key);
     if (key[0] != '\0') {
         LAC_TRY(lac_stored_file_values(f->file, name, &draws, err));
     }
@@ -155,7 +155,7 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
     }
     const size_t n = draws.n * draws.width;
     gsl_sort(draws.value, 1, n);
-    lac_stored_file_text(f->file, name, "units", unit, sizeof unit);
+    (void)lac_stored_file_text(f->file, name, "units", unit, sizeof unit);
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "key", key);
     lac_json_text(json, "unit", unit);
@@ -182,7 +182,7 @@ static lac_status write_fit(const lac_page *page, const char *key, const fitted 
     lac_status status = LAC_OK;
     lac_json_open(json, key, '{');
     lac_json_text(json, "name", lac_page_name(f->path));
-    if (lac_stored_file_attribute(f->file, "title", text, sizeof text, NULL) == LAC_OK) {
+    if (lac_stored_file_text(f->file, NULL, "title", text, sizeof text)) {
         lac_json_text(json, "title", text);
     }
     lac_json_integer(json, "readings", (int64_t)v[READING].n);

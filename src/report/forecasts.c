@@ -39,16 +39,10 @@ out:
 static lac_status see_series(const lac_page *page, double **time, lac_readings *out, lac_error *err)
 {
     const lac_series *series = page->def->series;
-    *time = malloc((series->n + 1) * sizeof **time);
-    if (*time == NULL) {
-        return lac_fail_memory(err);
-    }
-    for (size_t i = 0; i < series->n; i++) {
-        (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
-    }
+    const lac_status status = lac_page_readings(page, time, err);
     *out = lac_series_readings(series);
     out->time = *time;
-    return LAC_OK;
+    return status;
 }
 
 // Times of failure count from the time of issue: what remains is told to the last digit.

@@ -31,7 +31,8 @@ static lac_status write_fixed_points(const lac_page *page, lac_error *err)
         lac_stored_values_clear(&value);
     }
     for (size_t i = 0; i < 2; i++) {
-        lac_stored_file_text(page->run->file, comments[i][1], "comment", comment, sizeof comment);
+        (void)lac_stored_file_text(page->run->file, comments[i][1], "comment", comment,
+                                   sizeof comment);
         lac_json_text(page->json, comments[i][0], comment);
     }
 out:

@@ -12,51 +12,12 @@ enum {
     SHOT_BYTES = 1 << 28
 };
 
-// Times before the last one; the caller frees.
-static double *times_before(size_t n, const double *origin, const double *local)
-{
-    double *before = malloc((n > 0 ? n : 1) * sizeof *before);
-    for (size_t i = 0; before != NULL && i < n; i++) {
-        before[i] = (origin[n - 1] - origin[i]) + (local != NULL ? local[n - 1] - local[i] : 0.0);
-    }
-    return before;
-}
-
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
     lac_recorded seen;
     const bool there = lac_recording_find(recording, name, &seen);
     *n = there ? seen.count : 0;
     return there ? seen.values : NULL;
-}
-
-static lac_status thin_records(lac_recording *recording, lac_error *err)
-{
-    static const char *const watched[] = {
-        "slip_rate",        "max_slip_rate",          "apparent_friction",
-        "shear_force",      "effective_normal_force", "step_size",
-        "balance_residual", "slip_fraction"};
-    enum { WATCHED = sizeof watched / sizeof *watched };
-    const double *column[WATCHED];
-    size_t n, same;
-    const double *time = values_of(recording, "time", &n);
-    if (n <= MOST_RECORDS) {
-        return LAC_OK;
-    }
-    for (size_t c = 0; c < WATCHED; c++) {
-        column[c] = values_of(recording, watched[c], &same);
-    }
-    double *before = times_before(n, values_of(recording, "time_origin", &same),
-                                  values_of(recording, "time_local", &same));
-    uint8_t *keep = malloc(n);
-    const bool room = before != NULL && keep != NULL;
-    if (room) {
-        (void)lac_page_thin(n, time, before, BUCKETS, WATCHED, column, keep);
-        lac_recording_thin(recording, "time", keep);
-    }
-    free(before);
-    free(keep);
-    return room ? LAC_OK : lac_fail_memory(err);
 }
 
 // Snapshots that are kept at most: of large joints fewer.
@@ -75,24 +36,44 @@ static size_t most_shots(const lac_recording *recording)
     return most < FEWEST_SHOTS ? FEWEST_SHOTS : most < MOST_SHOTS ? most : MOST_SHOTS;
 }
 
-static lac_status thin_snapshots(lac_recording *recording, lac_error *err)
+static void mark_records(const lac_recording *recording, size_t n, const double *time,
+                         const double *before, uint8_t *keep)
 {
-    const size_t most = most_shots(recording);
-    size_t n, buckets = most / 2;
-    const double *time = values_of(recording, "snapshot_time", &n);
-    if (n <= most) {
+    static const char *const watched[] = {
+        "slip_rate",        "max_slip_rate",          "apparent_friction",
+        "shear_force",      "effective_normal_force", "step_size",
+        "balance_residual", "slip_fraction"};
+    enum { WATCHED = sizeof watched / sizeof *watched };
+    const double *column[WATCHED];
+    for (size_t c = 0, same; c < WATCHED; c++) {
+        column[c] = values_of(recording, watched[c], &same);
+    }
+    (void)lac_page_thin(n, time, before, BUCKETS, WATCHED, column, keep);
+}
+
+// Keeps about so many of the snapshots, or of the records where that is 0.
+static lac_status thin(lac_recording *recording, size_t shots, lac_error *err)
+{
+    size_t n, same;
+    const double *time = values_of(recording, shots > 0 ? "snapshot_time" : "time", &n);
+    const double *origin = shots > 0 ? time : values_of(recording, "time_origin", &same);
+    const double *local = shots > 0 ? NULL : values_of(recording, "time_local", &same);
+    if (n <= (shots > 0 ? shots : MOST_RECORDS)) {
         return LAC_OK;
     }
-    double *before = times_before(n, time, NULL);
+    double *before = malloc(n * sizeof *before);
     uint8_t *keep = malloc(n);
     const bool room = before != NULL && keep != NULL;
-    // Down to two thirds, so that not every new one costs this.
-    while (room && buckets > 1 &&
-           lac_page_thin(n, time, before, buckets, 0, NULL, keep) > 2 * most / 3) {
-        buckets--;
+    for (size_t i = 0; room && i < n; i++) {
+        before[i] = (origin[n - 1] - origin[i]) + (local != NULL ? local[n - 1] - local[i] : 0.0);
+    }
+    if (room && shots > 0) { // down to two thirds, so that not every new one costs this
+        lac_page_thin_to(n, time, before, shots, 2 * shots / 3, keep);
+    } else if (room) {
+        mark_records(recording, n, time, before, keep);
     }
     if (room) {
-        lac_recording_thin(recording, "snapshot", keep);
+        lac_recording_thin(recording, shots > 0 ? "snapshot" : "time", keep);
     }
     free(before);
     free(keep);
@@ -101,6 +82,6 @@ static lac_status thin_snapshots(lac_recording *recording, lac_error *err)
 
 lac_status lac_report_thin(lac_recording *recording, lac_error *err)
 {
-    const lac_status status = thin_records(recording, err);
-    return status == LAC_OK ? thin_snapshots(recording, err) : status;
+    const lac_status status = thin(recording, 0, err);
+    return status == LAC_OK ? thin(recording, most_shots(recording), err) : status;
 }

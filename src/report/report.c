@@ -110,8 +110,7 @@ static lac_status make(const lac_report_def *def, bool html, char **out, lac_err
     json.out = open_memstream(out, &size);
     LAC_TRY(json.out != NULL ? LAC_OK : lac_fail_memory(err));
     if (html) {
-        const bool titled =
-            lac_stored_file_attribute(run.file, "title", title, sizeof title, NULL) == LAC_OK;
+        const bool titled = lac_stored_file_text(run.file, NULL, "title", title, sizeof title);
         rest = put_html(&json, rest, titled ? title : run.path, NULL);
     }
     LAC_TRY(write_data(&page, err));

@@ -81,15 +81,12 @@ static lac_status open_run(const lac_report_def *def, lac_page_run *out, lac_err
 {
     lac_stored_values time = {0};
     lac_status status;
-    if (def->recording == NULL) {
-        LAC_TRY(lac_store_read(def->run, "time", &out->time, &out->n, err));
-        LAC_TRY(lac_stored_file_open(def->run, &out->file, err));
-    } else {
-        LAC_TRY(lac_stored_file_of(def->recording, &out->file, err));
-        LAC_TRY(lac_stored_file_values(out->file, "time", &time, err));
-        out->time = time.value;
-        out->n = time.n;
-    }
+    status = def->recording == NULL ? lac_stored_file_open(def->run, &out->file, err)
+                                    : lac_stored_file_of(def->recording, &out->file, err);
+    LAC_TRY(status);
+    LAC_TRY(lac_stored_file_series(out->file, "time", &time, err));
+    out->time = time.value;
+    out->n = time.n;
 out:
     return status;
 }
@@ -105,8 +102,7 @@ lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_e
     }
     LAC_TRY(read_before(out, err));
     LAC_TRY(read_columns(out, err));
-    out->dated = lac_stored_file_attribute(out->file, "time_coverage_start", text, sizeof text,
-                                           NULL) == LAC_OK &&
+    out->dated = lac_stored_file_text(out->file, NULL, "time_coverage_start", text, sizeof text) &&
                  lac_date_parse(text, &out->start);
 out:
     return status;

@@ -36,6 +36,10 @@ const double *lac_page_run_column(const lac_page_run *run, const char *name);
 size_t lac_page_thin(size_t n, const double *time, const double *before, size_t buckets,
                      size_t columns, const double *const *column, uint8_t *keep);
 
+/// The same by parts alone, so few, at most `most` / 2, that no more than `goal` are marked.
+void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
+                      uint8_t *keep);
+
 /// What each section needs.
 typedef struct lac_page {
     const lac_report_def *def;
@@ -58,6 +62,9 @@ lac_status lac_page_keep(const lac_page *page, const char *section, size_t bucke
 
 /// Times and the columns of a section, at the records that are kept.
 void lac_page_records(const lac_page *page, const char *section, const uint8_t *keep);
+
+/// Times of the series' readings on the run's clock. @param time  [n] owned by the caller
+lac_status lac_page_readings(const lac_page *page, double **time, lac_error *err);
 
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
 /// @return LAC_OK; LAC_EIO; LAC_ENOMEM

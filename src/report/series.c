@@ -9,6 +9,19 @@
 
 enum { MOST_READINGS = 3000 };
 
+lac_status lac_page_readings(const lac_page *page, double **time, lac_error *err)
+{
+    const lac_series *series = page->def->series;
+    *time = malloc((series->n + 1) * sizeof **time);
+    if (*time == NULL) {
+        return lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < series->n; i++) {
+        (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
+    }
+    return LAC_OK;
+}
+
 // Readings on the run's clock and the run on the same, seconds since its start.
 typedef struct beside {
     lac_series view; // times are owned, the rest is the series'
@@ -24,12 +37,9 @@ static lac_status lay(const lac_page *page, beside *b, lac_error *err)
                                  .slip = lac_page_run_column(run, "slip"),
                                  .rate = lac_page_run_column(run, "slip_rate")};
     b->view = *page->def->series;
-    b->view.time = malloc((b->view.n > 0 ? b->view.n : 1) * sizeof *b->view.time);
-    if (b->view.time == NULL) {
-        return lac_fail_memory(err);
-    }
-    for (size_t i = 0; i < b->view.n; i++) {
-        b->view.time[i] = page->def->series->time[i] - (b->view.dated ? run->start : 0.0);
+    const lac_status status = lac_page_readings(page, &b->view.time, err);
+    if (status != LAC_OK) {
+        return status;
     }
     lac_series_compare(&b->view, &history, &b->misfit);
     if (b->view.velocity == NULL && b->view.displacement != NULL) {

@@ -119,3 +119,12 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
     }
     return kept;
 }
+
+void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
+                      uint8_t *keep)
+{
+    size_t buckets = most / 2;
+    while (lac_page_thin(n, time, before, buckets, 0, NULL, keep) > goal && buckets > 1) {
+        buckets--;
+    }
+}

@@ -39,15 +39,11 @@ static lac_status check(const series_file *file, int code, const char *what, lac
 // The variable of a column: numbers over the one dimension.
 static lac_status find_column(series_file *file, const char *name, int *var, lac_error *err)
 {
-    int dims = 0;
     int dim = -1;
-    nc_type type = NC_NAT;
     if (nc_inq_varid(file->id, name, var) != NC_NOERR) {
         return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"", file->path, name);
     }
-    if (nc_inq_varndims(file->id, *var, &dims) != NC_NOERR || dims != 1 ||
-        nc_inq_vardimid(file->id, *var, &dim) != NC_NOERR ||
-        nc_inq_vartype(file->id, *var, &type) != NC_NOERR || !lac_netcdf_is_number(type)) {
+    if (!lac_netcdf_runs_over(file->id, *var, 1, &dim)) {
         return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
                         name);
     }
@@ -120,7 +116,7 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
                          file->n, MOST_READINGS));
     }
-    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     if (unit[0] == '\0') {
         LAC_TRY(ask(file, name, "s", units, s, err));
     } else {
@@ -163,7 +159,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     double offset = 0.0;
     lac_status status;
     LAC_TRY(find_column(file, c->name, &var, err));
-    lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
     if (from == NULL) {
         LAC_TRY(ask(file, c->name, c->si, units, s, err));

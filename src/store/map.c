@@ -2,18 +2,14 @@
 // Fields over the cells of an interface, made elsewhere.
 #include "store/store_map.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"
-#include "store/nc.h"
+#include "store/input.h"
 
 // A variable of the file, and how it lies over the cells.
 typedef struct field {
@@ -28,39 +24,13 @@ typedef struct field {
 typedef struct map_file {
     const lac_map_def *def;
     const lac_domain *domain;
+    lac_input in;
     int id;
-    bool open;
 } map_file;
 
 static lac_status check(const map_file *file, int code, const char *what, lac_error *err)
 {
     return lac_nc_check(file->def->path, code, err, "read", what);
-}
-
-static lac_status open_map(map_file *file, lac_error *err)
-{
-    const char *path = file->def->path;
-    struct stat info = {0};
-    bool exists = false;
-    int fd = -1;
-    lac_status status;
-    LAC_TRY(lac_nc_path(path, &exists, err));
-    fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
-    }
-    LAC_TRY(lac_nc_heap(path, fd, (size_t)info.st_size, err));
-    int code = nc_open(path, NC_NOWRITE, &file->id);
-    if (code != NC_NOERR) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path,
-                         code == NC_ENOTNC ? "is not a netCDF file" : nc_strerror(code)));
-    }
-    file->open = true;
-out:
-    if (fd >= 0) {
-        (void)close(fd);
-    }
-    return status;
 }
 
 // Whether the dimension of `k` is named so.
@@ -74,10 +44,8 @@ static bool named(const map_file *file, const field *at, int k, const char *name
 static bool fits(const map_file *file, field *at)
 {
     const lac_grid *grid = &file->domain->grid;
-    nc_type type = NC_NAT;
-    if (nc_inq_varndims(file->id, at->var, &at->rank) != NC_NOERR || at->rank < 1 || at->rank > 2 ||
-        nc_inq_vartype(file->id, at->var, &type) != NC_NOERR || !lac_netcdf_is_number(type) ||
-        nc_inq_vardimid(file->id, at->var, at->dim) != NC_NOERR ||
+    at->rank = lac_netcdf_runs_over(file->id, at->var, 1, at->dim) ? 1 : 2;
+    if ((at->rank == 2 && !lac_netcdf_runs_over(file->id, at->var, 2, at->dim)) ||
         nc_inq_varname(file->id, at->var, at->name) != NC_NOERR) {
         return false;
     }
@@ -149,13 +117,10 @@ static lac_status check_axes(const map_file *file, const field *at, lac_error *e
 {
     for (int k = 0; k < at->rank && !at->by_cell; k++) {
         char name[NC_MAX_NAME + 1] = "";
-        int var = -1, rank = 0, dim = -1;
+        int var = -1;
         double first, last;
         size_t end = at->length[k] - 1;
-        if (nc_inq_dimname(file->id, at->dim[k], name) != NC_NOERR ||
-            nc_inq_varid(file->id, name, &var) != NC_NOERR ||
-            nc_inq_varndims(file->id, var, &rank) != NC_NOERR || rank != 1 ||
-            nc_inq_vardimid(file->id, var, &dim) != NC_NOERR || dim != at->dim[k] ||
+        if (!lac_netcdf_axis(file->id, at->dim[k], name, &var) ||
             nc_get_var1_double(file->id, var, &(size_t){0}, &first) != NC_NOERR ||
             nc_get_var1_double(file->id, var, &end, &last) != NC_NOERR) {
             continue; // no coordinates
@@ -174,7 +139,7 @@ static lac_status find_unit(const map_file *file, const field *at, double *scale
     char unit[100];
     lac_units *units = NULL;
     lac_error why = {""};
-    lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
     *scale = 1.0;
     *offset = 0.0;
     if (unit[0] == '\0') {
@@ -227,7 +192,8 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     double *stored = NULL;
     size_t length;
     lac_status status;
-    LAC_TRY(open_map(&file, err));
+    LAC_TRY(lac_input_open_any(&file.in, def->path, err));
+    file.id = file.in.id;
     LAC_TRY(find_field(&file, &at, err));
     LAC_TRY(check_axes(&file, &at, err));
     // no more than the cells of the grid, whatever the file says
@@ -241,8 +207,6 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     LAC_TRY(pick(&file, &at, stored, values, err));
 out:
     free(stored);
-    if (file.open) {
-        (void)nc_close(file.id);
-    }
+    lac_input_close(&file.in);
     return status;
 }

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,7 +72,7 @@ out:
     return status;
 }
 
-lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
+lac_status lac_input_open_any(lac_input *in, const char *path, lac_error *err)
 {
     char *copy = NULL;
     int code = NC_NOERR;
@@ -91,33 +92,22 @@ lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
         return fail_open(in, code, err);
     }
     in->open = true;
-    size_t length = 0;
-    if (nc_inq_attlen(in->id, NC_GLOBAL, "lacuna_format_version", &length) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
-    }
     return LAC_OK;
+}
+
+lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
+{
+    int id = 0;
+    const lac_status status = lac_input_open_any(in, path, err);
+    return status != LAC_OK ||
+                   nc_inq_attid(in->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR
+               ? status
+               : lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
 }
 
 bool lac_input_may_hold(const lac_input *in, size_t values)
 {
     return values / DEFLATE_MAX <= in->size / sizeof(double);
-}
-
-static lac_status open_series(lac_input *in, const char *path, lac_error *err)
-{
-    lac_status status = lac_input_open(in, path, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (nc_inq_dimid(in->id, "time", &in->time) != NC_NOERR ||
-        nc_inq_dimlen(in->id, in->time, &in->records) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: holds no time series", path);
-    }
-    if (!lac_input_may_hold(in, in->records)) {
-        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu records in %zu bytes", path, in->records,
-                        in->size);
-    }
-    return LAC_OK;
 }
 
 void lac_input_close(lac_input *in)
@@ -128,211 +118,175 @@ void lac_input_close(lac_input *in)
     }
 }
 
-bool lac_input_number(const lac_input *in, int id, const char *name, double *value)
-{
-    size_t length = 0;
-    return nc_inq_attlen(in->id, id, name, &length) == NC_NOERR && length == 1 &&
-           nc_get_att_double(in->id, id, name, value) == NC_NOERR;
-}
-
 double lac_input_fill(const lac_input *in, int id, nc_type type)
 {
-    double fill = 0.0;
-    if (lac_input_number(in, id, "_FillValue", &fill)) {
-        return fill;
-    }
-    return type == NC_DOUBLE  ? NC_FILL_DOUBLE
-           : type == NC_FLOAT ? (double)NC_FILL_FLOAT
-           : type == NC_INT   ? (double)NC_FILL_INT
-                              : (double)NC_FILL_INT64;
+    return lac_netcdf_number(in->id, id, "_FillValue",
+                             type == NC_DOUBLE  ? NC_FILL_DOUBLE
+                             : type == NC_FLOAT ? (double)NC_FILL_FLOAT
+                             : type == NC_INT   ? (double)NC_FILL_INT
+                                                : (double)NC_FILL_INT64);
 }
 
-// The values of a variable over `time`, NaN where missing.
-static lac_status read_variable(const lac_input *in, const char *name, double *values,
-                                lac_error *err)
+// Lengths of a variable's dimensions, and how many values there are in all.
+static lac_status measure(const lac_input *in, int id, const char *name, size_t *length,
+                          lac_stored_values *out, lac_error *err)
 {
-    int id = 0;
     int rank = 0;
     int dims[NC_MAX_VAR_DIMS];
-    nc_type type = NC_NAT;
-    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: has no variable %s", in->path, name);
-    }
     int code = nc_inq_varndims(in->id, id, &rank);
-    if (code == NC_NOERR && rank == 1) {
-        code = nc_inq_var(in->id, id, NULL, &type, NULL, dims, NULL);
+    code = code == NC_NOERR ? nc_inq_vardimid(in->id, id, dims) : code;
+    out->n = 1;
+    out->width = 1;
+    for (int i = 0; code == NC_NOERR && i < rank; i++) {
+        code = nc_inq_dimlen(in->id, dims[i], &length[i]);
+        if (length[i] > 0 && out->n * out->width > SIZE_MAX / sizeof(double) / length[i]) {
+            code = NC_EHDFERR;
+        }
+        out->n = i == 0 ? length[i] : out->n;
+        out->width *= i == 0 ? 1 : length[i];
+    }
+    out->n = out->width > 0 ? out->n : 0; // rows of nothing are none
+    if (code == NC_NOERR && !lac_input_may_hold(in, out->n * out->width)) {
+        code = NC_EHDFERR;
+    }
+    return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
+}
+
+lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
+                            lac_stored_values *out, lac_error *err)
+{
+    size_t start[NC_MAX_VAR_DIMS] = {0}, length[NC_MAX_VAR_DIMS] = {0};
+    lac_stored_values read = {0};
+    int id = 0;
+    nc_type type = NC_NAT;
+    *out = read;
+    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
+        return LAC_OK;
+    }
+    lac_status status = measure(in, id, name, length, &read, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    if (row != LAC_INPUT_ALL) {
+        if ((size_t)row >= read.n) {
+            return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
+                            read.n);
+        }
+        start[0] = (size_t)row;
+        read.n = length[0] = 1;
+    }
+    const size_t count = read.n * read.width;
+    read.value = malloc((count > 0 ? count : 1) * sizeof *read.value);
+    if (read.value == NULL) {
+        return lac_fail_memory(err);
+    }
+    int code = nc_inq_vartype(in->id, id, &type);
+    if (code == NC_NOERR && count > 0) {
+        code = nc_get_vara_double(in->id, id, start, length, read.value);
     }
     if (code != NC_NOERR) {
+        free(read.value);
         return lac_input_fail(in, code, err, name);
     }
-    if (rank != 1 || dims[0] != in->time) {
-        return lac_fail(err, LAC_EIO, "%s: %s does not run over time", in->path, name);
+    const double fill = lac_input_fill(in, id, type);
+    for (size_t i = 0; i < count; i++) {
+        read.value[i] = read.value[i] == fill ? NAN : read.value[i];
     }
-    const size_t start = 0;
-    if (in->records > 0) {
-        code = nc_get_vara_double(in->id, id, &start, &in->records, values);
-    }
-    if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, name);
-    }
-    double fill = lac_input_fill(in, id, type);
-    for (size_t i = 0; i < in->records; i++) {
-        values[i] = values[i] == fill ? NAN : values[i];
-    }
+    *out = read;
     return LAC_OK;
 }
 
-bool lac_input_has_status(const lac_input *in, const char *status)
+void lac_stored_values_clear(lac_stored_values *values)
 {
-    char text[16] = "";
-    size_t length = 0;
-    if (nc_inq_attlen(in->id, NC_GLOBAL, "status", &length) != NC_NOERR || length >= sizeof text ||
-        nc_get_att_text(in->id, NC_GLOBAL, "status", text) != NC_NOERR) {
-        return false;
+    free(values->value);
+    *values = (lac_stored_values){0};
+}
+
+// The values of a variable over a dimension, NaN where missing.
+static lac_status read_over(const lac_input *in, int time, const char *name, lac_stored_values *out,
+                            lac_error *err)
+{
+    int id = 0, rank = 0, dim = -1;
+    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: has no variable %s", in->path, name);
     }
-    return strcmp(text, status) == 0;
+    if (nc_inq_varndims(in->id, id, &rank) != NC_NOERR || rank != 1 ||
+        nc_inq_vardimid(in->id, id, &dim) != NC_NOERR || dim != time) {
+        return lac_fail(err, LAC_EIO, "%s: %s does not run over time", in->path, name);
+    }
+    return lac_input_values(in, name, LAC_INPUT_ALL, out, err);
+}
+
+bool lac_input_says(const lac_input *in, const char *name, const char *expected)
+{
+    char text[16];
+    return lac_netcdf_text(in->id, NC_GLOBAL, name, text, sizeof text) &&
+           strcmp(text, expected) == 0;
 }
 
 // The last batch of a run that was killed may be torn, some variables without their values:
 // shortens the series to the records of which everything is there.
-static lac_status drop_torn(lac_input *in, lac_error *err)
+static lac_status drop_torn(const lac_input *in, int time, size_t *records, lac_error *err)
 {
-    if (in->records == 0 || !lac_input_has_status(in, "running")) {
-        return LAC_OK;
-    }
     lac_status status = LAC_OK;
-    double *values = malloc(in->records * sizeof *values);
-    if (values == NULL) {
-        return lac_fail_memory(err);
-    }
-    size_t whole = in->records;
+    const bool running = lac_input_says(in, "status", "running");
+    lac_stored_values values = {0};
     const lac_variable *column;
-    for (size_t c = 0; (column = lac_run_column(c)) != NULL; c++) {
+    for (size_t c = 0; running && (column = lac_run_column(c)) != NULL; c++) {
         if ((column->flags & LAC_MISSING) != 0) {
             continue;
         }
-        LAC_TRY(read_variable(in, column->name, values, err));
-        while (whole > 0 && isnan(values[whole - 1])) {
-            whole--;
+        lac_stored_values_clear(&values);
+        LAC_TRY(read_over(in, time, column->name, &values, err));
+        while (*records > 0 && isnan(values.value[*records - 1])) {
+            --*records;
         }
     }
-    in->records = whole;
 out:
-    free(values);
+    lac_stored_values_clear(&values);
     return status;
 }
 
-lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
-                          lac_error *err)
+lac_status lac_input_series(const lac_input *in, const char *name, lac_stored_values *out,
+                            lac_error *err)
 {
-    *values = NULL;
-    *n = 0;
-    lac_input in;
-    lac_status status = LAC_OK;
-    LAC_TRY(open_series(&in, path, err));
-    LAC_TRY(drop_torn(&in, err));
-    *values = malloc((in.records > 0 ? in.records : 1) * sizeof **values);
-    if (*values == NULL) {
-        LAC_TRY(lac_fail_memory(err));
+    size_t records = 0;
+    int time = 0;
+    lac_status status;
+    if (nc_inq_dimid(in->id, "time", &time) != NC_NOERR ||
+        nc_inq_dimlen(in->id, time, &records) != NC_NOERR) {
+        return lac_fail(err, LAC_EIO, "%s: holds no time series", in->path);
     }
-    LAC_TRY(read_variable(&in, variable, *values, err));
-    *n = in.records;
+    if (!lac_input_may_hold(in, records)) {
+        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu records in %zu bytes", in->path, records,
+                        in->size);
+    }
+    LAC_TRY(drop_torn(in, time, &records, err));
+    LAC_TRY(read_over(in, time, name, out, err));
+    out->n = records;
 out:
-    lac_input_close(&in);
-    if (status != LAC_OK) {
-        free(*values);
-        *values = NULL;
-    }
     return status;
-}
-
-static lac_status read_string(const lac_input *in, const char *name, char *text, size_t size,
-                              lac_error *err)
-{
-    char *string = NULL;
-    int code = nc_get_att_string(in->id, NC_GLOBAL, name, &string);
-    if (code != NC_NOERR || string == NULL) {
-        return lac_input_fail(in, code, err, name);
-    }
-    size_t length = strlen(string);
-    if (length < size) {
-        memcpy(text, string, length + 1);
-    }
-    (void)nc_free_string(1, &string);
-    return length < size ? LAC_OK
-                         : lac_fail(err, LAC_EIO, "%s: the attribute %s is longer than %zu bytes",
-                                    in->path, name, size - 1);
-}
-
-static lac_status read_text(const lac_input *in, const char *name, size_t length, char *text,
-                            size_t size, lac_error *err)
-{
-    if (length >= size || length > in->size) {
-        return lac_fail(err, LAC_EIO, "%s: the attribute %s is longer than %zu bytes", in->path,
-                        name, size - 1);
-    }
-    int code = nc_get_att_text(in->id, NC_GLOBAL, name, text);
-    text[code == NC_NOERR ? length : 0] = '\0';
-    return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
-}
-
-static lac_status read_number(const lac_input *in, const char *name, char *text, size_t size,
-                              lac_error *err)
-{
-    double value = 0.0;
-    int code = nc_get_att_double(in->id, NC_GLOBAL, name, &value);
-    if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, name);
-    }
-    (void)snprintf(text, size, "%.17g", value);
-    return LAC_OK;
-}
-
-lac_status lac_input_attribute(const lac_input *in, const char *name, char *text, size_t size,
-                               lac_error *err)
-{
-    nc_type type = NC_NAT;
-    size_t length = 0;
-    if (nc_inq_att(in->id, NC_GLOBAL, name, &type, &length) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: has no attribute %s", in->path, name);
-    }
-    if (type == NC_CHAR) {
-        return read_text(in, name, length, text, size, err);
-    }
-    if (length != 1) {
-        return lac_fail(err, LAC_EIO, "%s: the attribute %s is not one value", in->path, name);
-    }
-    return type == NC_STRING ? read_string(in, name, text, size, err)
-                             : read_number(in, name, text, size, err);
 }
 
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err)
 {
     lac_input in;
-    text[0] = '\0';
     lac_status status = lac_input_open(&in, path, err);
-    if (status == LAC_OK) {
-        status = lac_input_attribute(&in, name, text, size, err);
+    text[0] = '\0';
+    if (status == LAC_OK && !lac_netcdf_text(in.id, NC_GLOBAL, name, text, size)) {
+        const double value = lac_netcdf_number(in.id, NC_GLOBAL, name, NAN);
+        status = isnan(value)
+                     ? lac_fail(err, LAC_EIO,
+                                "%s: has no attribute %s of one number or at most %zu bytes", path,
+                                name, size - 1)
+                     : LAC_OK;
+        if (status == LAC_OK) {
+            (void)snprintf(text, size, "%.17g", value);
+        }
     }
     lac_input_close(&in);
     return status;
-}
-
-lac_status lac_input_must_be(const lac_input *in, const char *name, const char *unit,
-                             lac_error *err)
-{
-    char found[32];
-    int id = 0;
-    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
-        return LAC_OK; // said where it is read
-    }
-    lac_netcdf_text(in->id, id, "units", found, sizeof found);
-    if (strcmp(found, unit) != 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: its %s is in \"%s\": must be in %s", in->path, name,
-                        found, unit);
-    }
-    return LAC_OK;
 }
 
 bool lac_stored_is_netcdf(const char *path)

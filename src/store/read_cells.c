@@ -3,10 +3,10 @@
 #include "store/store_cells.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/netcdf.h"
 #include "store/input.h"
 
 enum { RANK = 3 };
@@ -40,96 +40,79 @@ static bool has_variable(const lac_input *in, const char *name)
     return nc_inq_varid(in->id, name, &id) == NC_NOERR;
 }
 
-// `count` reals of a variable from `start` on; NaN where nothing was written.
-static lac_status read_part(const lac_input *in, const char *name, int rank, const size_t *start,
-                            const size_t *count, double *values, lac_error *err)
+// The reals of a variable, or of one place along its first dimension; NaN where nothing was
+// written. @param count  that there must be  @param out  the caller frees
+static lac_status read_reals(const lac_input *in, const char *name, ptrdiff_t row, size_t count,
+                             double **out, lac_error *err)
 {
+    lac_stored_values values = {0};
     int id = 0;
-    int found = 0;
     nc_type type = NC_NAT;
     int code = nc_inq_varid(in->id, name, &id);
-    code = code == NC_NOERR ? nc_inq_varndims(in->id, id, &found) : code;
     code = code == NC_NOERR ? nc_inq_vartype(in->id, id, &type) : code;
-    if (code == NC_NOERR && (found != rank || (type != NC_DOUBLE && type != NC_FLOAT))) {
-        return fail_damaged(in, name, err);
-    }
-    code = code == NC_NOERR ? nc_get_vara_double(in->id, id, start, count, values) : code;
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
     }
-    double fill = lac_input_fill(in, id, type);
-    size_t n = 1;
-    for (int i = 0; i < rank; i++) {
-        n *= count[i];
+    lac_status status = lac_input_values(in, name, row, &values, err);
+    if (status == LAC_OK &&
+        (values.n * values.width != count || (type != NC_DOUBLE && type != NC_FLOAT))) {
+        status = fail_damaged(in, name, err);
     }
-    for (size_t i = 0; i < n; i++) {
-        values[i] = values[i] == fill ? NAN : values[i];
+    if (status != LAC_OK) {
+        lac_stored_values_clear(&values);
+    }
+    free(*out);
+    *out = values.value;
+    return status;
+}
+
+// Refuses pressures that do not say the unit that files of ours have them in.
+static lac_status check_unit(const lac_input *in, const char *name, lac_error *err)
+{
+    char found[32];
+    int id = 0;
+    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
+        return LAC_OK; // said where it is read
+    }
+    (void)lac_netcdf_text(in->id, id, "units", found, sizeof found);
+    if (strcmp(found, "Pa") != 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: its %s is in \"%s\": must be in Pa", in->path, name,
+                        found);
     }
     return LAC_OK;
 }
 
-static lac_status read_all(const lac_input *in, const char *name, size_t n, double *values,
-                           lac_error *err)
-{
-    const size_t start = 0;
-    return read_part(in, name, 1, &start, &n, values, err);
-}
-
-static lac_status new_doubles(size_t n, double **out, lac_error *err)
-{
-    *out = calloc(n + 1, sizeof **out);
-    return *out != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
-static bool text_is(const lac_input *in, const char *name, const char *expected)
-{
-    char text[16] = "";
-    size_t length = 0;
-    return nc_inq_attlen(in->id, NC_GLOBAL, name, &length) == NC_NOERR && length < sizeof text &&
-           nc_get_att_text(in->id, NC_GLOBAL, name, text) == NC_NOERR &&
-           strcmp(text, expected) == 0;
-}
-
 static lac_status read_provenance(const lac_input *in, lac_stored_cells *out, lac_error *err)
 {
-    static const char *const known[] = {"running", "complete", "failed", "interrupted"};
     size_t length = 0;
-    nc_type type = NC_NAT;
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (lac_input_has_status(in, known[i])) {
-            (void)snprintf(out->status, sizeof out->status, "%s", known[i]);
-        }
-    }
-    if (nc_inq_att(in->id, NC_GLOBAL, "case", &type, &length) != NC_NOERR || type != NC_CHAR ||
-        length > in->size) {
+    (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
+    if (nc_inq_attlen(in->id, NC_GLOBAL, "case", &length) != NC_NOERR || length > in->size) {
         return lac_fail(err, LAC_EIO, "%s: holds no case", in->path);
     }
-    out->case_text = calloc(length + 1, 1);
+    out->case_text = malloc(length + 1);
     if (out->case_text == NULL) {
         return lac_fail_memory(err);
     }
-    int code = nc_get_att_text(in->id, NC_GLOBAL, "case", out->case_text);
-    return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, "case");
+    return lac_netcdf_text(in->id, NC_GLOBAL, "case", out->case_text, length + 1)
+               ? LAC_OK
+               : lac_fail(err, LAC_EIO, "%s: holds no case", in->path);
 }
 
 // --- The file of a run: cells listed in hierarchy order on a grid that the attributes give.
 
 static lac_status read_grid(const lac_input *in, lac_grid *grid, lac_error *err)
 {
-    double nx = 0.0;
-    double ny = 0.0;
-    bool there = lac_input_number(in, NC_GLOBAL, "grid_nx", &nx) &&
-                 lac_input_number(in, NC_GLOBAL, "grid_ny", &ny) &&
-                 lac_input_number(in, NC_GLOBAL, "grid_dx_m", &grid->dx) &&
-                 lac_input_number(in, NC_GLOBAL, "grid_dy_m", &grid->dy);
-    bool sound = nx >= 1.0 && ny >= 1.0 && nx * ny < UINT32_MAX && grid->dx > 0.0 &&
-                 grid->dy > 0.0 && isfinite(grid->dx) && isfinite(grid->dy);
-    if (!there || !sound) {
+    const double nx = lac_netcdf_number(in->id, NC_GLOBAL, "grid_nx", NAN);
+    const double ny = lac_netcdf_number(in->id, NC_GLOBAL, "grid_ny", NAN);
+    *grid = (lac_grid){.dx = lac_netcdf_number(in->id, NC_GLOBAL, "grid_dx_m", NAN),
+                       .dy = lac_netcdf_number(in->id, NC_GLOBAL, "grid_dy_m", NAN),
+                       .periodic = lac_input_says(in, "boundary", "periodic")};
+    if (!(nx >= 1.0 && ny >= 1.0 && nx * ny < UINT32_MAX && grid->dx > 0.0 && grid->dy > 0.0 &&
+          isfinite(grid->dx) && isfinite(grid->dy))) {
         return fail_damaged(in, "grid", err);
     }
     grid->nx = (size_t)nx;
     grid->ny = (size_t)ny;
-    grid->periodic = text_is(in, "boundary", "periodic");
     return LAC_OK;
 }
 
@@ -166,8 +149,8 @@ static bool all_pressed(const lac_domain *domain)
 
 static lac_status read_domain(const lac_input *in, lac_domain **out, lac_error *err)
 {
-    double *place = NULL;
-    lac_status status = LAC_OK;
+    double *x = NULL, *y = NULL;
+    lac_status status;
     const size_t n = length_of(in, "cell");
     lac_domain *domain = calloc(1, sizeof *domain);
     *out = domain;
@@ -180,22 +163,20 @@ static lac_status read_domain(const lac_input *in, lac_domain **out, lac_error *
     }
     domain->n = n;
     domain->index = malloc(n * sizeof *domain->index);
-    LAC_TRY(new_doubles(n, &domain->pressure, err));
-    LAC_TRY(new_doubles(2 * n, &place, err));
-    status = domain->index != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    LAC_TRY(read_all(in, "x", n, place, err));
-    LAC_TRY(read_all(in, "y", n, place + n, err));
-    LAC_TRY(lac_input_must_be(in, "pressure", "Pa", err));
-    LAC_TRY(read_all(in, "pressure", n, domain->pressure, err));
-    if (!place_cells(domain, place, place + n)) {
+    LAC_TRY(domain->index != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(read_reals(in, "x", LAC_INPUT_ALL, n, &x, err));
+    LAC_TRY(read_reals(in, "y", LAC_INPUT_ALL, n, &y, err));
+    LAC_TRY(check_unit(in, "pressure", err));
+    LAC_TRY(read_reals(in, "pressure", LAC_INPUT_ALL, n, &domain->pressure, err));
+    if (!place_cells(domain, x, y)) {
         LAC_TRY(fail_damaged(in, "list of cells", err));
     }
     if (!all_pressed(domain)) {
         LAC_TRY(fail_damaged(in, "pressure", err));
     }
 out:
-    free(place);
+    free(x);
+    free(y);
     return status;
 }
 
@@ -203,18 +184,19 @@ out:
 static lac_status read_tractions(const lac_input *in, size_t index, lac_stored_cells *out,
                                  bool *whole, lac_error *err)
 {
-    const size_t start[2] = {index, 0};
-    const size_t count[2] = {1, out->domain->n};
-    const size_t one = 1;
+    const ptrdiff_t row = (ptrdiff_t)index;
+    double *time = NULL;
     lac_status status;
-    LAC_TRY(read_part(in, "cell_traction", 2, start, count, out->shear, err));
-    LAC_TRY(read_part(in, "snapshot_time", 1, &index, &one, &out->time, err));
+    LAC_TRY(read_reals(in, "cell_traction", row, out->domain->n, &out->shear, err));
+    LAC_TRY(read_reals(in, "snapshot_time", row, 1, &time, err));
+    out->time = *time;
     *whole = isfinite(out->time);
     for (size_t i = 0; i < out->domain->n; i++) {
         *whole = *whole && isfinite(out->shear[i]);
     }
     out->index = index;
 out:
+    free(time);
     return status;
 }
 
@@ -225,15 +207,14 @@ static lac_status fail_choice(const lac_input *in, size_t snapshots, lac_error *
                                      in->path, snapshots - 1);
 }
 
-// The last snapshot that is not later than a time.
+// The last of the whole snapshots that is not later than a time.
 static lac_status find_time(const lac_input *in, size_t snapshots, double time, size_t *index,
                             lac_error *err)
 {
     double *times = NULL;
     size_t found = 0;
     lac_status status;
-    LAC_TRY(new_doubles(snapshots, &times, err));
-    LAC_TRY(read_all(in, "snapshot_time", snapshots, times, err));
+    LAC_TRY(read_reals(in, "snapshot_time", LAC_INPUT_ALL, length_of(in, "snapshot"), &times, err));
     while (found < snapshots && times[found] <= time) {
         found++;
     }
@@ -261,12 +242,11 @@ static lac_status read_run(const lac_input *in, const lac_snapshot_choice *choic
                         in->path);
     }
     LAC_TRY(read_domain(in, &out->domain, err));
-    LAC_TRY(new_doubles(out->domain->n, &out->shear, err));
     out->snapshots = length_of(in, "snapshot");
     // The last ones of a run that was killed may be torn.
     while (out->snapshots > 0 && !whole) {
         LAC_TRY(read_tractions(in, out->snapshots - 1, out, &whole, err));
-        if (!whole && !lac_input_has_status(in, "running")) {
+        if (!whole && !lac_input_says(in, "status", "running")) {
             LAC_TRY(fail_damaged(in, "last snapshot", err));
         }
         out->snapshots -= whole ? 0 : 1;
@@ -292,21 +272,15 @@ out:
 
 // A map, or that of a step where it has steps.
 static lac_status read_map(const lac_input *in, const char *name, size_t step, const lac_grid *grid,
-                           double *map, lac_error *err)
+                           double **map, lac_error *err)
 {
-    const size_t start[RANK] = {step, 0, 0};
-    const size_t count[RANK] = {1, grid->ny, grid->nx};
-    int id = 0;
-    int rank = 0;
-    int code = nc_inq_varid(in->id, name, &id);
-    code = code == NC_NOERR ? nc_inq_varndims(in->id, id, &rank) : code;
-    if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, name);
-    }
-    const int skip = rank == RANK ? 0 : 1;
-    lac_status status = read_part(in, name, RANK - skip, start + skip, count + skip, map, err);
+    int id = 0, rank = 0;
+    const bool steps = nc_inq_varid(in->id, name, &id) == NC_NOERR &&
+                       nc_inq_varndims(in->id, id, &rank) == NC_NOERR && rank == RANK;
+    lac_status status = read_reals(in, name, steps ? (ptrdiff_t)step : LAC_INPUT_ALL,
+                                   grid->nx * grid->ny, map, err);
     for (size_t i = 0; status == LAC_OK && i < grid->nx * grid->ny; i++) {
-        if (!isfinite(map[i])) {
+        if (!isfinite((*map)[i])) {
             status =
                 lac_fail(err, LAC_EINPUT,
                          "%s: not all of the map %s is there: its writer was stopped before it "
@@ -317,17 +291,25 @@ static lac_status read_map(const lac_input *in, const char *name, size_t step, c
     return status;
 }
 
+static lac_status read_axis(const lac_input *in, const char *name, size_t *n, double *side,
+                            lac_error *err)
+{
+    double *first = NULL;
+    const lac_status status = read_reals(in, name, 0, 1, &first, err);
+    if (status == LAC_OK) {
+        *n = length_of(in, name);
+        *side = 2.0 * *first; // the centre of the first cell
+    }
+    free(first);
+    return status;
+}
+
 static lac_status read_axes(const lac_input *in, lac_grid *grid, lac_error *err)
 {
-    const size_t first = 0;
-    const size_t one = 1;
     lac_status status;
-    *grid = (lac_grid){.nx = length_of(in, "x"), .ny = length_of(in, "y")};
-    grid->periodic = text_is(in, "boundary", "periodic");
-    LAC_TRY(read_part(in, "x", 1, &first, &one, &grid->dx, err));
-    LAC_TRY(read_part(in, "y", 1, &first, &one, &grid->dy, err));
-    grid->dx *= 2.0; // the first is the centre of the first cell
-    grid->dy *= 2.0;
+    *grid = (lac_grid){.periodic = lac_input_says(in, "boundary", "periodic")};
+    LAC_TRY(read_axis(in, "x", &grid->nx, &grid->dx, err));
+    LAC_TRY(read_axis(in, "y", &grid->ny, &grid->dy, err));
     if (grid->nx == 0 || grid->ny == 0 || !lac_input_may_hold(in, grid->nx * grid->ny)) {
         status = fail_damaged(in, "grid", err);
     }
@@ -358,7 +340,7 @@ static lac_status choose_step(const lac_input *in, const lac_snapshot_choice *ch
 }
 
 // The cascade knows the shear along x alone; a y force of 1e-3 of the normal force is none.
-static lac_status check_along_x(const lac_input *in, double *map, const lac_stored_cells *out,
+static lac_status check_along_x(const lac_input *in, double **map, const lac_stored_cells *out,
                                 lac_error *err)
 {
     const lac_domain *domain = out->domain;
@@ -367,7 +349,7 @@ static lac_status check_along_x(const lac_input *in, double *map, const lac_stor
     lac_status status;
     LAC_TRY(read_map(in, "traction_y", out->index, &domain->grid, map, err));
     for (size_t i = 0; i < domain->n; i++) {
-        across += map[domain->index[i]];
+        across += (*map)[domain->index[i]];
         normal += domain->pressure[i];
     }
     if (fabs(across) > 1e-3 * normal) {
@@ -380,20 +362,22 @@ out:
     return status;
 }
 
-static lac_status read_shear(const lac_input *in, double *map, lac_stored_cells *out,
-                             lac_error *err)
+static lac_status read_shear(const lac_input *in, lac_stored_cells *out, lac_error *err)
 {
     const lac_domain *domain = out->domain;
+    double *map = NULL;
     lac_status status = LAC_OK;
-    LAC_TRY(new_doubles(domain->n, &out->shear, err));
+    out->shear = calloc(domain->n, sizeof *out->shear);
+    LAC_TRY(out->shear != NULL ? LAC_OK : lac_fail_memory(err));
     if (out->kind == LAC_STORED_HISTORY) {
-        LAC_TRY(check_along_x(in, map, out, err));
-        LAC_TRY(read_map(in, "traction_x", out->index, &domain->grid, map, err));
+        LAC_TRY(check_along_x(in, &map, out, err));
+        LAC_TRY(read_map(in, "traction_x", out->index, &domain->grid, &map, err));
     }
-    for (size_t i = 0; i < domain->n; i++) {
-        out->shear[i] = out->kind == LAC_STORED_HISTORY ? map[domain->index[i]] : 0.0;
+    for (size_t i = 0; map != NULL && i < domain->n; i++) {
+        out->shear[i] = map[domain->index[i]];
     }
 out:
+    free(map);
     return status;
 }
 
@@ -406,9 +390,8 @@ static lac_status read_pressed(const lac_input *in, size_t step, lac_domain **do
     const char *name = has_variable(in, "step_pressure") ? "step_pressure" : "pressure";
     lac_status status;
     LAC_TRY(read_axes(in, &grid, err));
-    LAC_TRY(new_doubles(lac_grid_cells(&grid), &map, err));
-    LAC_TRY(lac_input_must_be(in, name, "Pa", err));
-    LAC_TRY(read_map(in, name, step, &grid, map, err));
+    LAC_TRY(check_unit(in, name, err));
+    LAC_TRY(read_map(in, name, step, &grid, &map, err));
     status = lac_domain_create(&grid, map, domain, err);
     if (status != LAC_OK) {
         status = lac_fail_within(err, status, "%s", in->path);
@@ -421,7 +404,6 @@ out:
 static lac_status read_contact(const lac_input *in, const lac_snapshot_choice *choice,
                                lac_stored_cells *out, lac_error *err)
 {
-    double *map = NULL;
     lac_status status = LAC_OK;
     out->kind = LAC_STORED_CONTACT;
     out->snapshots = 1;
@@ -432,10 +414,8 @@ static lac_status read_contact(const lac_input *in, const lac_snapshot_choice *c
         LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
     }
     LAC_TRY(read_pressed(in, out->index, &out->domain, err));
-    LAC_TRY(new_doubles(lac_grid_cells(&out->domain->grid), &map, err));
-    LAC_TRY(read_shear(in, map, out, err));
+    LAC_TRY(read_shear(in, out, err));
 out:
-    free(map);
     return status;
 }
 

@@ -379,7 +379,7 @@ static lac_status load(lac_column *c, size_t n, size_t stride, const lac_stored_
     for (size_t i = (n - 1) % stride; i < n; i += all ? n : stride) {
         lac_stored_values_clear(&from);
         LAC_TRY(all ? lac_stored_file_values(file, name, &from, err)
-                    : lac_stored_file_row(file, name, i, &from, err));
+                    : lac_stored_file_row(file, name, (ptrdiff_t)i, &from, err));
         if (from.value == NULL || (all && from.n < n)) {
             LAC_TRY(lac_fail(err, LAC_EIO, "%s is missing or shorter than its dimension", name));
         }

@@ -128,12 +128,6 @@ lac_status lac_history_store_finish(lac_history_store *store, const char *status
 /// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
 void lac_history_store_free(lac_history_store *store);
 
-/// Reads one variable over `time` from a run's file, bounded by the file's own dimension.
-/// @param values  [n] allocated here, the caller frees
-/// @return LAC_OK; LAC_EIO (not a Lacuna file, no such variable, damaged); LAC_ENOMEM
-lac_status lac_store_read(const char *path, const char *variable, double **values, size_t *n,
-                          lac_error *err);
-
 /// Reads a global text attribute.
 /// @return LAC_OK; LAC_EIO
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,

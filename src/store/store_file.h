@@ -3,7 +3,16 @@
 #define LACUNA_STORE_STORE_FILE_H
 
 #include "store/recording.h"
-#include "store/store_events.h"
+
+/// Numbers of a variable, missing ones NaN.
+typedef struct lac_stored_values {
+    double *value; ///< [n][width]; owned; NULL: the file has no such variable
+    size_t n;      ///< along its first dimension; 1 where it has none
+    size_t width;  ///< all others multiplied
+} lac_stored_values;
+
+/// Frees the values; nothing read is fine.
+void lac_stored_values_clear(lac_stored_values *values);
 
 /// A file of Lacuna that is read piece by piece: looked through and opened once.
 typedef struct lac_stored_file lac_stored_file;
@@ -59,16 +68,21 @@ lac_status lac_stored_file_values(const lac_stored_file *file, const char *varia
 /// @param row  from 0
 /// @param out  n is 1; cleared by the caller
 /// @return as lac_stored_file_values; LAC_EINPUT (no such row)
-lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err);
 
-/// Any attribute of a variable as text; "" where there is none, or where it is longer than the
-/// room.
-void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+/// A variable over time of a run, of the records that are whole.
+/// @return LAC_OK; LAC_EIO (no such variable, damaged); LAC_ENOMEM
+lac_status lac_stored_file_series(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err);
+
+/// A text attribute of a variable, or with NULL of the file.
+/// @param text  "" where there is none, or where it is longer than the room
+/// @return whether there is one
+bool lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size);
 
-/// An attribute of one number of a variable, or with NULL of the file; NaN where there is none, as
-/// of the variables of a run in memory.
+/// An attribute of one number, the same; NaN where there is none.
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
                               const char *attribute);
 
@@ -76,10 +90,5 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 /// @param index  from 0
 /// @return false past the last one, or where the name is longer than the room for it
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
-
-/// A global attribute as text, as lac_store_read_attribute.
-/// @return LAC_OK; LAC_EIO
-lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
-                                     size_t size, lac_error *err);
 
 #endif

@@ -60,6 +60,7 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
                               lac_stored_values *out, lac_error *err)
 {
     lac_recorded seen;
+    *out = (lac_stored_values){0};
     if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
         return LAC_OK;
     }
@@ -68,42 +69,35 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     if (row >= 0 && (size_t)row >= n) {
         return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
     }
-    const size_t first = row >= 0 ? (size_t)row : 0;
-    *out = (lac_stored_values){.n = row >= 0 ? 1 : n, .width = width};
-    out->value = malloc((out->n * width + 1) * sizeof *out->value);
-    if (out->value == NULL) {
+    const size_t first = row >= 0 ? (size_t)row : 0, rows = row >= 0 ? 1 : n;
+    double *value = malloc((rows * width + 1) * sizeof *value);
+    if (value == NULL) {
         return lac_fail_memory(err);
     }
-    memcpy(out->value, seen.values + first * width, out->n * width * sizeof *out->value);
+    memcpy(value, seen.values + first * width, rows * width * sizeof *value);
+    *out = (lac_stored_values){value, rows, width};
     return LAC_OK;
 }
 
-static lac_status read_values(const lac_stored_file *file, const char *variable, ptrdiff_t row,
-                              lac_stored_values *out, lac_error *err)
+lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
+                               lac_stored_values *out, lac_error *err)
 {
-    *out = (lac_stored_values){0};
-    const lac_status status = file->recording != NULL
-                                  ? copy_values(file->recording, variable, row, out, err)
-                                  : lac_input_values(&file->in, variable, row, out, err);
-    if (status != LAC_OK) {
-        lac_stored_values_clear(out);
-    }
-    return status;
+    return file->recording != NULL ? copy_values(file->recording, variable, row, out, err)
+                                   : lac_input_values(&file->in, variable, row, out, err);
 }
 
 lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
                                   lac_stored_values *out, lac_error *err)
 {
-    return read_values(file, variable, LAC_INPUT_ALL, out, err);
+    return lac_stored_file_row(file, variable, LAC_INPUT_ALL, out, err);
 }
 
-lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, size_t row,
-                               lac_stored_values *out, lac_error *err)
+lac_status lac_stored_file_series(const lac_stored_file *file, const char *variable,
+                                  lac_stored_values *out, lac_error *err)
 {
     *out = (lac_stored_values){0};
-    return row <= PTRDIFF_MAX
-               ? read_values(file, variable, (ptrdiff_t)row, out, err)
-               : lac_fail(err, LAC_EINPUT, "%s: %s has no row %zu", file->path, variable, row);
+    return file->recording != NULL ? copy_values(file->recording, variable, LAC_INPUT_ALL, out, err)
+                                   : lac_input_series(&file->in, variable, out, err);
 }
 
 // An attribute of a recording's variable; NULL where there is none.
@@ -120,21 +114,20 @@ static const char *text_of(const lac_recording *recording, const char *variable,
                                                  : NULL;
 }
 
-void lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
+bool lac_stored_file_text(const lac_stored_file *file, const char *variable, const char *attribute,
                           char *text, size_t size)
 {
-    int id = 0;
+    int id = NC_GLOBAL;
     text[0] = '\0';
     if (file->recording != NULL) {
-        const char *found = text_of(file->recording, variable, attribute);
-        if (found != NULL && strlen(found) < size) {
-            memcpy(text, found, strlen(found) + 1);
-        }
-        return;
+        const char *found = variable != NULL ? text_of(file->recording, variable, attribute)
+                                             : lac_recording_text_of(file->recording, attribute);
+        const bool fits = found != NULL && strlen(found) < size;
+        (void)memcpy(text, fits ? found : "", fits ? strlen(found) + 1 : 1);
+        return fits;
     }
-    if (nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) {
-        lac_netcdf_text(file->in.id, id, attribute, text, size);
-    }
+    return (variable == NULL || nc_inq_varid(file->in.id, variable, &id) == NC_NOERR) &&
+           lac_netcdf_text(file->in.id, id, attribute, text, size);
 }
 
 double lac_stored_file_number(const lac_stored_file *file, const char *variable,
@@ -142,16 +135,14 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 {
     char text[64];
     int id = NC_GLOBAL;
-    double value = NAN;
-    if (variable == NULL) {
-        return lac_stored_file_attribute(file, attribute, text, sizeof text, NULL) == LAC_OK
+    if (file->recording != NULL) {
+        return lac_stored_file_text(file, variable, attribute, text, sizeof text)
                    ? strtod(text, NULL)
                    : NAN;
     }
-    const bool found = file->recording == NULL &&
-                       nc_inq_varid(file->in.id, variable, &id) == NC_NOERR &&
-                       lac_input_number(&file->in, id, attribute, &value);
-    return found ? value : NAN;
+    return variable == NULL || nc_inq_varid(file->in.id, variable, &id) == NC_NOERR
+               ? lac_netcdf_number(file->in.id, id, attribute, NAN)
+               : NAN;
 }
 
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)
@@ -167,19 +158,4 @@ bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *n
     }
     (void)memcpy(name, seen.name, strlen(seen.name) + 1);
     return true;
-}
-
-lac_status lac_stored_file_attribute(const lac_stored_file *file, const char *name, char *text,
-                                     size_t size, lac_error *err)
-{
-    text[0] = '\0';
-    if (file->recording != NULL) {
-        const char *found = lac_recording_text_of(file->recording, name);
-        if (found == NULL || strlen(found) >= size) {
-            return lac_fail(err, LAC_EIO, "no %s", name);
-        }
-        memcpy(text, found, strlen(found) + 1);
-        return LAC_OK;
-    }
-    return lac_input_attribute(&file->in, name, text, size, err);
 }

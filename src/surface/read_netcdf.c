@@ -31,30 +31,23 @@ static lac_status check(const grid_file *file, int code, const char *what, lac_e
     return lac_netcdf_check(file->path, code, what, err);
 }
 
-// A variable that may be the map: two dimensions, numbers.
-static bool is_candidate(const grid_file *file, int var)
-{
-    int dims = 0;
-    nc_type type = NC_NAT;
-    return nc_inq_varndims(file->id, var, &dims) == NC_NOERR && dims == 2 &&
-           nc_inq_vartype(file->id, var, &type) == NC_NOERR && lac_netcdf_is_number(type);
-}
-
 // `heights` or `z` if there is one, else the only variable of two dimensions.
 static lac_status find_variable(grid_file *file, lac_error *err)
 {
     static const char *const preferred[] = {"heights", "z"};
     int vars = 0;
     int found = 0;
+    int dims[2];
     for (size_t i = 0; i < 2; i++) {
         if (nc_inq_varid(file->id, preferred[i], &file->var) == NC_NOERR &&
-            is_candidate(file, file->var)) {
+            lac_netcdf_runs_over(file->id, file->var, 2, file->dim)) {
             return LAC_OK;
         }
     }
     lac_status status = check(file, nc_inq_nvars(file->id, &vars), "the variables", err);
     for (int v = 0; status == LAC_OK && v < vars; v++) {
-        if (is_candidate(file, v)) {
+        if (lac_netcdf_runs_over(file->id, v, 2, dims)) {
+            memcpy(file->dim, dims, sizeof dims);
             file->var = v;
             found++;
         }
@@ -73,7 +66,6 @@ static lac_status find_dimensions(grid_file *file, lac_error *err)
     lac_status status;
     char name[2][NC_MAX_NAME + 1];
     LAC_TRY(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
-    LAC_TRY(check(file, nc_inq_vardimid(file->id, file->var, file->dim), file->name, err));
     for (size_t k = 0; k < 2; k++) {
         LAC_TRY(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
                       file->name, err));
@@ -91,7 +83,7 @@ static void take_unit(const grid_file *file, int var, char *unit, size_t size)
 {
     static const char *const names[] = {"units", "unit", "length_unit"};
     for (size_t i = 0; i < sizeof names / sizeof names[0] && unit[0] == '\0'; i++) {
-        lac_netcdf_text(file->id, var, names[i], unit, size);
+        (void)lac_netcdf_text(file->id, var, names[i], unit, size);
     }
 }
 
@@ -103,14 +95,9 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
     char name[NC_MAX_NAME + 1] = "";
     double *x = NULL;
     int var = -1;
-    int dims = 0;
-    int dim = -1;
     size_t n = file->length[k];
     *spacing = (double)NAN;
-    LAC_TRY(check(file, nc_inq_dimname(file->id, file->dim[k], name), "a dimension", err));
-    if (n < 2 || nc_inq_varid(file->id, name, &var) != NC_NOERR ||
-        nc_inq_varndims(file->id, var, &dims) != NC_NOERR || dims != 1 ||
-        nc_inq_vardimid(file->id, var, &dim) != NC_NOERR || dim != file->dim[k]) {
+    if (n < 2 || !lac_netcdf_axis(file->id, file->dim[k], name, &var)) {
         goto out;
     }
     x = malloc(n * sizeof *x);

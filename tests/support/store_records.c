@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "store/store_file.h"
+
 lac_record record_of(size_t i)
 {
     double x = (double)i;
@@ -88,11 +90,26 @@ static const struct {
     {"rhs_evaluations", v_rhs},
 };
 
+lac_status read_over_time(const char *path, const char *variable, double **values, size_t *n,
+                          lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_stored_values read = {0};
+    lac_status status;
+    LAC_TRY(lac_stored_file_open(path, &file, err));
+    LAC_TRY(lac_stored_file_series(file, variable, &read, err));
+out:
+    lac_stored_file_close(file);
+    *values = read.value;
+    *n = read.n;
+    return status;
+}
+
 lac_status check_records(const char *path, size_t *n, lac_error *err)
 {
     for (size_t v = 0; v < sizeof variables / sizeof variables[0]; v++) {
         double *values = NULL;
-        lac_status status = lac_store_read(path, variables[v].name, &values, n, err);
+        lac_status status = read_over_time(path, variables[v].name, &values, n, err);
         if (status != LAC_OK) {
             return status;
         }

@@ -7,6 +7,7 @@
 
 #include "lacuna/simulation.h"
 #include "report/report.h"
+#include "store/store.h"
 #include "store/store_file.h"
 #include "support/test.h"
 
@@ -88,10 +89,10 @@ static void test_read_as_a_file(void **state)
     assert_true(values.value == NULL && values.n == 0); // none yet
     assert_int_equal(lac_stored_file_values(file, "no_such", &values, NULL), LAC_OK);
     assert_null(values.value);
-    assert_int_equal(lac_stored_file_attribute(file, "title", text, sizeof text, &err), LAC_OK);
+    assert_true(lac_stored_file_text(file, NULL, "title", text, sizeof text));
     assert_string_equal(text, "A joint");
-    assert_int_equal(lac_stored_file_attribute(file, "title", text, 7, &err), LAC_EIO); // no room
-    assert_int_equal(lac_stored_file_attribute(file, "case", text, sizeof text, &err), LAC_EIO);
+    assert_false(lac_stored_file_text(file, NULL, "title", text, 7)); // no room
+    assert_false(lac_stored_file_text(file, NULL, "case", text, sizeof text));
     lac_stored_file_close(file);
     lac_recording_free(recording);
 }
@@ -107,15 +108,15 @@ static void test_variables_as_of_a_file(void **state)
     size_t count = 0;
     put_records(recording, 0, 1, 0);
     assert_int_equal(lac_stored_file_of(recording, &file, NULL), LAC_OK);
-    lac_stored_file_text(file, "slip_rate", "units", text, sizeof text);
+    (void)lac_stored_file_text(file, "slip_rate", "units", text, sizeof text);
     assert_string_equal(text, "m s-1");
-    lac_stored_file_text(file, "slip_rate", "units", text, 5);
+    (void)lac_stored_file_text(file, "slip_rate", "units", text, 5);
     assert_string_equal(text, ""); // no room
-    lac_stored_file_text(file, "x", "long_name", text, sizeof text);
+    (void)lac_stored_file_text(file, "x", "long_name", text, sizeof text);
     assert_string_equal(text, "position of the cell's centre along x");
-    lac_stored_file_text(file, "slip_rate", "case_key", text, sizeof text);
+    (void)lac_stored_file_text(file, "slip_rate", "case_key", text, sizeof text);
     assert_string_equal(text, "");
-    lac_stored_file_text(file, "no_such", "units", text, sizeof text);
+    (void)lac_stored_file_text(file, "no_such", "units", text, sizeof text);
     assert_string_equal(text, "");
     assert_true(isnan(lac_stored_file_number(file, "slip_rate", "best_fit")));
     for (; lac_stored_file_variable(file, count, text, sizeof text); count++) {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "simulation/simulation.h"
+#include "support/store_records.h"
 #include "support/test.h"
 
 #define BLOCK LACUNA_SOURCE_DIR "/cases/block.yaml"
@@ -182,7 +183,7 @@ static void test_file(void **state)
         size_t n = 0;
         if (dim != NULL && strcmp(dim, "time") == 0 &&
             lac_dataset_dim(recording, name, 1, NULL) == NULL &&
-            lac_store_read(path, name, &values, &n, NULL) == LAC_OK) {
+            read_over_time(path, name, &values, &n, NULL) == LAC_OK) {
             assert_int_equal(n, lac_dataset_count(recording, name));
             for (size_t k = 0; k < n; k++) {
                 assert_true(values[k] == kept[k] || (isnan(values[k]) && isnan(kept[k])));

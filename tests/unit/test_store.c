@@ -219,7 +219,7 @@ static void bad_paths_are_refused(void **state)
         assert_non_null(strstr(err.message, cases[i].says));
         double *values = NULL;
         size_t n = 0;
-        assert_int_equal(lac_store_read(cases[i].path, "slip", &values, &n, &err), LAC_EIO);
+        assert_int_equal(read_over_time(cases[i].path, "slip", &values, &n, &err), LAC_EIO);
         assert_null(values);
     }
     struct stat info;
@@ -443,18 +443,18 @@ static void other_files_are_refused(void **state)
     size_t n = 0;
     lac_error err = {{0}};
     const char *text = scratch_write(&folder, "text.nc", "time,slip\n", 10);
-    assert_int_equal(lac_store_read(text, "slip", &values, &n, &err), LAC_EIO);
+    assert_int_equal(read_over_time(text, "slip", &values, &n, &err), LAC_EIO);
     const char *empty = scratch_write(&folder, "empty.nc", "", 0);
-    assert_int_equal(lac_store_read(empty, "slip", &values, &n, &err), LAC_EIO);
+    assert_int_equal(read_over_time(empty, "slip", &values, &n, &err), LAC_EIO);
     const char *other = scratch_path(&folder, "other.nc");
     int id = 0;
     assert_int_equal(nc_create(other, NC_NETCDF4, &id), NC_NOERR);
     assert_int_equal(nc_close(id), NC_NOERR);
-    assert_int_equal(lac_store_read(other, "slip", &values, &n, &err), LAC_EIO);
+    assert_int_equal(read_over_time(other, "slip", &values, &n, &err), LAC_EIO);
     assert_non_null(strstr(err.message, "not a file of Lacuna"));
     lac_store_def def = store_def(scratch_path(&folder, "mine.nc"));
     lac_store_free(create(&def));
-    assert_int_equal(lac_store_read(def.path, "slop", &values, &n, &err), LAC_EIO);
+    assert_int_equal(read_over_time(def.path, "slop", &values, &n, &err), LAC_EIO);
     assert_non_null(strstr(err.message, "no variable slop"));
     assert_null(values);
 }

@@ -16,7 +16,6 @@
 #include "data/dataset.h"
 #include "fit/foresee.h"
 #include "store/store.h"
-#include "store/store_events.h"
 #include "store/store_file.h"
 
 enum { EVENT_TIME, EVENT_DURATION, EVENT_MOMENT, TIME, N_SLIP, N_TOT, LENGTH, CRITICAL, VALUES };

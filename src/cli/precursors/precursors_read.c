@@ -8,33 +8,17 @@
 #include "base/date.h"
 #include "cli/precursors/precursors.h"
 #include "store/store.h"
+#include "store/store_file.h"
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };
 static const double week = 604800.0;
 
-// A date attribute of a run's file, where it has one.
-static bool read_date(const char *path, const char *name, double *seconds)
-{
-    char text[64];
-    return lac_store_read_attribute(path, name, text, sizeof text, NULL) == LAC_OK &&
-           lac_date_parse(text, seconds);
-}
-
-static double read_number(const char *path, const char *name)
-{
-    char text[64];
-    return lac_store_read_attribute(path, name, text, sizeof text, NULL) == LAC_OK
-               ? strtod(text, NULL)
-               : NAN;
-}
-
 static bool is_run(const cli_request *request)
 {
-    const char *path = request->argument[0];
     char text[32];
     return request->series.displacement == NULL && request->series.velocity == NULL &&
-           lac_store_read_attribute(path, "lacuna_format_version", text, sizeof text, NULL) ==
-               LAC_OK;
+           lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
+                                    sizeof text, NULL) == LAC_OK;
 }
 
 // Records whose time a double tells apart from the one before.
@@ -53,15 +37,24 @@ static size_t keep_increasing(cli_watched *w, size_t n)
 
 static lac_status read_run(cli_watched *w, lac_error *err)
 {
+    static const char *const names[] = {"time", "slip", "slip_rate"};
+    double **const to[] = {&w->time, &w->displacement, &w->velocity};
+    lac_stored_file *file = NULL;
+    lac_stored_values read;
+    char text[64];
     size_t n = 0;
     double start = 0.0;
     lac_status status;
-    LAC_TRY(lac_store_read(w->path, "time", &w->time, &n, err));
-    LAC_TRY(lac_store_read(w->path, "slip", &w->displacement, &n, err));
-    LAC_TRY(lac_store_read(w->path, "slip_rate", &w->velocity, &n, err));
-    w->dated = read_date(w->path, "time_coverage_start", &start);
+    LAC_TRY(lac_stored_file_open(w->path, &file, err));
+    for (size_t i = 0; i < 3; i++) {
+        LAC_TRY(lac_stored_file_series(file, names[i], &read, err));
+        *to[i] = read.value;
+        n = read.n;
+    }
+    w->dated = lac_stored_file_text(file, NULL, "time_coverage_start", text, sizeof text) &&
+               lac_date_parse(text, &start);
     w->start = start;
-    w->failed_at = read_number(w->path, "failure_time_s") + start;
+    w->failed_at = lac_stored_file_number(file, NULL, "failure_time_s") + start;
     for (size_t i = 0; i < n; i++) {
         w->time[i] += start;
     }
@@ -70,6 +63,7 @@ static lac_status read_run(cli_watched *w, lac_error *err)
                                  .displacement = w->displacement,
                                  .velocity = w->velocity};
 out:
+    lac_stored_file_close(file);
     return status;
 }
 

@@ -11,23 +11,30 @@
 
 enum { FEW_READINGS = 30 };
 
+lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path)
+{
+    return (lac_series_def){.path = path,
+                            .time = def->time,
+                            .displacement = def->displacement,
+                            .displacement_unit = def->displacement_unit,
+                            .velocity = def->velocity,
+                            .velocity_unit = def->velocity_unit};
+}
+
+// A series on the run's clock: seconds as written count from the start of the run.
 static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, lac_series **out,
                            lac_error *err)
 {
-    const lac_compare_def *def = &c->compare[i];
-    lac_series_def series = {
-        .path = def->path,
-        .time = def->time,
-        .displacement = def->displacement,
-        .displacement_unit = def->displacement_unit,
-        .velocity = def->velocity,
-        .velocity_unit = def->velocity_unit,
-    };
-    lac_status status = lac_series_read(&series, units, out, err);
+    const char *path = c->compare[i].path;
+    const lac_series_def def = cli_compare_columns(&c->compare[i], path);
+    const lac_status status = lac_series_read(&def, units, out, err);
     if (status == LAC_OK && (*out)->dated && !c->dated) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: has dates, so time.start of %s must be a date to compare", def->path,
-                          c->path);
+        return lac_fail(err, LAC_EINPUT,
+                        "%s: has dates, so time.start of %s must be a date to compare", path,
+                        c->path);
+    }
+    for (size_t k = 0; status == LAC_OK && k < (*out)->n; k++) {
+        (*out)->time[k] += c->dated && !(*out)->dated ? c->start_date : 0;
     }
     return status;
 }
@@ -70,31 +77,9 @@ static const char *name_of(const lac_compare_def *def)
     return def->label != NULL ? def->label : def->path;
 }
 
-// The series' readings on the run's clock: seconds as written count from the start of the run.
-static double reading_time(const cli_compare *compare, size_t i, size_t k)
-{
-    const lac_series *series = compare->series[i];
-    bool from_start = !series->dated && compare->source->dated;
-    return series->time[k] + (from_start ? compare->source->start_date : 0);
-}
-
 static cli_text format_time(const cli_compare *compare, double t)
 {
     return compare->source->dated ? cli_date(t) : cli_exact(t, "s");
-}
-
-// The series with its times on the run's clock; nothing else is copied.
-static lac_series *on_run_clock(const cli_compare *compare, size_t i, lac_series *view)
-{
-    *view = *compare->series[i];
-    view->time = malloc((view->n > 0 ? view->n : 1) * sizeof *view->time);
-    if (view->time == NULL) {
-        return NULL;
-    }
-    for (size_t k = 0; k < view->n; k++) {
-        view->time[k] = reading_time(compare, i, k);
-    }
-    return view;
 }
 
 // A line a reading: when, observed, modelled, their ratio.
@@ -156,21 +141,16 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
 
 static void print_one(const cli_compare *compare, size_t i, const lac_history *run)
 {
-    lac_series view;
+    const lac_series *series = compare->series[i];
     lac_misfit misfit = {0};
-    if (on_run_clock(compare, i, &view) == NULL) {
-        cli_row("  misfit", "none: out of memory");
-        return;
-    }
-    lac_series_compare(&view, run, &misfit);
+    lac_series_compare(series, run, &misfit);
     printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
            compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
-    print_readings(compare, &view, run, &misfit);
-    print_misfit(&view, &misfit);
-    if (view.attribution != NULL && view.attribution[0] != '\0') {
-        cli_wrap("    ", view.attribution);
+    print_readings(compare, series, run, &misfit);
+    print_misfit(series, &misfit);
+    if (series->attribution != NULL && series->attribution[0] != '\0') {
+        cli_wrap("    ", series->attribution);
     }
-    free(view.time);
 }
 
 void cli_compare_print(const cli_compare *compare, const lac_history *run)
@@ -221,23 +201,19 @@ static void write_misfit(lac_json *json, const lac_misfit *misfit)
 static void write_one(lac_json *json, const cli_compare *compare, size_t i, const lac_history *run)
 {
     const lac_compare_def *def = &compare->source->compare[i];
-    lac_series view;
+    const lac_series *series = compare->series[i];
     lac_misfit misfit = {0};
-    if (on_run_clock(compare, i, &view) == NULL) {
-        return;
-    }
-    lac_series_compare(&view, run, &misfit);
+    lac_series_compare(series, run, &misfit);
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "label", name_of(def));
     lac_json_text(json, "path", def->path);
     write_misfit(json, &misfit);
-    lac_json_integer(json, "missing", (int64_t)view.missing);
-    lac_json_integer(json, "duplicates", (int64_t)view.duplicates);
-    cli_series_warnings(json, &view);
-    write_readings(json, compare, &view, run);
-    lac_json_text(json, "attribution", view.attribution);
+    lac_json_integer(json, "missing", (int64_t)series->missing);
+    lac_json_integer(json, "duplicates", (int64_t)series->duplicates);
+    cli_series_warnings(json, series);
+    write_readings(json, compare, series, run);
+    lac_json_text(json, "attribution", series->attribution);
     lac_json_close(json, '}');
-    free(view.time);
 }
 
 void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)

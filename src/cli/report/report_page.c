@@ -10,6 +10,7 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
+#include "cli/report/compare.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
@@ -79,11 +80,7 @@ static lac_status read_series(const cli_request *request, lac_series **out, lac_
     lac_units *units = NULL;
     lac_status status = lac_units_create(&units, err);
     if (known != NULL) {
-        def = (lac_series_def){.time = known->time,
-                               .displacement = known->displacement,
-                               .displacement_unit = known->displacement_unit,
-                               .velocity = known->velocity,
-                               .velocity_unit = known->velocity_unit};
+        def = cli_compare_columns(known, request->compare);
     }
     if (status == LAC_OK) {
         status = cli_series_read(request, &def, request->compare, units, out, err);
@@ -129,31 +126,26 @@ out:
     return status;
 }
 
-static bool has_values(const lac_stored_file *file, const char *name)
-{
-    lac_stored_values values = {0};
-    const bool there =
-        lac_stored_file_values(file, name, &values, NULL) == LAC_OK && values.value != NULL;
-    lac_stored_values_clear(&values);
-    return there;
-}
-
 // A fit or forecasts given in place of a run: what was meant.
 static lac_status check_run(const char *path, lac_error *err)
 {
     lac_stored_file *file = NULL;
+    const char *readings = NULL, *issues = NULL;
     lac_status status = LAC_OK;
-    if (lac_stored_file_open(path, &file, NULL) == LAC_OK && has_values(file, "reading_time")) {
-        status =
-            has_values(file, "issue_time")
-                ? lac_fail(err, LAC_EINPUT,
-                           "%s: holds forecasts, not a run: tools/plot/plot_precursors.py draws "
-                           "them; report shows a run, and forecasts of what is laid beside it",
-                           path)
-                : lac_fail(err, LAC_EINPUT,
-                           "%s: is the file of a fit: run the case beside it and lay the fit "
-                           "on that: lacuna report RUN.nc --fit %s",
-                           path, path);
+    if (lac_stored_file_open(path, &file, NULL) == LAC_OK) {
+        (void)find_column(file, "reading_time", &readings, NULL);
+        (void)find_column(file, "issue_time", &issues, NULL);
+    }
+    if (readings != NULL && issues != NULL) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: holds forecasts, not a run: tools/plot/plot_precursors.py draws "
+                          "them; report shows a run, and forecasts of what is laid beside it",
+                          path);
+    } else if (readings != NULL) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%s: is the file of a fit: run the case beside it and lay the fit "
+                          "on that: lacuna report RUN.nc --fit %s",
+                          path, path);
     }
     lac_stored_file_close(file);
     return status;

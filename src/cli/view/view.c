@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -51,13 +52,13 @@ typedef struct standing {
 } standing;
 
 struct cli_view {
+    atomic_size_t pages; // that have not been sent the last data
     pthread_mutex_t lock;
     // Under the lock:
     lac_recording *coming; // what the run has put out since the server looked
     bool fresh;            // there is some of it
     page_data from_file;   // once the run has ended
     standing is;
-    size_t pages; // that have not been sent the last data
     // The server's thread alone; after it, whoever frees:
     lac_recording *taken, *whole; // what it has just taken, all of it
     page_data newest, with;       // with forecasts, where the newest are without
@@ -210,17 +211,7 @@ static char *answer(void *context, uint64_t since, bool *last)
 static void note_waiting(void *context, size_t pages)
 {
     cli_view *view = context;
-    (void)pthread_mutex_lock(&view->lock);
-    view->pages = pages;
-    (void)pthread_mutex_unlock(&view->lock);
-}
-
-static size_t waiting(cli_view *view)
-{
-    (void)pthread_mutex_lock(&view->lock);
-    const size_t pages = view->pages;
-    (void)pthread_mutex_unlock(&view->lock);
-    return pages;
+    atomic_store(&view->pages, pages);
 }
 
 lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *err)
@@ -301,56 +292,36 @@ static void note_kept(cli_view *view, lac_status status)
     (void)pthread_mutex_unlock(&view->lock);
 }
 
-static lac_status on_record(void *context, const lac_record *seen, lac_error *err)
-{
-    cli_view *view = context;
-    const lac_status status = view->next.record(view->next.context, seen, err);
-    if (status == LAC_OK) {
-        (void)pthread_mutex_lock(&view->lock);
-        note_kept(view, view->into.record(view->into.context, seen, NULL));
+// What is passed on and, where that was well, kept.
+#define SHOWN(what, type)                                                         \
+    static lac_status on_##what(void *context, const type *seen, lac_error *err)  \
+    {                                                                             \
+        cli_view *view = context;                                                 \
+        const lac_status status = view->next.what(view->next.context, seen, err); \
+        if (status == LAC_OK) {                                                   \
+            (void)pthread_mutex_lock(&view->lock);                                \
+            note_kept(view, view->into.what(view->into.context, seen, NULL));     \
+        }                                                                         \
+        return status;                                                            \
     }
-    return status;
-}
+SHOWN(record, lac_record)
+SHOWN(snapshot, lac_snapshot)
+SHOWN(event, lac_event)
 
-static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    cli_view *view = context;
-    const lac_status status = view->next.snapshot(view->next.context, snapshot, err);
-    if (status == LAC_OK) {
-        (void)pthread_mutex_lock(&view->lock);
-        note_kept(view, view->into.snapshot(view->into.context, snapshot, NULL));
+// What is passed on alone; the page is no part of what a checkpoint keeps.
+#define PASSED(what, type)                                                         \
+    static lac_status on_##what(void *context, const type *values, lac_error *err) \
+    {                                                                              \
+        const cli_view *view = context;                                            \
+        return view->next.what(view->next.context, values, err);                   \
     }
-    return status;
-}
+PASSED(checkpoint, lac_checkpoint)
+PASSED(once, double)
 
-static lac_status on_event(void *context, const lac_event *event, lac_error *err)
-{
-    cli_view *view = context;
-    const lac_status status = view->next.event(view->next.context, event, err);
-    if (status == LAC_OK) {
-        (void)pthread_mutex_lock(&view->lock);
-        note_kept(view, view->into.event(view->into.context, event, NULL));
-    }
-    return status;
-}
-
-// The page is no part of what a checkpoint keeps.
 static void on_keep(void *context, lac_tape *tape)
 {
-    cli_view *view = context;
+    const cli_view *view = context;
     view->next.keep(view->next.context, tape);
-}
-
-static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
-{
-    cli_view *view = context;
-    return view->next.checkpoint(view->next.context, checkpoint, err);
-}
-
-static lac_status on_once(void *context, const double *values, lac_error *err)
-{
-    cli_view *view = context;
-    return view->next.once(view->next.context, values, err);
 }
 
 lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
@@ -399,7 +370,7 @@ static void linger(cli_view *view, bool stay)
 {
     const struct timespec look_again = {.tv_nsec = 50000000};
     const double end = cli_clock() + last_wait;
-    while (stay ? !cli_signals_stop() : waiting(view) > 0 && cli_clock() < end) {
+    while (stay ? !cli_signals_stop() : atomic_load(&view->pages) > 0 && cli_clock() < end) {
         (void)nanosleep(&look_again, NULL);
     }
 }
@@ -413,7 +384,8 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
     const char *state = failed ? "failure" : status;
     page_data data = {0};
     view->ended = true;
-    if (view->path != NULL && (stay || waiting(view) > 0)) { // at once, then with all forecasts
+    if (view->path != NULL &&
+        (stay || atomic_load(&view->pages) > 0)) { // at once, then with all forecasts
         data = make_data(view, NULL, NO_FORECASTS);
         if (data.json != NULL) {
             say_end(view, state, message, data, false);

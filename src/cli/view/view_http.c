@@ -24,15 +24,19 @@
 enum { GUESTS = 32, ROOM = 2 * GUESTS, IDLE = 10, NONCE = 16 };
 
 // The library is loaded for --view alone: linked, it would cost every run its start-up.
+#define FUNCTIONS(X)                            \
+    X(start, start_daemon)                      \
+    X(stop, stop_daemon)                        \
+    X(from_buffer, create_response_from_buffer) \
+    X(add_header, add_response_header)          \
+    X(queue, queue_response)                    \
+    X(destroy, destroy_response)                \
+    X(lookup, lookup_connection_value)          \
+    X(info, get_connection_info)
+
 typedef struct functions {
-    __typeof__(MHD_start_daemon) *start;
-    __typeof__(MHD_stop_daemon) *stop;
-    __typeof__(MHD_create_response_from_buffer) *from_buffer;
-    __typeof__(MHD_add_response_header) *add_header;
-    __typeof__(MHD_queue_response) *queue;
-    __typeof__(MHD_destroy_response) *destroy;
-    __typeof__(MHD_lookup_connection_value) *lookup;
-    __typeof__(MHD_get_connection_info) *info;
+#define MEMBER(name, function) __typeof__(MHD_##function) *(name);
+    FUNCTIONS(MEMBER)
 } functions;
 
 // One connection.
@@ -62,15 +66,8 @@ static lac_status load(cli_http *http, lac_error *err)
         const char *name;
         size_t offset;
     } wanted[] = {
-        {"MHD_start_daemon", offsetof(functions, start)},
-        {"MHD_stop_daemon", offsetof(functions, stop)},
-        {"MHD_create_response_from_buffer", offsetof(functions, from_buffer)},
-        {"MHD_add_response_header", offsetof(functions, add_header)},
-        {"MHD_queue_response", offsetof(functions, queue)},
-        {"MHD_destroy_response", offsetof(functions, destroy)},
-        {"MHD_lookup_connection_value", offsetof(functions, lookup)},
-        {"MHD_get_connection_info", offsetof(functions, info)},
-    };
+#define WANTED(name, function) {"MHD_" #function, offsetof(functions, name)},
+        FUNCTIONS(WANTED)};
     http->library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
     for (size_t i = 0; http->library != NULL && i < sizeof wanted / sizeof *wanted; i++) {
         void *found = dlsym(http->library, wanted[i].name);
