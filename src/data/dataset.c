@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "base/date.h"
-#include "data/describe.h"
 
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err)
 {

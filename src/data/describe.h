@@ -47,8 +47,4 @@
         .json = (path), .dims = (dims_), .value = (getter) \
     }
 
-/// What a function that describes ends with: frees what it made of a dataset where it failed.
-/// @return status, unchanged
-lac_status lac_dataset_described(lac_dataset **dataset, lac_status status);
-
 #endif
